@@ -12,6 +12,7 @@ READY_FOR_CHECKS := .venv/checks
 run: $(READY)
 	$(READY) run fm-11x41 -o results/fm-11x41.nc --plots results
 	$(READY) show results/fm-11x41.nc
+	$(READY) report results/fm-11x41.nc -o results/fm-11x41.html
 
 # What is quick and touches every module. Examples that are drawn at random are drawn alike each time.
 test: $(READY_FOR_TESTS)

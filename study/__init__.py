@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from .load_cases.load_case_analysis import analyze_load_cases
     from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
+    from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
-    from .report.plausibility import plausibility
+    from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
     from .vh.vh_picture import write_vh_picture
@@ -54,6 +55,7 @@ __all__ = [
     "wear",
     "write_load_case_pictures",
     "write_pictures",
+    "write_report",
     "write_vh_picture",
 ]
 
@@ -71,7 +73,7 @@ _MODULES = {
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
-    "plausibility": ".report.plausibility",
+    "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
@@ -79,6 +81,7 @@ _MODULES = {
     "wear": ".flank_wear.wear_simulation",
     "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
+    "write_report": ".report.contact_report.report_file",
     "write_vh_picture": ".vh.vh_picture",
 }
 

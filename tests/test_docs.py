@@ -54,6 +54,7 @@ WITH_CODE = (
     "load_cases",
     "deflections",
     "half_space",
+    "report",
     "supports",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each

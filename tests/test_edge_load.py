@@ -9,7 +9,7 @@ import xarray as xr
 
 import easeoff
 from easeoff.study import result_summary
-from easeoff.study.report.edge_load import EDGE_SHARE_LIMIT, edge_notes
+from easeoff.study.report.notes.edge_load import EDGE_SHARE_LIMIT, edge_notes
 
 
 @cache

@@ -38,7 +38,7 @@ from easeoff.study.cli import main
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_maps import draw as draw_maps
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report.ranges import INPUTS, range_notes
+from easeoff.study.report.notes.ranges import INPUTS, range_notes
 
 CONTACT = ContactTable(
     torques=(100.0, 500.0), mesh_positions=4, segments_per_line=15, lengthwise_nodes=21, profile_nodes=15

@@ -17,7 +17,7 @@ from easeoff.geometry import Modification
 from easeoff.study import plausibility, result_summary
 from easeoff.study.cli import main
 from easeoff.study.plot.page import small_print
-from easeoff.study.report.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT
+from easeoff.study.report.notes.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 

@@ -1,4 +1,4 @@
-"""Commands that show and plot results."""
+"""Commands that show, plot and report results."""
 
 from __future__ import annotations
 
@@ -67,6 +67,34 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
     tree = read_result(result)
     check_folder(folder, "pictures")
     draw(tree, folder, marking=marking)
+
+
+@click.command(cls=Command)
+@click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="HTML file to write."
+)
+def report(results: tuple[Path, ...], output: Path) -> None:
+    """Write the report of one or several RESULTs as one HTML file.
+
+    RESULT is a file of 'easeoff run'; several, such as drive and coast or before and after a change, stand side by side
+    under the names of their files. The report holds case, numbers, charts, pictures of the flanks that answer the
+    pointer, and teeth in three dimensions. It opens in any browser without a network, which also prints it.
+    """
+    from ...core.errors import InputError
+    from ...core.writing.output_file import check_writable
+    from ..report.contact_report.report_file import write_report
+    from ..result import read_result
+
+    check_writable(output, *results, suffix=".html")
+    names = [path.stem for path in results]
+    if len(set(names)) < len(names):
+        names = [str(path.with_suffix("")) for path in results]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
+    write_report(dict(zip(names, map(read_result, results), strict=True)), output)
+    echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
 
 
 def _sweep(path: Path) -> xr.Dataset | None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...friction.operation import named_models
-from ..report.ranges import range_notes
+from ..report.notes.ranges import range_notes
 from .friction_maps import chosen_condition, roughness_name
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, page, plain_axes
 from .transmission_error_chart import two_cycles

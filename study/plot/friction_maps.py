@@ -21,7 +21,7 @@ from ...contact.lines.contact_lines import boundary_distance
 from ...friction import FrictionModel
 from ...friction.operation import named_models
 from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
-from ..report.ranges import range_notes
+from ..report.notes.ranges import range_notes
 from .contour_labels import (
     drop_short,
     number_lines,

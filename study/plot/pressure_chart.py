@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
-from ..report.edge_load import edge_notes
-from ..report.pressure_jumps import jump_notes
+from ..report.notes.edge_load import edge_notes
+from ..report.notes.pressure_jumps import jump_notes
 from .page import (
     BODY_SIZE,
     GREY,

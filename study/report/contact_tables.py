@@ -85,7 +85,7 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
         row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair", missing="-"),
     ]
     if "max_pressure_line_end" in numbers:
-        ends = [_end_name(value) for value in numbers["max_pressure_line_end"].values]
+        ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(("  inside, or where its line ends", ends))
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
@@ -96,7 +96,7 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
     return [(name, texts) for name, texts in rows if texts]
 
 
-def _end_name(value: int) -> str:
+def end_name(value: int) -> str:
     """Where the contact line of the greatest pressure ends, as text."""
     end = LineEnd(int(value))
     return "-" if end == LineEnd.UNKNOWN else end.name.lower().replace("_", " ")

@@ -14,12 +14,12 @@ from ...friction.operation import named_models
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
 from .departures import deviations, modification
-from .edge_load import edge_notes
 from .key_numbers import key_numbers
 from .model_name import model_name
-from .plausibility import plausibility
-from .pressure_jumps import jump_notes
-from .ranges import range_notes
+from .notes.edge_load import edge_notes
+from .notes.plausibility import plausibility
+from .notes.pressure_jumps import jump_notes
+from .notes.ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
@@ -155,9 +155,9 @@ def _failures(status: Any) -> list[tuple[int, str]]:
     return [(bad.size, f"({', '.join(names)}); their values are NaN")] if bad.size else []
 
 
-def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
-    """Table of the pair, its misalignment and the models."""
-    attrs = tree.attrs
+def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
+    """Pair, misalignment, departures from the design and models: names and words."""
+    attrs, numbers = tree.attrs, key_numbers(tree)
     sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
     errors = [
         ("E", attrs["misalignment_offset_mm"], "mm"),
@@ -181,10 +181,10 @@ def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
         ("model", model_name(attrs)),
         ("solver", solver),
     ]
-    return aligned([(name, words) for name, words in head if words])
+    return [(name, words) for name, words in head if words]
 
 
-def _notes(tree: xr.DataTree) -> list[str]:
+def result_notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *doubts(tree)]
     # Older results lack the attribute.
@@ -220,7 +220,7 @@ def result_summary(tree: xr.DataTree) -> str:
     """
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", _head(tree, numbers), ""]
+    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
     if table := deflection_table(tree):
         parts += ["Misalignment over the torque", "", table, ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
@@ -232,5 +232,5 @@ def result_summary(tree: xr.DataTree) -> str:
         parts += ["", name, "", efficiencies(friction)]
         if temperatures := contact_temperatures(friction):
             parts += ["", "Contact temperature", "", temperatures]
-    notes = _notes(tree)
+    notes = result_notes(tree)
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])

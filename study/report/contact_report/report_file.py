@@ -1,0 +1,189 @@
+"""The report of one or several results as one HTML file that needs no network."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ....core.errors import InputError
+from ....core.printable import printable
+from ....core.writing.output_file import whole_file
+from ....friction.operation import named_models
+from ..result_summary import head_rows, result_notes
+from .report_tables import case_tables, efficiency_rows, loaded_numbers, misalignment_rows, unloaded_numbers
+from .stored_case import stored_case
+
+RESULT_COUNT_LIMIT = 6  # in one report
+TORQUE_COUNT, SPEED_COUNT = 12, 9  # with pictures of the flanks, of all results together
+TORQUE_LIMIT, SPEED_LIMIT = 6, 3  # with pictures of the flanks, of each result
+PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
+
+#: Nothing may be loaded from anywhere.
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+
+
+def write_report(
+    results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTree], path: str | os.PathLike[str]
+) -> None:
+    """Write the report of one or several results: tables, charts, flank pictures and turnable teeth in one HTML file.
+
+    Parameters
+    ----------
+    results
+        One or up to six results of ``analyze`` or ``read_result``; by the name that the report gives them, or in a
+        sequence, of which the report takes flank or title. One of load cases counts as the results of all of them.
+    path
+        File to write, replaced if it exists; missing folders are made.
+
+    Raises
+    ------
+    InputError
+        If there is no result or too many, one is none of ``analyze``, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     write_report(tree, f"{folder}/report.html")
+    ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    True
+    """
+    text = report_page(_named(results))
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _named(results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
+    """Results by name, with those of load cases in the place of the result that holds them."""
+    given = _by_name([results] if isinstance(results, xr.DataTree) else results)
+    named: dict[str, xr.DataTree] = {}
+    for name, tree in given.items():
+        if "load_cases" not in tree.children:
+            named[printable(name)] = tree
+        elif "results" in tree.children:
+            cases = tree.children["results"].children.items()
+            named |= {printable(case if len(given) == 1 else f"{name}, {case}"): result for case, result in cases}
+    if not 1 <= len(named) <= RESULT_COUNT_LIMIT:
+        raise InputError(
+            f"results = {len(named)} results, load cases counted: must be 1 to {RESULT_COUNT_LIMIT} for one report"
+        )
+    for name, tree in named.items():
+        if "loaded" not in tree.children:
+            raise InputError(f"{name}: must be a result of 'easeoff run'")
+    return named
+
+
+def _by_name(results: Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
+    """Results by name: the given one, else by flank or title, with a number where these are alike."""
+    if isinstance(results, Mapping):
+        return dict(results)
+    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
+    names = flanks if len(set(titles)) == 1 else titles
+    if len(set(names)) < len(names):
+        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
+    return dict(zip(names, results, strict=True))
+
+
+def report_page(results: Mapping[str, xr.DataTree]) -> str:
+    """Text of the page with results by name."""
+    from ....core.compiled.compiled_use import without_compiled_code
+    from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
+
+    with default_style(), without_compiled_code():  # a page needs too little of that code to load it for
+        data: dict[str, Any] = {"results": [_content(name, tree, len(results)) for name, tree in results.items()]}
+    title = " · ".join(dict.fromkeys(str(tree.attrs.get("title", "")) for tree in results.values()))
+    version = next(iter(results.values())).attrs.get("easeoff_version", "")
+    data |= {"title": printable(title), "version": printable(str(version))}
+    # "<" would end the element that holds the data, or open a comment.
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    folder = resources.files(__package__)
+    style = folder.joinpath("page.css").read_text(encoding="utf-8")
+    script = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in PARTS)
+    heading = html.escape(f"Contact report: {data['title']}")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{heading}</title>\n'
+        f"<style>\n{style}</style></head>\n<body><noscript>This report draws its tables and pictures by JavaScript, "
+        f"which is switched off here.</noscript>\n"
+        f'<script type="application/json" id="data">{text}</script>\n<script>\n"use strict";\n{script}</script>\n'
+        f"</body></html>\n"
+    )
+
+
+def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
+    """Everything that the page shows of one result."""
+    from ...plot.page import evenly_chosen
+    from ...plot.tooth_view import tooth_view
+    from . import cycle_charts, flank_pictures
+    from .mesh_scene import mesh_scene
+
+    case = stored_case(tree)
+    loaded = tree["loaded"].to_dataset()
+    views = (tooth_view(tree), tooth_view(tree, "pinion"))
+    chosen = evenly_chosen(loaded["torque"].values, min(TORQUE_LIMIT, max(2, TORQUE_COUNT // count)))
+    content: dict[str, Any] = {
+        "name": name,
+        "title": printable(str(tree.attrs["title"])),
+        "flank": str(tree.attrs["flank"]),
+        "head": [[left, _signed(printable(right))] for left, right in head_rows(tree)],
+        "notes": [_signed(printable(note)) for note in result_notes(tree)],
+        "misalignment": misalignment_rows(tree),
+        "case": [] if case is None else case_tables(case),
+        "unloaded_numbers": unloaded_numbers(tree),
+        "loaded_numbers": loaded_numbers(tree),
+        "torques": loaded["torque"].values[chosen].tolist(),
+        "torque_count": loaded.sizes["torque"],
+        "positions": loaded["mesh_position"].values.tolist(),
+        "flanks": flank_pictures.outlines(views),
+        "fields": flank_pictures.surface_fields(tree, views),
+        "marks": flank_pictures.unloaded_marks(tree, views),
+        "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
+        "segments": flank_pictures.segments(loaded, chosen, views),
+        "charts": {
+            "error": cycle_charts.transmission_error_charts(tree, chosen),
+            "contact": cycle_charts.contact_charts(tree, chosen),
+        },
+        "over_torque": cycle_charts.over_torque(tree),
+        "scene": None if case is None else mesh_scene(tree, case),
+        "friction": None,
+    }
+    if "root_stress" in tree.children:
+        content["charts"]["root"] = cycle_charts.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
+    if "friction" in tree.children:
+        friction = tree["friction"].to_dataset()
+        speeds = evenly_chosen(friction["speed"].values, min(SPEED_LIMIT, max(1, SPEED_COUNT // count)))
+        at = {key: _middle(friction[key].values) for key in ("temperature", "roughness")}
+        middle = {"speed": _middle(friction["speed"].values), **at}
+        condition = {key: float(friction[key].values[number]) for key, number in middle.items()}
+        content["charts"]["friction"] = cycle_charts.friction_charts(tree, chosen, middle)
+        content["friction"] = {
+            "models": printable(named_models(friction.attrs)),
+            "condition": condition,
+            "speeds": friction["speed"].values[speeds].tolist(),
+            "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
+            "map": cycle_charts.efficiency_map(friction, middle),
+            "table": efficiency_rows(friction),
+        }
+    return content
+
+
+def _signed(text: str) -> str:
+    """A text with the signs of its units, which terminals may lack."""
+    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
+
+
+def _middle(values: NDArray[Any]) -> int:
+    """Number of the middle one of values."""
+    return int(np.argsort(values)[(values.size - 1) // 2])

@@ -1,0 +1,203 @@
+"""Tables of the report: the case, the numbers over torque with the variable each one is, and the efficiencies."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import BaseModel
+
+from ....cases.recording import with_blanks
+from ....cases.schema.case_schema import Case
+from ....core.ordered_values import ordered
+from ..contact_tables import end_name
+from ..deflection_report import misalignment_over_torque
+from ..key_numbers import key_numbers
+
+ROW_COUNT_LIMIT = 60  # of the table of efficiencies
+
+#: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
+LOADED_ROWS = (
+    ("transmission error of the gear, mean", "µrad", "mean_level", 1.0, ".1f"),
+    ("transmission error of the gear, peak to peak", "µrad", "peak_to_peak", 1.0, ".2f"),
+    ("transmission error of the pinion, mean", "µrad", "pinion_mean_level", 1.0, ".1f"),
+    ("transmission error of the pinion, peak to peak", "µrad", "pinion_peak_to_peak", 1.0, ".2f"),
+    ("mesh stiffness, mean", "N m/µrad", "mean_mesh_stiffness", 1.0, ".3f"),
+    ("contact ratio under load", "", "contact_ratio", 1.0, ".2f"),
+    ("greatest share of a tooth pair", "%", "max_load_share", 100.0, ".1f"),
+    ("pattern, centre from the toe", "%", "pattern_centre_lengthwise", 100.0, ".0f"),
+    ("pattern, centre from the root", "%", "pattern_centre_profile", 100.0, ".0f"),
+    ("pattern, length", "%", "pattern_length", 100.0, ".0f"),
+    ("pattern, height", "%", "pattern_height", 100.0, ".0f"),
+    ("greatest pressure", "MPa", "max_pressure", 1.0, ".0f"),
+    ("greatest pressure, from the toe", "%", "max_pressure_lengthwise", 100.0, ".0f"),
+    ("greatest pressure, from the root", "%", "max_pressure_profile", 100.0, ".0f"),
+    ("greatest pressure, mesh position", "", "max_pressure_position", 1.0, ".2f"),
+)
+UNLOADED_ROWS = (
+    ("common flank", "% of the gear flank", "common_flank", "ease_off/inside", 100.0, ".0f"),
+    ("greatest ease-off", "µm", "max_ease_off", "ease_off/ease_off", 1.0, ".1f"),
+    ("transmission error, peak to peak", "µrad", "unloaded_peak_to_peak", "unloaded.peak_to_peak", 1.0, ".2f"),
+    (
+        "transmission error of the pinion, peak to peak",
+        "µrad",
+        "unloaded_pinion_peak_to_peak",
+        "unloaded/pinion_peak_to_peak",
+        1.0,
+        ".2f",
+    ),
+    ("contact ratio", "", "unloaded_contact_ratio", "unloaded/contact_ratio", 1.0, ".2f"),
+    ("geometric contact ratio", "", "geometric_contact_ratio", "unloaded/geometric_contact_ratio", 1.0, ".2f"),
+    ("marking print, length", "%", "unloaded_pattern_length", "unloaded/pattern_length", 100.0, ".0f"),
+    ("marking print, height", "%", "unloaded_pattern_height", "unloaded/pattern_height", 100.0, ".0f"),
+)
+
+
+def _written(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "–"
+
+
+def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
+    """Rows name, unit, variable and value of the contact without load."""
+    numbers = key_numbers(tree)
+    rows = [
+        [name, unit, path, _written(factor * float(numbers[variable]), form)]
+        for name, unit, variable, path, factor, form in UNLOADED_ROWS
+        if variable in numbers
+    ]
+    harmonics = " / ".join(f"{value:.2f}" for value in numbers["unloaded_harmonic"].values)
+    return [*rows, ["transmission error, orders 1, 2, 3", "µrad", "unloaded.harmonics", harmonics]]
+
+
+def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
+    """Torques, and rows name, unit, variable and a value a torque of the contact under load."""
+    numbers = key_numbers(tree)
+    loaded = tree["loaded"].to_dataset()
+    rows = [
+        [name, unit, f"loaded/{variable}", *(_written(factor * v, form) for v in numbers[variable].values)]
+        for name, unit, variable, factor, form in LOADED_ROWS
+        if variable in numbers
+    ]
+    for order in numbers["order"].values:
+        values = numbers["harmonic"].sel(order=order).values
+        rows.append([f"transmission error, order {order:g}", "µrad", "loaded/harmonic", *(f"{v:.2f}" for v in values)])
+    if "max_pressure_line_end" in numbers:
+        ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
+        rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
+    if "max_edge_share" in numbers:
+        shares = [_written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
+        rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
+    rows += _linear(tree, loaded)
+    if "max_root_stress" in numbers:
+        for member in numbers["member"].values:
+            values = numbers["max_root_stress"].sel(member=member).values
+            stresses = (_written(v, ".0f") for v in values)
+            rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
+    positions = loaded.sizes["mesh_position"]
+    certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
+    rows.append(["certified mesh positions", "", "loaded/status", *certified])
+    return {"torques": [f"{torque:g}" for torque in loaded["torque"].values], "rows": rows}
+
+
+def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
+    """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
+    found = misalignment_over_torque(tree)
+    if found is None:
+        return []
+    scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
+    rows = zip(found[0].tolist(), (scale * found[1].mean(axis=1)).tolist(), strict=True)
+    return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
+
+
+def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
+    """Transmission error as a length, and mesh stiffness by force, length and face width.
+
+    Along the common normal, with the mean lever arm a [mm] of the common flank: a length is the angle times a, and a
+    stiffness that of the rotation over the square of a.
+    """
+    ease_off = tree["ease_off"].to_dataset()
+    grid = ("lengthwise", "profile")
+    arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
+    source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
+    errors = [_written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
+    rows = [["transmission error along the normal, peak to peak", "µm", source, *errors]]
+    if "mean_mesh_stiffness" in loaded:
+        position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
+        middle = position[:, position.shape[1] // 2]
+        ends = middle[[0, -1]]
+        width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
+        source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
+        # N m/urad is 1e9 N mm/rad; over mm^2 that is N/mm, a thousandth of it N/um.
+        values = [_written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
+        rows.append(["mesh stiffness along the normal by face width", "N/(µm mm)", source, *values])
+    return rows
+
+
+def efficiency_rows(friction: xr.Dataset) -> dict[str, Any]:
+    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out."""
+    names = ("torque", "speed", "temperature", "roughness")
+    columns: list[tuple[str, str, float, str]] = [
+        ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
+        ("power loss [W]", "mean_power_loss", 1.0, ".1f"),
+        ("of it rolling [W]", "mean_rolling_loss", 1.0, ".1f"),
+        ("efficiency [%]", "efficiency", 100.0, ".2f"),
+        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
+        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".0f"),
+    ]
+    columns = [column for column in columns if column[1] in friction]
+    tables = [factor * friction[variable].transpose(*names).values for _, variable, factor, _ in columns]
+    shape = tuple(friction.sizes[name] for name in names)
+    rows = []
+    for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
+        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        found = [_written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        rows.append([*conditions, *found])
+    heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
+    variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
+    return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
+
+
+def case_tables(case: Case) -> list[dict[str, Any]]:
+    """Tables of the case: pair, blanks, machine settings, cutters; a column a member or flank."""
+    case = with_blanks(case)
+    flanks = [
+        (f"{name} {side}", getattr(member, side))
+        for name, member in (("pinion", case.pinion), ("gear", case.gear))
+        for side in ("concave", "convex")
+        if getattr(member, side) is not None
+    ]
+    blanks = [(name, member.blank) for name, member in (("pinion", case.pinion), ("gear", case.gear)) if member.blank]
+    pair = [["pinion teeth", "", "pinion.number_of_teeth", f"{case.pinion.number_of_teeth}"]]
+    pair.append(["gear teeth", "", "gear.number_of_teeth", f"{case.gear.number_of_teeth}"])
+    pair.append(["hand of spiral of the pinion", "", "pinion.hand_of_spiral", case.pinion.hand_of_spiral])
+    pair += [[text, unit, f"pair.{key}", *values] for text, unit, key, values in _compared([("", case.pair)])]
+    tables = [{"title": "Pair", "columns": ["case"], "rows": pair}]
+    for title, part, owners in (
+        ("Blanks", "blank", blanks),
+        ("Machine settings", "machine", [(name, flank.machine) for name, flank in flanks]),
+        ("Cutters", "cutter", [(name, flank.cutter) for name, flank in flanks]),
+    ):
+        if owners:
+            rows = [[text, unit, f"{part}.{key}", *values] for text, unit, key, values in _compared(owners)]
+            tables.append({"title": title, "columns": [name for name, _ in owners], "rows": rows})
+    return tables
+
+
+def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[str]]]:
+    """Meaning, unit, key and value of each of some tables' numbers; those that none of them gives are left out."""
+    model: BaseModel = owners[0][1]
+    rows = []
+    for key, field in type(model).model_fields.items():
+        extra = field.json_schema_extra
+        unit = str(extra["unit"]) if isinstance(extra, dict) and "unit" in extra else ""
+        values = [getattr(owner, key) for _, owner in owners]
+        if not all(isinstance(value, int | float | None) for value in values):
+            continue
+        if all(value is None or (not value and key not in model.model_fields_set) for value in values):
+            continue
+        name = str(field.description or key.replace("_", " ")).removesuffix(f" [{unit}]").partition(";")[0]
+        told = "" if unit == "1" else unit.replace("deg", "°")
+        rows.append((name, told, key, ["–" if value is None else f"{value:.7g}" for value in values]))
+    return rows
