@@ -181,7 +181,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "shaft_angle": ("rad", "Sigma: increase of the shaft angle"),
     # supports
     "whole_rotation": ("urad", "rotation of the gear with that by the supports, from first contact without load"),
-    "whole_peak_to_peak": ("urad", "peak-to-peak of the whole rotation"),
+    "support_rotation": ("urad", "rotation of the gear by the supports, on average over the mesh cycle"),
     "pinion_support_rotation": (
         "urad",
         "rotation of the pinion about its axis in the motion of the supports, drive sense",

@@ -64,7 +64,7 @@ SUPPORTS: dict[tuple[str, ...], tuple[str, ...]] = {
     ),
     ("member", *LOADED, "space"): ("mesh_force", "mesh_moment"),
     ("member", "space"): ("reference",),
-    ("torque",): ("whole_peak_to_peak", "rounds", "last_change", "rounds_status"),
+    ("torque",): ("support_rotation", "rounds", "last_change", "rounds_status"),
 }
 #: Further ones of the group ``friction``, if there is one.
 FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {

@@ -180,6 +180,23 @@ def test_contact_in_the_assembly_found_is_the_same_without_supports(name: str, f
         assert result.supports["whole_rotation"].values[place] == pytest.approx(whole, rel=1e-8)
 
 
+@pytest.mark.parametrize("update", ["none", "mean", "position"])
+def test_transmission_error_varies_as_the_whole_rotation_at_the_level_of_the_pair_in_the_mean_assembly(
+    update: Update,
+) -> None:
+    result, here = found("fm-11x41", "drive", AssemblyRounds(update=update)), cycle()
+    data = result.supports
+    left_out = (data["whole_rotation"] - data["transmission_error"]).transpose("torque", "mesh_position")
+    np.testing.assert_allclose(left_out.values, data["support_rotation"].values[:, None] * np.ones(3), rtol=1e-9)
+    assert np.abs(left_out.values).min() > 10.0
+    np.testing.assert_array_equal(data["transmission_error"], result.loaded["transmission_error"])
+    for number, torque in enumerate(TORQUES):
+        errors = [float(result.misalignment[name][number].mean()) for name in PARTS[:4]]
+        alone, _ = here.misaligned(Misalignment(*errors)).loaded([torque])
+        levels = [float(one["transmission_error"].mean()) for one in (alone, data.isel(torque=number))]
+        assert levels[1] == pytest.approx(levels[0], rel=0.05 if update == "none" else 0.01)
+
+
 @pytest.mark.parametrize("update", ["mean", "position"])
 def test_every_round_leaves_a_small_part_of_the_change_before(update: Update) -> None:
     changes = [

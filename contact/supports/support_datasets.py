@@ -13,7 +13,6 @@ from ...core.attributes import labelled
 from ...geometry.pair.assembly import Assembly
 from ...geometry.pair.gear_pair import MEMBERS
 from ..loaded_cases import LoadedCase
-from ..mesh_harmonics import peak_to_peak
 from .assembly_rounds import FoundRound, Round, RoundsStatus
 from .relative_motion import PARTS
 from .wrench import ORIGIN, shifted_wrench
@@ -43,7 +42,11 @@ def misalignment_dataset(misalignment: Array, torques: Array) -> xr.Dataset:
 
 
 def supports_dataset(
-    assembly: Assembly, torques: Array, rounds: Sequence[FoundRound], cases: Sequence[LoadedCase], error: Array
+    assembly: Assembly,
+    torques: Array,
+    rounds: Sequence[FoundRound],
+    cases: Sequence[LoadedCase],
+    support_rotation: Array,
 ) -> xr.Dataset:
     """The group ``supports`` of a result.
 
@@ -57,8 +60,8 @@ def supports_dataset(
         Last rounds.
     cases
         Every solved case, its torque numbered among all.
-    error
-        Transmission error in the assembly found (t, k) [urad].
+    support_rotation
+        Rotation of the gear by the supports (t) [rad], on average over the mesh cycle.
     """
     places = {number: (one, row) for one in rounds for row, number in enumerate(one.torques)}
     by_torque = [places[number] for number in range(torques.size)]
@@ -66,11 +69,10 @@ def supports_dataset(
         np.stack([getattr(one.found, name)[row] for one, row in by_torque]) for name in ("parts", "wrench", "rotation")
     )
     shares = _shares(rotation, cases, assembly.ratio * torques)
-    rotation = 1e6 * rotation
     data: dict[str, Any] = {
-        "transmission_error": (CYCLE, error),
-        "whole_rotation": (CYCLE, rotation),
-        "whole_peak_to_peak": ("torque", [peak_to_peak(row) for row in rotation]),
+        "transmission_error": (CYCLE, 1e6 * (rotation - support_rotation[:, None])),
+        "whole_rotation": (CYCLE, 1e6 * rotation),
+        "support_rotation": ("torque", 1e6 * support_rotation),
         "pinion_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("pinion_rotation")]),
         "gear_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("gear_rotation")]),
         **{name: (CYCLE, 1e6 * share) for name, share in zip(SHARES, shares, strict=True)},

@@ -94,7 +94,7 @@ class SupportedContact:
 
     @cached_property
     def loaded(self) -> xr.Dataset:
-        """The group ``/loaded``; its transmission error is that of the pair in the assembly found."""
+        """The group ``/loaded``; its transmission error leaves out ``support_rotation``."""
         segments = [here for one in self.rounds for here in one.found.segments]
         rotations = self.pair.cycle.lines.rotations
         found = loaded_dataset(segments, self.cases, self.torques, rotations)
@@ -110,6 +110,4 @@ class SupportedContact:
     @cached_property
     def supports(self) -> xr.Dataset:
         """Motion, mesh force, bearing loads and shares of the rotation (t, k)."""
-        return supports_dataset(
-            self.pair.assembly, self.torques, self.rounds, self.cases, 1e6 * self.transmission_error
-        )
+        return supports_dataset(self.pair.assembly, self.torques, self.rounds, self.cases, self.support_rotation)
