@@ -243,7 +243,7 @@ def test_every_position_is_certified_and_by_solvers_of_the_lifted_form(name: str
     for entry in entries:
         assert np.abs(result.loaded[entry].values).max() < 1e-9
     case = result.cases[1]
-    for solver in {"native", *LIFTING} & set(available_solvers()):
+    for solver in sorted({"native", *LIFTING} & set(available_solvers())):
         again = solve(case.problem, solver, form="auto" if solver == "native" else "lifted")
         assert again.certified, solver
         np.testing.assert_allclose(again.force, case.solution.force, atol=1e-7 * case.solution.force.max())
