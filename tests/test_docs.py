@@ -33,13 +33,13 @@ from easeoff.study.library.library_files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
+PAGES = {path.stem: path for path in sorted(DOCS.rglob("*.md"))}
 WITH_CODE = (
     "index",
     "results",
     "contact_problems",
     "parametric",
-    "python",
+    "recipes",
     "cad",
     "compare",
     "problem_library",
@@ -57,11 +57,11 @@ WITH_CODE = (
     "report",
     "supports",
 )
-QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
+QUICK = ("index", "results", "contact_problems", "recipes")  # the others take seconds each
 
 
 def text(name: str) -> str:
-    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    return PAGES[name].read_text(encoding="utf-8")
 
 
 def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
@@ -120,12 +120,11 @@ def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_every_page_with_code_is_run() -> None:
-    pages = {page.stem for page in DOCS.glob("*.md")}
-    assert {name for name in pages if blocks(text(name), "python")} <= set(WITH_CODE)
+    assert {name for name in PAGES if blocks(text(name), "python")} <= set(WITH_CODE)
 
 
 def test_links_lead_somewhere() -> None:
-    for page in PAGES:
+    for page in [*PAGES.values(), *ROOT.glob("*.md")]:
         for target in re.findall(r"\]\(([^)#\s]*(?:#[^)\s]*)?)\)", page.read_text(encoding="utf-8")):
             if target.startswith("http"):
                 continue
@@ -137,14 +136,9 @@ def test_links_lead_somewhere() -> None:
                 assert anchor in {re.sub(r"[^\w\- ]", "", h).lower().replace(" ", "-") for h in headings}, target
 
 
-def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(DOCS)
-    return importlib.import_module(name)
-
-
-def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_problem_library.py."""
-    tables, page = script("make_problem_library", monkeypatch), text("problem_library")
+def test_tables_of_the_problem_library_are_those_of_its_description() -> None:
+    """If not: run docs/make problem_library."""
+    tables, page = importlib.import_module("make_problem_library"), text("problem_library")
     assert page == tables.updated(page)
     assert all(table() in page for table in tables.TABLES.values())
 
@@ -155,9 +149,9 @@ def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
     assert named == list(labels([entries()[0]], reference_answers(), [springs]))
 
 
-def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_case_reference.py."""
-    reference = script("make_case_reference", monkeypatch)
+def test_case_reference_is_what_the_schema_makes() -> None:
+    """If not: run docs/make case_reference."""
+    reference = importlib.import_module("make_case_reference")
     page = text("case_file")
     assert page == reference.updated(page)
     assert reference.case_tables() in page
@@ -167,9 +161,9 @@ def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch
         assert table in described or not keys or any(issubclass(other, table) for other in described), table
 
 
-def test_design_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_case_reference.py."""
-    reference = script("make_case_reference", monkeypatch)
+def test_design_reference_is_what_the_schema_makes() -> None:
+    """If not: run docs/make case_reference."""
+    reference = importlib.import_module("make_case_reference")
     page = text("design_file")
     assert page == reference.updated_design(page)
     assert reference.design_tables() in page
@@ -193,9 +187,9 @@ def test_free_settings_of_the_page_are_those_of_the_code() -> None:
     assert set(FREE_SETTINGS) == {row[0].strip("`") for row in table if row[2] == "yes"}
 
 
-def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """If not: run docs/make_result_reference.py."""
-    reference = script("make_result_reference", monkeypatch)
+def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
+    """If not: run docs/make result_reference."""
+    reference = importlib.import_module("make_result_reference")
     page, tree = text("results"), reference.coarse_analysis()
     assert page == reference.updated(page, tree)
     assert reference.result_tables(tree) in page
@@ -216,9 +210,9 @@ def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPa
             assert all(f"`{name}`" in page for name in group.ncattrs())
 
 
-def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_dissertation_figures.py."""
-    tables = script("dissertation_tables", monkeypatch)
+def test_numbers_beside_the_dissertation_are_those_of_the_program() -> None:
+    """If not: run docs/make dissertation_figures."""
+    tables = importlib.import_module("dissertation_tables")
     page = text("dissertation")
     made = {"2.9: unloaded": tables.figure_2_9, "3.6: loaded": tables.figure_3_6}
     for name, make in made.items():
@@ -230,11 +224,11 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
 
 
 @pytest.mark.thorough
-def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_efficiency_figures.py."""
-    tables = script("efficiency_tables", monkeypatch)
+def test_claims_of_chapter_five_are_those_of_the_program() -> None:
+    """If not: run docs/make efficiency_figures."""
+    tables = importlib.import_module("efficiency_tables")
     page = text("efficiency")
-    radius = script("efficiency_radius", monkeypatch)
+    radius = importlib.import_module("efficiency_radius")
     for before, made in (
         ("## Figures 5.4 to 5.10: the flank", tables.ranges()),
         ("(constant height on the gear's flank):", radius.everywhere()),
