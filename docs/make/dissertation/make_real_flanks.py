@@ -1,10 +1,10 @@
-"""Write real_flanks.md, its pictures and the shipped measured grids: python docs/make real_flanks."""
+"""Write worn_and_measured_flanks.md, its pictures and the shipped measured grids: python docs/make real_flanks."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from folders import GUIDES
+from folders import NOTES
 from real_flanks_examples import write_examples
 from real_flanks_pictures import draw
 from real_flanks_studies import own_wear, shortcut, wear_by_torque
@@ -19,7 +19,7 @@ def main() -> None:
     """Write everything."""
     write_examples()
     draw()
-    page = (HERE / "real_flanks.md.in").read_text(encoding="utf-8")
+    page = (HERE / "worn_and_measured_flanks.md.in").read_text(encoding="utf-8")
     parts = {
         "table_4_2": amplitudes("worn"),
         "table_4_4": amplitudes("measured"),
@@ -31,9 +31,9 @@ def main() -> None:
     }
     for name, text in parts.items():
         page = page.replace(f"{{{name}}}", text)
-    with whole_file(GUIDES / "real_flanks.md") as temporary:
+    with whole_file(NOTES / "worn_and_measured_flanks.md") as temporary:
         temporary.write_text(page, encoding="utf-8")
-    print("wrote docs/engineer/guides/real_flanks.md")
+    print("wrote docs/how_it_works/notes/worn_and_measured_flanks.md")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The analyses behind real_flanks.md, and what the dissertation prints of them."""
+"""The analyses behind worn_and_measured_flanks.md, and what the dissertation prints of them."""
 
 from __future__ import annotations
 

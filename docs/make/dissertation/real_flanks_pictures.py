@@ -1,4 +1,4 @@
-"""The figures of chapter 4 redrawn: pictures of real_flanks.md."""
+"""The figures of chapter 4 redrawn: pictures of worn_and_measured_flanks.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the update of the ease-off is good enough, and wear by our own law: tables of real_flanks.md."""
+"""Where the update of the ease-off is good enough, and wear by our own law: tables of worn_and_measured_flanks.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the dissertation prints and says of its two examples, beside ours: tables of real_flanks.md."""
+"""What the dissertation prints and says of its two examples, beside ours: tables of worn_and_measured_flanks.md."""
 
 from __future__ import annotations
 
