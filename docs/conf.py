@@ -10,35 +10,42 @@ from typing import Any
 
 import latex2mathml.converter
 from docutils import nodes
+from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
-
-
 sys.path.insert(0, str(Path(__file__).parent / "make"))
+from reading_order import with_reading_order
 from reference_pages import write_reference_pages
 
 project = "easeoff"
 copyright = "the easeoff developers"
-release = version = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+release = version = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
+    "project"
+]["version"]
 
 extensions = [
     "myst_parser",
-    "sphinx_external_toc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["make", "paper", "data", "python/gallery", "**/*.py", "sg_execution_times.rst", "**/sg_execution_times.rst"]
+exclude_patterns = [
+    "make",
+    "paper",
+    "data",
+    "python/gallery",
+    "**/*.py",
+    "sg_execution_times.rst",
+    "**/sg_execution_times.rst",
+]
 nitpicky = True
 # Types of other packages, and names inside the package that are no part of its interface.
 nitpick_ignore_regex = [(r"py:.*", r".*")]
 
-myst_enable_extensions = []
 myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
-external_toc_path = "_toc.yml"
 
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
@@ -100,4 +107,6 @@ def visit_math_block(writer: HTML5Translator, node: nodes.math_block) -> None:
 def setup(app: Sphinx) -> None:
     """Add the renderer of formulas, and write the pages of the reference of the interface before all else."""
     app.add_html_math_renderer("mathml", (visit_inline_math, None), (visit_math_block, None))
+    app.connect("source-read", with_reading_order)
+    app.add_lexer("csv", TextLexer)
     write_reference_pages(Path(app.srcdir) / "python" / "api")

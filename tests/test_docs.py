@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
 import re
+import runpy
 import shlex
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import netCDF4
 import numpy as np
@@ -33,35 +36,19 @@ from easeoff.study.library.library_files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = {path.stem: path for path in sorted(DOCS.rglob("*.md"))}
-WITH_CODE = (
-    "index",
-    "results",
-    "contact_problems",
-    "parametric",
-    "recipes",
-    "cad",
-    "compare",
-    "problem_library",
-    "real_flanks",
-    "friction",
-    "optimal_modification",
-    "finite_elements",
-    "mixed_ehl",
-    "verification",
-    "sweeps",
-    "vh_check",
-    "load_cases",
-    "deflections",
-    "half_space",
-    "report",
-    "supports",
-)
-QUICK = ("index", "results", "contact_problems", "recipes")  # the others take seconds each
+#: Pages by their place under docs, such as "python/recipes".
+PAGES = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path
+    for path in sorted(DOCS.rglob("*.md"))
+    if not {"paper", "_build"} & set(path.relative_to(DOCS).parts)
+}
+#: Pages in whose code a number stands that tests below look at, and others that take less than two seconds.
+QUICK = ("researcher/contact_problems", "engineer/reference/results", "python/recipes", "index")
 
 
 def text(name: str) -> str:
-    return PAGES[name].read_text(encoding="utf-8")
+    (path,) = [PAGES[name]] if name in PAGES else [path for path in PAGES.values() if path.stem == name]
+    return path.read_text(encoding="utf-8")
 
 
 def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
@@ -83,10 +70,11 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
     namespace: dict[str, Any] = {}
-    for language, code in blocks(page, "sh", "python", "csv"):
-        if language == "csv":
-            name, _, _ = code.removeprefix("# ").partition(":")
-            (folder / name).write_text(code, encoding="utf-8")
+    for language, code in blocks(page, "sh", "python", "csv", "toml"):
+        if language in ("csv", "toml"):
+            name, colon, _ = code.removeprefix("# ").partition(":")
+            if colon and name.endswith(f".{language}") and " " not in name:
+                (folder / name).write_text(code, encoding="utf-8")
             continue
         if language == "python":
             exec(compile(code, "documentation", "exec"), namespace)
@@ -99,12 +87,15 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
     return namespace
 
 
+WITH_CODE = [name for name in PAGES if blocks(PAGES[name].read_text(encoding="utf-8"), "python", "sh")]
+
+
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.thorough) for name in WITH_CODE]
 )
 def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     namespace = run(text(name), tmp_path, monkeypatch)
-    if name == "contact_problems":
+    if name == "researcher/contact_problems":
         # The script that knows nothing of the package finds the answer of the package.
         solution = solve(read_problems(tmp_path / "problems.nc")[0])
         assert namespace["rotation"] == pytest.approx(solution.rotation, rel=1e-12)
@@ -119,14 +110,66 @@ def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
         assert namespace["anywhere"].P.shape == (solution.force.size,) * 2
 
 
-def test_every_page_with_code_is_run() -> None:
-    assert {name for name in PAGES if blocks(text(name), "python")} <= set(WITH_CODE)
+def test_bibliography_has_every_doi_that_is_cited() -> None:
+    """A closing parenthesis ends a DOI of prose, unless one was opened in it."""
+    found = {}
+    folders = [ROOT / name for name in ("core", "geometry", "contact", "friction", "cases", "study", "verification")]
+    listed = unquote(text("bibliography"))
+    for path in [*(p for f in folders for p in f.rglob("*.py")), *(p for f in folders for p in f.rglob("*.toml")),
+                 *PAGES.values()]:  # fmt: skip
+        for doi in re.findall(r"10\.\d{4,}/(?:[\w.:;/-]|\([\w-]+\))+", unquote(path.read_text(encoding="utf-8"))):
+            found[doi.rstrip(".;:")] = path.name
+    assert len(found) > 20
+    assert {doi: name for doi, name in found.items() if f"[{doi}]" not in listed} == {}
+
+
+GALLERY = sorted((DOCS / "python" / "gallery").glob("*.py"))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("example", GALLERY, ids=lambda path: path.stem)
+def test_example_of_the_gallery_runs(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By itself, with a title and a picture at least."""
+    import matplotlib
+    import matplotlib.pyplot as plt
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(tmp_path)
+    plt.close("all")
+    runpy.run_path(str(example), run_name="__main__")
+    assert plt.get_fignums()
+    plt.close("all")
+    assert re.match(r'"""\n.+\n=+\n\n\S', example.read_text(encoding="utf-8"))
+
+
+def test_gallery_has_a_dozen_examples() -> None:
+    assert len(GALLERY) >= 12
+
+
+def test_folders_are_small_enough_to_be_seen_at_once() -> None:
+    built = {DOCS / "_build", DOCS / "python" / "api", DOCS / "python" / "examples"}
+    for folder in [DOCS, *(path for path in DOCS.rglob("*") if path.is_dir())]:
+        if not built & {folder, *folder.parents}:
+            names = {path for path in folder.iterdir() if path.name != "__pycache__" and path not in built}
+            assert len(names) <= 16, folder
+
+
+def test_every_page_stands_once_in_the_reading_order() -> None:
+    tree = ast.parse((DOCS / "make" / "reading_order.py").read_text(encoding="utf-8"))
+    (order,) = [ast.literal_eval(n.value) for n in tree.body if isinstance(n, ast.Assign | ast.AnnAssign)
+                and n.value and "READING_ORDER" in ast.unparse(n).split("=")[0]]  # fmt: skip
+    listed = [f"{index.rpartition('/')[0]}/{page}".lstrip("/")
+              for index, parts in order.items() for pages in parts.values() for page in pages]  # fmt: skip
+    assert len(set(listed)) == len(listed)
+    made = {"python/examples/index", "python/api/*"}
+    assert set(listed) - made == set(PAGES) - {"index", "python/gallery/README"}
 
 
 def test_links_lead_somewhere() -> None:
     for page in [*PAGES.values(), *ROOT.glob("*.md")]:
         for target in re.findall(r"\]\(([^)#\s]*(?:#[^)\s]*)?)\)", page.read_text(encoding="utf-8")):
             if target.startswith("http"):
+                assert re.fullmatch(r"https?://[\w.-]+\.[a-z]+(/[^\s<>|]*)?", target), f"{page.name}: {target}"
                 continue
             file, _, anchor = target.partition("#")
             other = page if not file else page.parent / file
@@ -270,7 +313,7 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
     labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
     write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)
     listed: dict[str, tuple[str, str]] = {}
-    for names, dimensions, units, _ in rows(text("contact_problems"), "## The file"):
+    for names, dimensions, units, _ in rows(text("problem_files"), "## The file"):
         for name, unit in zip(names.split(", "), units.split(", "), strict=True):
             listed[name.strip("`")] = (dimensions, unit)
     with netCDF4.Dataset(tmp_path / "problems.nc") as file:
@@ -281,7 +324,7 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
 
 
 def test_table_of_solvers_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("solvers"), "# Solvers")}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
@@ -297,7 +340,7 @@ def test_table_of_solvers_is_that_of_the_code() -> None:
 
 
 def test_table_of_limits_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): row[1:] for row in rows(text("contact_problems"), "### Tolerance, time and steps")}
+    listed = {row[0].strip("`"): row[1:] for row in rows(text("solvers"), "## Tolerance, time and steps")}
 
     def shown(names: Sequence[str]) -> str:
         return ", ".join(f"`{name}`" for name in names if name) or "-"
@@ -376,8 +419,8 @@ def test_senses_of_rotation_are_those_of_the_conventions_page() -> None:
         assert seen == ("counter-clockwise" if motion.pinion_sense > 0 else "clockwise")
 
 
-def test_index_lists_every_command() -> None:
-    listed = {row[0].strip("`").split()[1] for row in rows(text("index"), "The commands, each with `--help`:")}
+def test_page_of_the_commands_lists_every_one() -> None:
+    listed = {row[0].strip("`").split()[1] for row in rows(text("commands"), "The commands, each with `--help`:")}
     assert listed == set(main.commands)
 
 

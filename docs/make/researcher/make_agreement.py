@@ -1,4 +1,4 @@
-"""Write the table of agreement in contact_problems.md: python docs/make agreement.
+"""Write the table of agreement in solvers.md: python docs/make agreement.
 
 Every installed solver, unpolished and at the settings of the table of solvers, on random and degenerate problems and on
 those of two gears: how far its multipliers are from rotation and gaps of the native solver.
@@ -21,8 +21,8 @@ from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.verification import PROBLEM_CLASSES, problems
 
-PAGE = RESEARCHER / "contact_problems.md"
-HEADING = "### Agreement"
+PAGE = RESEARCHER / "solvers.md"
+HEADING = "## Agreement"
 PER_CLASS = 10
 GEARS = {"nasa-12x36": [40.0, 150.0, 400.0], "fm-11x41": [50.0, 250.0, 500.0]}
 MESH_POSITIONS = 4
