@@ -40,6 +40,7 @@ exclude_patterns = [
     "sg_execution_times.rst",
     "**/sg_execution_times.rst",
 ]
+default_role = "code"
 nitpicky = True
 # Types of other packages, and names inside the package that are no part of its interface.
 nitpick_ignore_regex = [(r"py:.*", r".*")]
@@ -66,7 +67,7 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "show_signature": False,
     "plot_gallery": True,
-    "within_subsection_order": "FileNameSortKey",
+    "within_subsection_order": "reading_order.ExampleOrder",
     "image_scrapers": ("matplotlib",),
     "remove_config_comments": True,
 }
@@ -77,6 +78,8 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False
+html_show_search_summary = False  # what shows it asks for pages, which a browser does not read for a file
+html_context = {"default_mode": "auto"}
 html_math_renderer = "mathml"
 html_theme_options: dict[str, Any] = {
     "logo": {"text": "easeoff"},
@@ -88,6 +91,8 @@ html_theme_options: dict[str, Any] = {
     "footer_end": [],
     "header_links_before_dropdown": 4,
     "show_toc_level": 2,
+    "navigation_depth": 2,
+    "collapse_navigation": True,
 }
 
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from folders import DOCS
+from reference_pages import PACKAGES
 from sphinx.application import Sphinx
 
 #: Pages that an index leads to: captions with pages, in the order in which they are read.
@@ -43,7 +44,7 @@ READING_ORDER = {
     "researcher/index": {
         "": ["contact_problems", "problem_files", "solvers", "problem_library", "compare", "parametric", "half_space"]
     },
-    "python/index": {"": ["recipes", "examples/index"], "Reference": ["api/*"]},
+    "python/index": {"": ["recipes", "examples/index"], "Reference": [f"api/{name}" for name in PACKAGES]},
     "how_it_works/index": {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [
@@ -56,8 +57,37 @@ READING_ORDER = {
         ],
     },
 }
+#: Examples of the gallery; others come behind these.
+EXAMPLES = (
+    "contact_pattern",
+    "transmission_error_over_torque",
+    "load_sharing",
+    "ease_off_map",
+    "gear_flank",
+    "assembly_errors",
+    "shafts_and_bearings",
+    "measured_flank",
+    "fitted_pinion",
+    "efficiency_map",
+    "friction_coefficients",
+    "mixed_film",
+    "solvers_on_one_problem",
+    "torque_path",
+)
 #: What stands elsewhere on the site than in the repository.
-ELSEWHERE = {"gallery/README.md": "examples/index.rst"}
+ELSEWHERE = {"gallery/GALLERY_HEADER.rst": "examples/index.rst"}
+
+
+class ExampleOrder:
+    """Place of an example in the gallery."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+
+    def __call__(self, file: str) -> tuple[int, str]:
+        """Sort a file by the list, then by its name."""
+        name = Path(file).stem
+        return EXAMPLES.index(name) if name in EXAMPLES else len(EXAMPLES), name
 
 
 def trees(name: str) -> str:
@@ -89,5 +119,5 @@ def with_reading_order(app: Sphinx, name: str, source: list[str]) -> None:
     page = Path(app.env.doc2path(name))
     if page.suffix == ".md":
         source[0] = re.sub(
-            r"\[([^\]]+)\]\(([\w./-]+\.md)(#[\w-]*)?\)", lambda target: on_the_site(target, page), source[0]
+            r"\[([^\]]+)\]\(([\w./-]+\.(?:md|rst))(#[\w-]*)?\)", lambda target: on_the_site(target, page), source[0]
         ) + trees(name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import inspect
 import os
 import re
@@ -27,7 +26,6 @@ PACKAGES = {
     "easeoff.study.compare": "Comparison of solvers",
     "easeoff.study.library": "Problem library",
     "easeoff.study.plot": "Pictures of results",
-    "easeoff.plot": "Figures",
 }
 
 
@@ -81,8 +79,6 @@ def write_reference_pages(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     before: set[int] = set()
     for name, title in PACKAGES.items():
-        if importlib.util.find_spec(name) is None:
-            continue
         text, path = os.linesep.join(page(importlib.import_module(name), title, before)), folder / f"{name}.rst"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")

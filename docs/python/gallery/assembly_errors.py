@@ -19,7 +19,7 @@ unloaded = [cycle.misaligned(Misalignment(offset=offset, pinion_axial=0.1)).unlo
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
 left.plot(offsets, [each.attrs["peak_to_peak"] for each in unloaded], marker="o")
-left.set(xlabel="E, change of the offset [mm]", ylabel="unloaded transmission error [urad p-p]")
+left.set(xlabel="E, change of the offset [mm]", ylabel="peak to peak, unloaded [urad]")
 right.plot(offsets, [100 * each["path_lengthwise"].sel(pair=0).mean().item() for each in unloaded], marker="o")
-right.set(xlabel="E [mm]", ylabel="middle of the path of contact [% from toe]")
+right.set(xlabel="E [mm]", ylabel="middle of the path [% from toe]")
 plt.show()

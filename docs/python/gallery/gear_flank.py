@@ -26,6 +26,6 @@ for angle in 2 * np.pi * np.arange(36) / 36:
     turned = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
     axes.plot_surface(*turned, z, color="tab:blue" if angle else "tab:orange", linewidth=0)
 axes.set_aspect("equal")
-axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
-axes.view_init(elev=-60, azim=30)
+axes.set_axis_off()
+axes.view_init(elev=65, azim=30)
 plt.show()

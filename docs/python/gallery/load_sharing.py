@@ -22,5 +22,5 @@ for axes, torque in zip(panels, loaded["torque"].values, strict=True):
         share = here.where(tooth == pair).sum("segment") / here.sum("segment")
         axes.plot(here["mesh_position"], 100 * share, label=f"pair {pair:.0f}")
     axes.set(title=f"{torque:.0f} N m", xlabel="mesh position", ylabel="share of the load [%]")
-panels[0].legend()
+panels[1].legend(loc="upper right", fontsize="small")
 plt.show()

@@ -25,5 +25,5 @@ for film, name in ((smooth, "smooth"), (mixed, "rough")):
 above.plot(1e3 * mixed.position, 1e-9 * mixed.asperity_pressure, "--", label="of asperities")
 above.set(ylabel="pressure [GPa]")
 above.legend()
-below.set(xlabel="along the film [mm]", ylabel="film [um]", ylim=(0, 2), xlim=(-0.3, 0.25))
+below.set(xlabel="along the film [mm]", ylabel="film [um]", ylim=(0, 2), xlim=(-1.0, 0.6))
 plt.show()
