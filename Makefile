@@ -8,6 +8,8 @@ PYTEST := .venv/bin/python -m pytest -q -n $(WORKERS) --dist loadscope
 READY := .venv/bin/easeoff
 READY_FOR_TESTS := .venv/tests
 READY_FOR_CHECKS := .venv/checks
+READY_FOR_DOCS := .venv/docs
+SITE := docs/_build/html
 
 run: $(READY)
 	$(READY) run fm-11x41 -o results/fm-11x41.nc --plots results
@@ -18,17 +20,24 @@ run: $(READY)
 test: $(READY_FOR_TESTS)
 	$(PYTEST) -m "not thorough"
 
-# Everything: style, types, all tests, and the quick ones again as below.
-check: $(READY_FOR_CHECKS)
+# Everything: style, spelling, types, the site, all tests, and the quick ones again as below.
+check: $(READY_FOR_CHECKS) $(READY_FOR_DOCS)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/codespell
 	.ci/types
+	$(MAKE) docs
 	$(PYTEST)
 	.ci/lowest $(WORKERS)
 
 # The quick tests on the package as it is installed from a wheel, with the lowest versions that pyproject.toml allows.
 lowest: $(READY_FOR_CHECKS)
 	.ci/lowest $(WORKERS)
+
+# The site, from pages, docstrings and examples that are run; a warning ends it. No network is needed, here and to read.
+docs: $(READY_FOR_DOCS)
+	.venv/bin/python -m sphinx -b html -j 2 -q -W --keep-going -d docs/_build/doctrees docs $(SITE)
+	@echo "wrote $(SITE)/index.html"
 
 # Other examples than those of the tests, and more of them.
 random: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
@@ -59,4 +68,8 @@ $(READY_FOR_CHECKS): pyproject.toml | .venv
 	$(PIP) -e '.[test,lint,dask]'
 	touch $(READY) $(READY_FOR_TESTS) $@
 
-.PHONY: run test check lowest random fuzz
+$(READY_FOR_DOCS): pyproject.toml | .venv
+	$(PIP) -e '.[docs]'
+	touch $(READY) $@
+
+.PHONY: run test check docs lowest random fuzz

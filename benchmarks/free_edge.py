@@ -19,7 +19,7 @@ from easeoff.geometry import pair_geometry
 from easeoff.geometry import MemberName
 from easeoff.verification import thesis_kinematics
 
-IMAGE = Path(__file__).parents[1] / "docs" / "images" / "free_edge.png"
+IMAGE = Path(__file__).parents[1] / "docs" / "images" / "finite_elements" / "free_edge.png"
 # Of about the height and thickness that the deflections of figure 3.4 call for; length and radius are the thesis's.
 SLIM = ToothDimensions(45.0, 114.3, 10.0, 12.0, 5.0, 6.0, 2.0, 2.0)
 

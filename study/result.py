@@ -66,7 +66,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     Returns
     -------
     xr.DataTree
-        Groups and variables as described in the page ``docs/results.md``.
+        Groups and variables as described in the page ``docs/engineer/reference/results.md``.
 
     Raises
     ------

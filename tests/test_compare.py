@@ -214,7 +214,7 @@ def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Pat
 
 
 def test_solver_of_the_page_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "researcher" / "compare.md").read_text(encoding="utf-8")
     code = page.split("```python\n")[1].split("```")[0]
     (tmp_path / "my_solver.py").write_text(code, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
@@ -368,7 +368,7 @@ def test_every_variable_says_its_unit_and_meaning(written: list[Path], folder: P
 
 
 def test_columns_of_the_page_are_those_of_the_table(dataset: xr.Dataset) -> None:
-    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "researcher" / "compare.md").read_text(encoding="utf-8")
     for name, variable in dataset.data_vars.items():
         assert f"| `{name}` | {variable.attrs.get('units', '')} | {variable.attrs['long_name']} |" in page
 

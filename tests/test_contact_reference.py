@@ -1,24 +1,20 @@
-"""Today's analyses against the stored contact without the split: docs/make_contact_reference.py."""
+"""Today's analyses against the stored contact without the split: docs/make contact_reference."""
 
 from __future__ import annotations
 
 import importlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-DOCS = Path(__file__).parents[1] / "docs"
 FINENESS = 0.7  # of the bricks here, for the sake of time: one per cent softer or stiffer
 
 
 @pytest.fixture(scope="module")
 def kept() -> Any:
     """What is kept, and how an analysis differs from it."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(DOCS))
-        return importlib.import_module("contact_reference")
+    return importlib.import_module("contact_reference")
 
 
 def test_kept_contact_balances(kept: Any) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,7 +43,6 @@ from easeoff.verification import distance_along_normals
 Array = NDArray[np.float64]
 Formula = Callable[[Array, Array], Array]
 NODES = (15, 11)
-DOCS = Path(__file__).parent.parent / "docs"
 
 
 @cache
@@ -121,9 +119,8 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     np.testing.assert_allclose(updated["ease_off"].values, before["ease_off"].values, rtol=0, atol=1e-8)
 
 
-def test_the_printed_form_is_low_by_the_square_of_the_cosine(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
     """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n)); the page on real flanks compares both."""
-    monkeypatch.syspath_prepend(DOCS)
     studies = importlib.import_module("real_flanks_studies")
     pair = case_pair()
     gear = of(pair.gear, GEAR_ERRORS)

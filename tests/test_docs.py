@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import pkgutil
 import re
+import runpy
 import shlex
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import netCDF4
 import numpy as np
@@ -33,35 +36,19 @@ from easeoff.study.library.library_files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = (
-    "index",
-    "results",
-    "contact_problems",
-    "parametric",
-    "python",
-    "cad",
-    "compare",
-    "problem_library",
-    "real_flanks",
-    "friction",
-    "optimal_modification",
-    "finite_elements",
-    "mixed_ehl",
-    "verification",
-    "sweeps",
-    "vh_check",
-    "load_cases",
-    "deflections",
-    "half_space",
-    "report",
-    "supports",
-)
-QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
+#: Pages by their place under docs, such as "python/recipes".
+PAGES = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path
+    for path in sorted(DOCS.rglob("*.md"))
+    if not {"paper", "_build"} & set(path.relative_to(DOCS).parts)
+}
+#: Pages in whose code a number stands that tests below look at, and others that take less than two seconds.
+QUICK = ("researcher/contact_problems", "engineer/reference/results", "python/recipes", "index")
 
 
 def text(name: str) -> str:
-    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    (path,) = [PAGES[name]] if name in PAGES else [path for path in PAGES.values() if path.stem == name]
+    return path.read_text(encoding="utf-8")
 
 
 def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
@@ -83,10 +70,11 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
     namespace: dict[str, Any] = {}
-    for language, code in blocks(page, "sh", "python", "csv"):
-        if language == "csv":
-            name, _, _ = code.removeprefix("# ").partition(":")
-            (folder / name).write_text(code, encoding="utf-8")
+    for language, code in blocks(page, "sh", "python", "csv", "toml"):
+        if language in ("csv", "toml"):
+            name, colon, _ = code.removeprefix("# ").partition(":")
+            if colon and name.endswith(f".{language}") and " " not in name:
+                (folder / name).write_text(code, encoding="utf-8")
             continue
         if language == "python":
             exec(compile(code, "documentation", "exec"), namespace)
@@ -99,12 +87,15 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
     return namespace
 
 
+WITH_CODE = [name for name in PAGES if blocks(PAGES[name].read_text(encoding="utf-8"), "python", "sh")]
+
+
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.thorough) for name in WITH_CODE]
 )
 def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     namespace = run(text(name), tmp_path, monkeypatch)
-    if name == "contact_problems":
+    if name == "researcher/contact_problems":
         # The script that knows nothing of the package finds the answer of the package.
         solution = solve(read_problems(tmp_path / "problems.nc")[0])
         assert namespace["rotation"] == pytest.approx(solution.rotation, rel=1e-12)
@@ -119,15 +110,78 @@ def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
         assert namespace["anywhere"].P.shape == (solution.force.size,) * 2
 
 
-def test_every_page_with_code_is_run() -> None:
-    pages = {page.stem for page in DOCS.glob("*.md")}
-    assert {name for name in pages if blocks(text(name), "python")} <= set(WITH_CODE)
+def test_bibliography_has_every_doi_that_is_cited() -> None:
+    """A closing parenthesis ends a DOI of prose, unless one was opened in it."""
+    found = {}
+    folders = [ROOT / name for name in ("core", "geometry", "contact", "friction", "cases", "study", "verification")]
+    listed = unquote(text("bibliography"))
+    for path in [*(p for f in folders for p in f.rglob("*.py")), *(p for f in folders for p in f.rglob("*.toml")),
+                 *PAGES.values()]:  # fmt: skip
+        for doi in re.findall(r"10\.\d{4,}/(?:[\w.:;/-]|\([\w-]+\))+", unquote(path.read_text(encoding="utf-8"))):
+            found[doi.rstrip(".;:")] = path.name
+    assert len(found) > 20
+    assert {doi: name for doi, name in found.items() if f"[{doi}]" not in listed} == {}
+
+
+GALLERY = sorted((DOCS / "python" / "gallery").glob("*.py"))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("example", GALLERY, ids=lambda path: path.stem)
+def test_example_of_the_gallery_runs(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By itself, with a title and a picture at least."""
+    import matplotlib
+    import matplotlib.pyplot as plt
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(tmp_path)
+    plt.close("all")
+    runpy.run_path(str(example), run_name="__main__")
+    assert plt.get_fignums()
+    plt.close("all")
+    assert re.match(r'"""\n.+\n=+\n\n\S', example.read_text(encoding="utf-8"))
+
+
+def test_gallery_has_a_dozen_examples() -> None:
+    assert len(GALLERY) >= 12
+
+
+def test_folders_are_small_enough_to_be_seen_at_once() -> None:
+    built = {DOCS / "_build", DOCS / "python" / "api", DOCS / "python" / "examples"}
+    for folder in [DOCS, *(path for path in DOCS.rglob("*") if path.is_dir())]:
+        if not built & {folder, *folder.parents}:
+            names = {path for path in folder.iterdir() if path.name != "__pycache__" and path not in built}
+            assert len(names) <= 16, folder
+
+
+def test_every_page_stands_once_in_the_reading_order() -> None:
+    pytest.importorskip("sphinx")
+    order = importlib.import_module("reading_order")
+    listed = [
+        (Path(index).parent / page).as_posix()
+        for index, parts in order.READING_ORDER.items()
+        for pages in parts.values()
+        for page in pages
+    ]
+    assert len(set(listed)) == len(listed)
+    made = {page for page in listed if page.startswith(("python/examples/", "python/api/"))}
+    assert set(listed) - made == set(PAGES) - {"index"}
+    assert {path.stem for path in GALLERY} == set(order.EXAMPLES)
+
+
+def test_reference_of_the_interface_has_every_public_package() -> None:
+    listed = set(importlib.import_module("reference_pages").PACKAGES)
+    others = {"easeoff.contact.compliance", "easeoff.contact.solvers", "easeoff.verification"}
+    public = {"easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff.") if found.ispkg)}
+    public = {name for name in public if hasattr(importlib.import_module(name), "__all__")}
+    assert listed == public - others
 
 
 def test_links_lead_somewhere() -> None:
-    for page in PAGES:
+    for page in [*PAGES.values(), *ROOT.glob("*.md")]:
         for target in re.findall(r"\]\(([^)#\s]*(?:#[^)\s]*)?)\)", page.read_text(encoding="utf-8")):
             if target.startswith("http"):
+                assert re.fullmatch(r"https?://[\w.-]+\.[a-z]+(/[^\s<>|]*)?", target), f"{page.name}: {target}"
                 continue
             file, _, anchor = target.partition("#")
             other = page if not file else page.parent / file
@@ -137,14 +191,9 @@ def test_links_lead_somewhere() -> None:
                 assert anchor in {re.sub(r"[^\w\- ]", "", h).lower().replace(" ", "-") for h in headings}, target
 
 
-def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(DOCS)
-    return importlib.import_module(name)
-
-
-def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_problem_library.py."""
-    tables, page = script("make_problem_library", monkeypatch), text("problem_library")
+def test_tables_of_the_problem_library_are_those_of_its_description() -> None:
+    """If not: run docs/make problem_library."""
+    tables, page = importlib.import_module("make_problem_library"), text("problem_library")
     assert page == tables.updated(page)
     assert all(table() in page for table in tables.TABLES.values())
 
@@ -155,9 +204,9 @@ def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
     assert named == list(labels([entries()[0]], reference_answers(), [springs]))
 
 
-def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_case_reference.py."""
-    reference = script("make_case_reference", monkeypatch)
+def test_case_reference_is_what_the_schema_makes() -> None:
+    """If not: run docs/make case_reference."""
+    reference = importlib.import_module("make_case_reference")
     page = text("case_file")
     assert page == reference.updated(page)
     assert reference.case_tables() in page
@@ -167,9 +216,9 @@ def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch
         assert table in described or not keys or any(issubclass(other, table) for other in described), table
 
 
-def test_design_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_case_reference.py."""
-    reference = script("make_case_reference", monkeypatch)
+def test_design_reference_is_what_the_schema_makes() -> None:
+    """If not: run docs/make case_reference."""
+    reference = importlib.import_module("make_case_reference")
     page = text("design_file")
     assert page == reference.updated_design(page)
     assert reference.design_tables() in page
@@ -193,9 +242,9 @@ def test_free_settings_of_the_page_are_those_of_the_code() -> None:
     assert set(FREE_SETTINGS) == {row[0].strip("`") for row in table if row[2] == "yes"}
 
 
-def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """If not: run docs/make_result_reference.py."""
-    reference = script("make_result_reference", monkeypatch)
+def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
+    """If not: run docs/make result_reference."""
+    reference = importlib.import_module("make_result_reference")
     page, tree = text("results"), reference.coarse_analysis()
     assert page == reference.updated(page, tree)
     assert reference.result_tables(tree) in page
@@ -216,9 +265,9 @@ def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPa
             assert all(f"`{name}`" in page for name in group.ncattrs())
 
 
-def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_dissertation_figures.py."""
-    tables = script("dissertation_tables", monkeypatch)
+def test_numbers_beside_the_dissertation_are_those_of_the_program() -> None:
+    """If not: run docs/make dissertation_figures."""
+    tables = importlib.import_module("dissertation_tables")
     page = text("dissertation")
     made = {"2.9: unloaded": tables.figure_2_9, "3.6: loaded": tables.figure_3_6}
     for name, make in made.items():
@@ -230,11 +279,11 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
 
 
 @pytest.mark.thorough
-def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If not: run docs/make_efficiency_figures.py."""
-    tables = script("efficiency_tables", monkeypatch)
+def test_claims_of_chapter_five_are_those_of_the_program() -> None:
+    """If not: run docs/make efficiency_figures."""
+    tables = importlib.import_module("efficiency_tables")
     page = text("efficiency")
-    radius = script("efficiency_radius", monkeypatch)
+    radius = importlib.import_module("efficiency_radius")
     for before, made in (
         ("## Figures 5.4 to 5.10: the flank", tables.ranges()),
         ("(constant height on the gear's flank):", radius.everywhere()),
@@ -276,7 +325,7 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
     labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
     write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)
     listed: dict[str, tuple[str, str]] = {}
-    for names, dimensions, units, _ in rows(text("contact_problems"), "## The file"):
+    for names, dimensions, units, _ in rows(text("problem_files"), "## The file"):
         for name, unit in zip(names.split(", "), units.split(", "), strict=True):
             listed[name.strip("`")] = (dimensions, unit)
     with netCDF4.Dataset(tmp_path / "problems.nc") as file:
@@ -287,7 +336,7 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
 
 
 def test_table_of_solvers_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("solvers"), "# Solvers")}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
@@ -303,7 +352,7 @@ def test_table_of_solvers_is_that_of_the_code() -> None:
 
 
 def test_table_of_limits_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): row[1:] for row in rows(text("contact_problems"), "### Tolerance, time and steps")}
+    listed = {row[0].strip("`"): row[1:] for row in rows(text("solvers"), "## Tolerance, time and steps")}
 
     def shown(names: Sequence[str]) -> str:
         return ", ".join(f"`{name}`" for name in names if name) or "-"
@@ -382,8 +431,8 @@ def test_senses_of_rotation_are_those_of_the_conventions_page() -> None:
         assert seen == ("counter-clockwise" if motion.pinion_sense > 0 else "clockwise")
 
 
-def test_index_lists_every_command() -> None:
-    listed = {row[0].strip("`").split()[1] for row in rows(text("index"), "The commands, each with `--help`:")}
+def test_page_of_the_commands_lists_every_one() -> None:
+    listed = {row[0].strip("`").split()[1] for row in rows(text("commands"), "The commands, each with `--help`:")}
     assert listed == set(main.commands)
 
 

@@ -32,7 +32,6 @@ from easeoff.study.analysis.friction_analysis import operation_of
 from easeoff.study.cli import main
 from easeoff.study.report.result_summary import uncertified
 
-DOCS = Path(__file__).parents[1] / "docs"
 POSITIONS = 6
 CONTACT = ContactTable(
     torques=(100.0, 500.0, 1000.0),
@@ -71,9 +70,7 @@ def tree(analysis: Analysis) -> xr.DataTree:
 @pytest.fixture(scope="module")
 def dissertation() -> Any:
     """The script with the radius and the slide-to-roll ratio that the dissertation may have."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(DOCS)
-        return importlib.import_module("dissertation_radius")
+    return importlib.import_module("dissertation_radius")
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from easeoff.study.library import USUAL_PARTS, entries, generate, reference_answ
 pytestmark = pytest.mark.thorough  # every backend on all problems
 
 ANSWERS = reference_answers()
-#: Larger ones take those backends seconds each that have no use for the structure; `docs/make_agreement.py` has them.
+#: Larger ones take those backends seconds each that have no use for the structure; `docs/make agreement` has them.
 LARGEST_DENSE = 500
 
 

@@ -17,7 +17,6 @@ import easeoff
 from easeoff.study import measured_file, shipped_deviations
 from easeoff.study.cli import main
 
-DOCS = Path(__file__).parents[1] / "docs"
 GREATEST = {  # um of missing metal; Kolivand 2009, sections 4.5.1 and 4.5.2
     "fm-11x41-worn-pinion": 10.0,
     "fm-11x41-worn-gear": 5.0,
@@ -60,8 +59,7 @@ def test_every_shipped_grid_has_the_greatest_deviation_of_the_dissertation() -> 
 
 
 def test_the_shipped_grids_are_those_of_the_script(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """If not: run docs/make_real_flanks.py."""
-    monkeypatch.syspath_prepend(DOCS)
+    """If not: run docs/make real_flanks."""
     examples = importlib.import_module("real_flanks_examples")
     shipped = examples.FOLDER
     monkeypatch.setattr(examples, "FOLDER", tmp_path)

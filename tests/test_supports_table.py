@@ -281,7 +281,7 @@ def test_shipped_shafts_fit_their_blanks(supports: str) -> None:
 
 
 def test_the_page_has_the_numbers_of_the_shipped_systems() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "supports.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
     tables = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line[:1] == "|"]
 
     def plain(cell: str) -> float:
@@ -305,7 +305,7 @@ def test_the_page_has_the_numbers_of_the_shipped_systems() -> None:
 
 
 def test_the_tables_of_the_page_are_supports() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "supports.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
     shaft, stiffness, displacement, matrix = re.findall(r"^```toml\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
     case = parse_case(case_text("nasa-12x36") + shaft)
     assert isinstance(support_system(case), Supports)

@@ -1,6 +1,7 @@
 """Reading the bevel part of REXS, the exchange format for gearbox data of the FVA: a bevel stage as a case.
 
-The components and relations are those of ``rexs_writing``. What REXS leaves open is decided in ``docs/exchange.md``.
+The components and relations are those of ``rexs_writing``. What REXS leaves open is
+decided in ``docs/engineer/reference/exchange.md``.
 """
 
 from __future__ import annotations
@@ -221,7 +222,7 @@ def _read_flank(
     if any(roll) or any(any(values) for values in motions.values()):
         notes.append(
             f"component {made.number} ({made.kind}): coefficients of modified roll and motions are taken as those of "
-            "powers of the cradle increment in rad, as docs/exchange.md says; REXS does not define them"
+            "powers of the cradle increment in rad, as the page on exchange says; REXS does not define them"
         )
     machine["motions"] = motions
     return {"machine": machine, "cutter": _needed(tool, Cutter, CUTTER_TERMS, missing)}

@@ -2,7 +2,8 @@
 
 A ``bevel_stage`` joins two ``bevel_gear`` components by the relation ``stage``. Every gear has two ``bevel_gear_flank``
 components (relation ``flank``), and every flank the ``bevel_gear_tool`` and the ``bevel_gear_manufacturing_settings``
-it is cut with (relation ``manufacturing_step``). What REXS leaves open is decided in ``docs/exchange.md``.
+it is cut with (relation ``manufacturing_step``). What REXS leaves open is decided in
+``docs/engineer/reference/exchange.md``.
 """
 
 from __future__ import annotations

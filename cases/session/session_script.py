@@ -1,8 +1,8 @@
 """The design part of a session script of Transmission3D or HypoidFaceMilled, as a case.
 
 Keywords and signs are those that the public program SpyGO (``haomjc/SpyGO``) writes into such scripts and computes
-with; ``docs/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one exception: the
-vertical motion of a gear.
+with; ``docs/engineer/reference/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one
+exception: the vertical motion of a gear.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ class Certificate:
     Attributes
     ----------
     equilibrium
-        |r'F - T| / T.
+        ``|r'F - T| / T``.
     negative_force
         max(-F, 0) over the peak force.
     negative_gap
@@ -49,7 +49,7 @@ class Certificate:
     complementarity
         max of min(F, Y), each by its scale: no segment carries load across a gap.
     duality_gap
-        |F'CF + S'F - theta T| over the deformation energy: work of the torque against work on the segments.
+        ``|F'CF + S'F - theta T|`` over the deformation energy: work of the torque against work on the segments.
     resolution
         Bound of the rounding in these five, relative to the same scales.
     cancellation

@@ -42,7 +42,7 @@ class Certificate:
     Parameters
     ----------
     load
-        |integral of P - load| / load.
+        ``|integral of P - load| / load``.
     negative_pressure
         max(-P, 0) of the lubricant, in units of the Hertz pressure.
     negative_lack
@@ -53,7 +53,7 @@ class Certificate:
         How far the film is below the thinnest that the mass balance tells from none, over that: smooth surfaces, which
         have no asperities to touch with, may not pass through one another either.
     complementarity
-        Largest of min(P, |V|, g), each by its scale: somewhere a node is neither film, nor ruptured, nor touching.
+        Largest of ``min(P, |V|, g)``, each by its scale: somewhere a node is neither film, nor ruptured, nor touching.
 
     Examples
     --------

@@ -197,7 +197,7 @@ def wave(amplitude: float, wavelength: float) -> Profile:
 
 
 def asperity(height: float, width: float, point: float) -> Profile:
-    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a point of the surface; all [m].
+    """Return a single hump height ``cos^2(pi s / width)``, ``|s| < width / 2``, around a point of the surface; all [m].
 
     Raises
     ------

@@ -1,0 +1,27 @@
+"""Run a script that makes a page or pictures: python docs/make NAME [ARGUMENTS]; without a name it lists them."""
+
+import ast
+import runpy
+import sys
+from pathlib import Path
+
+ROOMS = sorted(path for path in Path(__file__).parent.iterdir() if path.is_dir() and path.name[0].isalpha())
+SCRIPTS = {path.stem.removeprefix("make_"): path for room in ROOMS for path in sorted(room.glob("make_*.py"))}
+
+
+def first_line(script: Path) -> str:
+    """Say what a script does."""
+    return (ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or "").splitlines()[0]
+
+
+def main() -> None:
+    """Run the script that is named; scripts of all rooms import each other by name."""
+    if len(sys.argv) < 2 or sys.argv[1] not in SCRIPTS:
+        sys.exit("\n".join(f"{name:24}{first_line(path)}" for name, path in SCRIPTS.items()))
+    sys.path[:0] = [str(Path(__file__).parent), *map(str, ROOMS)]
+    name = sys.argv.pop(1)
+    runpy.run_path(str(SCRIPTS[name]), run_name="__main__")
+
+
+if __name__ == "__main__":
+    main()

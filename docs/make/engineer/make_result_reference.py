@@ -1,0 +1,90 @@
+"""Write what is computed in ``results.md``: a summary of ``easeoff show``, and the tables of variables.
+
+The summary is that of a shipped case, the tables are from a coarse analysis of one.
+
+``python docs/make result_reference`` updates the page; with ``--print`` it only prints the tables.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Hashable, Mapping
+
+import xarray as xr
+from folders import REFERENCE
+
+import easeoff
+from easeoff.cases import ContactTable, gear_pair
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.geometry import GlobalErrors, deviation_from_formula
+from easeoff.study import result_summary
+
+PAGE = REFERENCE / "results.md"
+COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
+
+
+def coarse_analysis() -> xr.DataTree:
+    """A quick analysis with finite elements, friction and deviations, and the groups of a quick optimization.
+
+    That is more than one result ever has: the variables of any, with few numbers.
+    """
+    changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
+    case = easeoff.read_case("fm-11x41").model_copy(update=changed)
+    worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
+    tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
+    plain = case.model_copy(update={"compliance": ComplianceTable()})
+    best = easeoff.optimize(plain, order=2, programmes=1)
+    further = {name: best[name] for name in ("modification", "optimization")}
+    return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
+
+
+def result_tables(tree: xr.DataTree) -> str:
+    """One table a group of the tree, and one of the coordinates of all, as Markdown."""
+    groups = {name: tree[name].to_dataset() for name in tree.children}
+    coordinates = {name: values for group in groups.values() for name, values in group.coords.items()}
+    tables = {f"`/{name}`": dict(group.data_vars) for name, group in groups.items()} | {"Coordinates": coordinates}
+    return "\n\n".join(f"### {head}\n\n{described(variables)}" for head, variables in tables.items())
+
+
+def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
+    """One row a variable."""
+    rows = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
+    for name, variable in variables.items():
+        meaning = str(variable.attrs["long_name"])
+        if "flag_meanings" in variable.attrs:
+            codes = variable.attrs["flag_values" if "flag_values" in variable.attrs else "flag_masks"]
+            flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
+            meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
+        elif variable.dtype.kind == "U" and name in variable.coords:
+            meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)
+        dimensions = ", ".join(str(dimension) for dimension in variable.dims)
+        rows.append(f"| `{name}` | {dimensions} | {variable.attrs.get('units', '')} | {meaning} |")
+    return "\n".join(rows)
+
+
+def summary() -> str:
+    """What ``easeoff show`` prints of the page's first example, but for the rounding that is its residual."""
+    lines = result_summary(easeoff.analyze("nasa-12x36", torques=[50.0, 150.0])).splitlines()
+    return "\n".join(["```text", *(line for line in lines if not line.startswith("worst residual")), "```"])
+
+
+def updated(page: str, tree: xr.DataTree) -> str:
+    """The page with its generated parts, each between two comments, made anew."""
+    for name, made in (("summary", summary()), ("variables", result_tables(tree))):
+        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
+        page = re.sub(f"{begin}.*{end}", f"{begin}\n\n{made}\n\n{end}".replace("\\", r"\\"), page, flags=re.DOTALL)
+    return page
+
+
+def main() -> None:
+    """Print the tables or update the page."""
+    tree = coarse_analysis()
+    if "--print" in sys.argv[1:]:
+        print(result_tables(tree))
+        return
+    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8"), tree), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

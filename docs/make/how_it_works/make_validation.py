@@ -1,0 +1,216 @@
+"""Write validation.md and the pictures of the README from fresh analyses: python docs/make validation."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from dissertation_method import by_its_method
+from folders import HOW_IT_WORKS, IMAGES
+from tabulate import tabulate
+
+import easeoff
+from easeoff.cases import gear_pair, shipped_cases
+from easeoff.contact import MeshCycle
+from easeoff.geometry import FlankName, Misalignment, pair_geometry
+from easeoff.study import write_pictures
+from easeoff.verification import both_methods, line_differences, point_differences, smallest_envelope
+
+HERE = Path(__file__).parent
+TORQUES = [50.0, 200.0, 250.0, 500.0]
+# Kolivand 2009: Table 3.1 (50, 250, 500 N m), Table 4.2 (200 N m), mean levels read off figure 3.6 and chapter 4.
+THESIS = {
+    50.0: (110, 12.8, "6.3 / 0.6 / 0.1"),
+    200.0: (240, 14.2, "7.3 / 0.3 / 0.5"),
+    250.0: (290, 15.9, "7.9 / 0.3 / 0.4"),
+    500.0: (600, 21.9, "9.9 / 2.3 / 0.5"),
+}
+ERRORS = (Misalignment(), Misalignment(0.1, -0.1, 0.05))  # of every shipped pair beside the conventional analysis
+DIRECT_ERRORS = (  # E, P, G [mm] and Sigma [deg] beside the direct search
+    (0.0, 0.0, 0.0, 0.0),
+    (0.1, -0.1, 0.05, 0.05),
+    (-0.3, 0.2, 0.1, 0.1),
+)
+DIRECT_POSITIONS = 16
+SEPARATIONS = (6.0, 3.0, 1.5)  # [um] at the ends of a contact line
+
+
+def table(rows: list[tuple[object, ...]], headers: list[str]) -> str:
+    """A Markdown table; text as it is given."""
+    return tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True)
+
+
+def harmonics(loaded: xr.Dataset, torque: float) -> str:
+    """First three amplitudes as text."""
+    return " / ".join(f"{a:.1f}" for a in loaded["harmonic"].sel(torque=torque).values[:3])
+
+
+def against_the_dissertation() -> str:
+    """Loaded error of fm-11x41 beside the dissertation's, by its method and ours; draws the pictures of the README."""
+    default = easeoff.analyze("fm-11x41", torques=TORQUES)
+    write_pictures(default, IMAGES)
+    trees = {"its": easeoff.analyze(by_its_method("fm-11x41"), torques=TORQUES), "default": default}
+    rows: list[tuple[object, ...]] = []
+    for method, i in itertools.product(trees, range(len(TORQUES))):
+        loaded, torque = trees[method]["loaded"].to_dataset(), TORQUES[i]
+        mean, peak, amplitudes = THESIS[torque]
+        own_mean, own_peak = float(loaded["mean_level"][i]), float(loaded["peak_to_peak"][i])
+        rows.append(
+            (
+                method,
+                f"{torque:g}",
+                f"{own_mean:.0f}",
+                mean,
+                f"{100 * (own_mean / mean - 1):+.0f} %",
+                f"{own_peak:.1f}",
+                peak,
+                f"{100 * (own_peak / peak - 1):+.0f} %",
+                harmonics(loaded, torque),
+                amplitudes,
+                f"{float(loaded['max_pressure'][i]):.0f}",
+            )
+        )
+    headers = [
+        "method",
+        "torque [N m]",
+        "mean TE, ours [urad]",
+        "dissertation",
+        "difference",
+        "peak to peak, ours [urad]",
+        "dissertation",
+        "difference",
+        "harmonics 1 / 2 / 3, ours",
+        "dissertation",
+        "greatest pressure [MPa]",
+    ]
+    return table(rows, headers)
+
+
+def conventional() -> tuple[str, str]:
+    """Ease-off method against conventional contact analysis on every shipped pair: points, and contact lines."""
+    points: list[tuple[object, ...]] = []
+    lines: list[tuple[object, ...]] = []
+    flanks: tuple[FlankName, ...] = ("drive", "coast")
+    for name, flank in itertools.product(shipped_cases(), flanks):
+        pair = gear_pair(easeoff.read_case(name), flank)
+        analyses = [both_methods(pair.misaligned(errors)) for errors in ERRORS]
+        error, away = np.max([[np.nanmax(np.abs(v)) for v in point_differences(both)] for both in analyses], axis=0)
+        inside, missed = (
+            sum(int(v.sum()) for v in found)
+            for found in zip(*((both.inside, ~both.contact.converged) for both in analyses), strict=True)
+        )
+        rotations = sum(both.contact.converged.size for both in analyses)
+        points.append(
+            (f"`{name}` {flank}", inside, f"{1e6 * error:.3f}", f"{1e3 * away:.1f}", f"{missed} of {rotations}")
+        )
+        greatest, orders, number = [], [], 0
+        for both in analyses:
+            found = np.array([line_differences(both, separation) for separation in SEPARATIONS])
+            found = found[..., np.all(np.isfinite(found), axis=(0, 1))]
+            change = np.abs(np.diff(found, axis=0)).sum(axis=2)
+            greatest.append(np.abs(found).max(axis=2).T)
+            orders.append(np.log2(change[0] / change[1]))
+            number += found.shape[2]
+        angle, longer = np.max(greatest, axis=0)
+        cells = [f"{v:.3f}" for v in (*np.degrees(angle), *(100.0 * longer))]
+        spans = [
+            f"{low:.2f} to {high:.2f}" for low, high in zip(np.min(orders, axis=0), np.max(orders, axis=0), strict=True)
+        ]
+        lines.append((f"`{name}` {flank}", number, *cells, *spans))
+    point_heads = ["transmission error [urad]", "path [um]", "not converged"]
+    line_heads = [f"{what}, {s:g} um" for what in ("direction [deg]", "length [%]") for s in SEPARATIONS]
+    return (
+        table(points, ["pair", "points", *point_heads]),
+        table(lines, ["pair", "lines", *line_heads, "order, direction", "order, length"]),
+    )
+
+
+def direct() -> str:
+    """Envelope of the unloaded error beside a direct search of the smallest gap over both bounded flanks."""
+    rows: list[tuple[object, ...]] = []
+    flanks: tuple[FlankName, ...] = ("drive", "coast")
+    for name, flank in itertools.product(shipped_cases(), flanks):
+        members = pair_geometry(gear_pair(easeoff.read_case(name), flank))
+        cells: list[str] = []
+        for offset, pinion, gear, angle in DIRECT_ERRORS:
+            geometry = members.misaligned(Misalignment(offset, pinion, gear, float(np.radians(angle))))
+            cycle = MeshCycle.of(geometry, mesh_positions=DIRECT_POSITIONS)
+            envelope = cycle.unloaded()["transmission_error_envelope"].values
+            found, _ = smallest_envelope(geometry, cycle.lines.rotations)
+            wanted = 1e6 * (found.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
+            at_edge = int(np.count_nonzero(found.edge != ""))
+            cells += [f"{np.ptp(wanted):.1f}", str(at_edge), f"{np.abs(envelope - wanted).max():.1e}"]
+        rows.append((f"`{name}` {flank}", *cells))
+    heads = [
+        f"{what}, {' '.join(f'{v:g}' for v in errors)}"
+        for errors in DIRECT_ERRORS
+        for what in ("envelope [urad]", "at an edge", "difference [urad]")
+    ]
+    return table(rows, ["pair", *heads])
+
+
+def convergence() -> str:
+    """Loaded error and greatest pressure of fm-11x41 against grid, segments and teeth, at low and high torque."""
+
+    def run(changes: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+        modes = any(key.endswith("modes") for key in changes)
+        case = by_its_method("fm-11x41") if modes else easeoff.read_case("fm-11x41")
+        tables: dict[str, dict[str, Any]] = {"contact": {}, "compliance": {}}
+        for key, value in changes.items():
+            tables["compliance" if modes or key == "fineness" else "contact"][key] = value
+        changed = case.model_copy(
+            update={name: getattr(case, name).model_copy(update=values) for name, values in tables.items()}
+        )
+        loaded = easeoff.analyze(changed, torques=[50.0, 500.0])["loaded"].to_dataset()
+        return loaded["transmission_error"].values, loaded["max_pressure"].values
+
+    studies: list[tuple[str, list[dict[str, Any]]]] = [
+        (
+            "grid of the flank",
+            [{"lengthwise_nodes": a, "profile_nodes": b} for a, b in ((9, 7), (13, 9), (21, 15), (31, 21), (61, 41))],
+        ),
+        ("segments of a line", [{"segments_per_line": n} for n in (8, 16, 31, 62, 248)]),
+        ("fineness of the solid shells", [{"fineness": f} for f in (0.5, 0.7, 1.0, 1.4)]),
+        ("shell modes along the face", [{"lengthwise_modes": n} for n in (7, 11, 15, 21, 31)]),
+        ("shell modes up the profile", [{"profile_modes": n} for n in (3, 4, 5, 6, 9)]),
+    ]
+    rows: list[tuple[object, ...]] = []
+    for name, changes in studies:
+        found = [run(c) for c in changes]
+        reference, pressure = found[-1]
+        errors = [100.0 * np.abs(error / reference - 1.0).max(axis=1) for error, _ in found]
+        sizes = [next(iter(c.values())) for c in changes]
+        for k, change in enumerate(changes[:-1]):
+            order = "" if k == 0 else f"{np.log(errors[k - 1][1] / errors[k][1]) / np.log(sizes[k] / sizes[k - 1]):.1f}"
+            greatest = 100.0 * np.abs(found[k][1] / pressure - 1.0)
+            label = " x ".join(str(v) for v in change.values())
+            reference_label = " x ".join(str(v) for v in changes[-1].values())
+            cells = (f"{v:.3f} %" for v in (*errors[k], *greatest))
+            rows.append((name, label, reference_label, *cells, order))
+    return table(
+        rows,
+        ["what", "value", "against", "TE, 50 N m", "TE, 500 N m", "pressure, 50 N m", "pressure, 500 N m", "order"],
+    )
+
+
+def main() -> None:
+    """Write the page."""
+    points, lines = conventional()
+    template = (HERE / "validation.md.in").read_text(encoding="utf-8")
+    page = template.format(
+        conventional=points,
+        lines=lines,
+        direct=direct(),
+        positions=DIRECT_POSITIONS,
+        loaded=against_the_dissertation(),
+        convergence=convergence(),
+    )
+    (HOW_IT_WORKS / "validation.md").write_text(page, encoding="utf-8")
+    print("wrote docs/how_it_works/validation.md")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""Write verification.md from fresh verifications of the shipped cases: python docs/make verification.
+
+``python docs/make verification --without-split`` solves the contact without the split anew as well, which takes some
+minutes a case; else its rows stay as they are in the page.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from pathlib import Path
+
+from folders import HOW_IT_WORKS
+from tabulate import tabulate
+
+from easeoff.cases import shipped_cases
+from easeoff.core.writing.output_file import whole_file
+from easeoff.geometry import FlankName
+from easeoff.verification import RowStatus, Verification, VerificationRow, verify
+
+HERE = Path(__file__).parent
+FLANKS: tuple[FlankName, ...] = ("drive", "coast")
+UNSPLIT = "without the split"
+UNSPLIT_CASES = ("fh-12x41-45", "fm-11x41", "nasa-12x36")
+UNSPLIT_START, UNSPLIT_END = "<!-- without the split -->\n", "\n<!-- end -->"
+
+
+def of_solvers(rows: list[VerificationRow]) -> VerificationRow:
+    """One row for all polished solvers: the worst."""
+    worst = max(rows, key=lambda row: (row.status == RowStatus.OUTSIDE, row.difference))
+    return VerificationRow("other solvers, polished", "", worst.difference, worst.limit, worst.unit)
+
+
+def shown(rows: tuple[VerificationRow, ...], *, unsplit: bool) -> dict[str, VerificationRow]:
+    """Rows of a table by quantity: those of the contact without the split, or all others."""
+    chosen = [row for row in rows if (UNSPLIT in row.compared or UNSPLIT in row.quantity) == unsplit]
+    solvers = [row for row in chosen if row.quantity.startswith("solver ") and row.applicable]
+    found: dict[str, VerificationRow] = {}
+    for row in chosen:
+        if row in solvers:
+            found.setdefault("solvers", of_solvers(solvers))
+        else:
+            found[row.quantity] = row
+    return found
+
+
+def cell(row: VerificationRow | None) -> str:
+    """A difference; in bold outside its limit."""
+    if row is None or not row.applicable:
+        return "-"
+    text = f"{row.difference:.2g}"
+    return text if row.status == RowStatus.WITHIN else f"**{text}**"
+
+
+def table(found: dict[str, Verification], *, unsplit: bool = False) -> str:
+    """A row a quantity, a column a case."""
+    columns = {name: shown(one.rows, unsplit=unsplit) for name, one in found.items()}
+    first: dict[str, VerificationRow] = {}
+    for rows in columns.values():
+        for key, row in rows.items():
+            if key not in first or not first[key].applicable:
+                first[key] = row
+    lines = []
+    for key, row in first.items():
+        limits = [rows[key].limit for rows in columns.values() if key in rows and rows[key].applicable]
+        limit = "" if not limits else " to ".join(dict.fromkeys(f"{v:.2g}" for v in (min(limits), max(limits))))
+        unit = "" if row.unit == "1" else row.unit
+        lines.append([row.quantity, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
+    return tabulate(lines, ["quantity", *(f"`{n}`" for n in columns), "limit", "unit"], "github", disable_numparse=True)
+
+
+def kept_unsplit(page: str) -> str:
+    """What the page has of the contact without the split."""
+    return page.split(UNSPLIT_START)[1].split(UNSPLIT_END)[0]
+
+
+def main() -> None:
+    """Write the page."""
+    anew = "--without-split" in sys.argv[1:]
+    target = HOW_IT_WORKS / "verification.md"
+    found: dict[FlankName, dict[str, Verification]] = {flank: {} for flank in FLANKS}
+    for flank, name in itertools.product(FLANKS, shipped_cases()):
+        unsplit = anew and flank == "drive" and name in UNSPLIT_CASES
+        found[flank][name] = verify(name, flank=flank, without_split=unsplit)
+        print(f"{name}, {flank}: {len(found[flank][name].outside)} outside", flush=True)
+    if anew:
+        solved = table({name: found["drive"][name] for name in UNSPLIT_CASES}, unsplit=True)
+    else:
+        solved = kept_unsplit(target.read_text(encoding="utf-8"))
+    page = (HERE / "verification.md.in").read_text(encoding="utf-8")
+    parts = {flank: table(one) for flank, one in found.items()} | {
+        "unsplit": f"{UNSPLIT_START}{solved}{UNSPLIT_END}",
+    }
+    for name, text in parts.items():
+        page = page.replace(f"{{{name}}}", text)
+    with whole_file(target) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    print("wrote docs/how_it_works/verification.md")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,123 @@
+"""Write the tables of ``problem_library.md`` from the description of the library and its reference answers.
+
+``python docs/make problem_library`` updates the page; with ``--print`` it only prints the tables; with ``--answers``
+it first makes every problem and proves its reference answer anew, which takes minutes and belongs to a new version of
+the library; with ``--new-answers`` it proves those that are missing.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from folders import RESEARCHER
+
+import easeoff.study.library
+from easeoff.study.library import KINDS, PARTS, ReferenceAnswer, entries, generate, proved_answer, reference_answers
+from easeoff.study.library.problem_changes import CHANGES
+from easeoff.study.library.reference_answers import TABLE, write_answers
+
+PAGE = RESEARCHER / "problem_library.md"
+
+
+def kind_table() -> str:
+    """One row a kind."""
+    answers, every = reference_answers(), entries()
+    rows = []
+    for kind, why in KINDS.items():
+        chosen = [entry for entry in every if entry.kind == kind]
+        found = [answers[entry.name] for entry in chosen]
+        rows.append([f"`{kind}`", str(len(chosen)), _range(a.size for a in found), _conditions(found), why])
+    return _table(["kind", "problems", "*n*", "condition of *C*", "why"], rows)
+
+
+def part_table() -> str:
+    """One row a file."""
+    answers, rows = reference_answers(), []
+    for part in PARTS:
+        chosen = [entry for entry in entries() if entry.part == part]
+        dense = sum(entry.dense for entry in chosen)
+        sizes = _range(answers[entry.name].size for entry in chosen)
+        rows.append([f"`{part}.nc`", str(len(chosen)), str(dense), sizes])
+    return _table(["file", "problems", "of these dense", "*n*"], rows)
+
+
+def change_table() -> str:
+    """One row a change."""
+    rows = []
+    for change, function in CHANGES.items():
+        used = [entry for entry in entries() if entry.change == change]
+        amounts = ", ".join(f"{amount:g}" for amount in dict.fromkeys(e.amount for e in used) if amount)
+        rows.append([f"`{change}`", amounts, str(len(used)), (function.__doc__ or "").split("\n")[0]])
+    return _table(["change", "amounts", "problems", "what it does"], rows)
+
+
+def proof_table() -> str:
+    """One row a method that proves answers."""
+    every, rows = reference_answers().values(), []
+    for method in ("refined", "lemke"):
+        found = {a.name: getattr(a, f"{method}_difference") for a in every}
+        known = {name: value for name, value in found.items() if math.isfinite(value)}
+        worst = max(known, key=lambda name: known[name])
+        others = max(value for name, value in known.items() if "shifted-rotation" not in name)
+        rows.append([method, str(len(known)), f"{known[worst]:.0e}, `{worst}`", f"{others:.0e}"])
+    head = ["method", "problems", "largest difference from the native rotation", "without `shifted_rotation`"]
+    return _table(head, rows)
+
+
+def _range(numbers: Iterable[int]) -> str:
+    every = sorted(set(numbers))
+    return str(every[0]) if len(every) == 1 else f"{every[0]} to {every[-1]}"
+
+
+def _conditions(found: Iterable[ReferenceAnswer]) -> str:
+    every = sorted(answer.condition_number for answer in found)
+    return f"{_condition(every[0])} to {_condition(every[-1])}"
+
+
+def _condition(number: float) -> str:
+    return f"{number:.0e}" if math.isfinite(number) and number >= 1000 else f"{number:.0f}" if number < 1000 else "∞"
+
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+TABLES = {
+    "parts": part_table,
+    "kinds": kind_table,
+    "changes": change_table,
+    "proofs": proof_table,
+}
+
+
+def updated(page: str) -> str:
+    """The page with its generated parts, each between two comments, made anew."""
+    for name, table in TABLES.items():
+        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
+        text = f"{begin}\n\n{table()}\n\n{end}"
+        page = re.sub(f"{begin}.*{end}", lambda _, text=text: text, page, flags=re.DOTALL)  # type: ignore[misc]
+    return page
+
+
+def main() -> None:
+    """Prove the answers if asked to; print the tables or update the page."""
+    arguments = sys.argv[1:]
+    if "--answers" in arguments or "--new-answers" in arguments:
+        found = reference_answers() if "--new-answers" in arguments else {}
+        for entry, problem in generate(entry for entry in entries() if entry.name not in found):
+            found[entry.name] = proved_answer(entry.name, problem)
+            print(found[entry.name], flush=True)
+        write_answers([found[entry.name] for entry in entries()], Path(easeoff.study.library.__file__).with_name(TABLE))
+    if "--print" in arguments:
+        print("\n\n".join(table() for table in TABLES.values()))
+        return
+    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
