@@ -12,6 +12,9 @@ raise is an ``EaseoffError``. The sub-packages hold the steps and can be used al
 ``contact`` (unloaded and loaded contact, the contact problem and its solvers), ``friction`` (friction coefficient and
 efficiency), ``cases`` (case files), ``study`` (pictures, reports, wear, comparison of solvers) and ``verification``
 (independent checks). All are imported on first use.
+
+Every ``xarray.DataTree`` has the accessor ``easeoff``: ``tree.easeoff.summary()`` and so on, see
+``easeoff.study.ResultAccessor``.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .core.after_import import after_import
 from .core.checkout import fence
 
 if TYPE_CHECKING:
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
     from .study.analysis.case_analysis import analyze
     from .study.design.optimization import optimize
+    from .study.report.notebook.result_accessor import ResultAccessor
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
 
@@ -66,7 +71,21 @@ _MODULES = {
     "write_result": ".study.result",
 }
 
+
+def _register_accessor() -> None:
+    """Give every ``xarray.DataTree`` the attribute ``easeoff``, which imports the accessor on first use."""
+    import xarray as xr
+
+    def accessor(tree: xr.DataTree) -> ResultAccessor:
+        from .study.report.notebook.result_accessor import ResultAccessor
+
+        return ResultAccessor(tree)
+
+    xr.register_datatree_accessor("easeoff")(accessor)
+
+
 fence()
+after_import("xarray", _register_accessor)
 
 
 def __dir__() -> list[str]:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .plot import write_pictures
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
+    from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
     from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
@@ -33,6 +34,9 @@ __all__ = [
     "Analysis",
     "CaseInMesh",
     "DesignReport",
+    "ResultAccessor",
+    "ResultPlots",
+    "ResultSummary",
     "WearLaw",
     "analyze_load_cases",
     "compare",
@@ -63,6 +67,9 @@ _MODULES = {
     "Analysis": ".analysis.joined_analysis",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
+    "ResultAccessor": ".report.notebook.result_accessor",
+    "ResultPlots": ".report.notebook.result_accessor",
+    "ResultSummary": ".report.notebook.result_accessor",
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
