@@ -9,13 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ..cases.reading import shipped_deviations
     from . import compare, library, plot, sweep
     from .analysis.contact_analysis import contact_analysis
     from .analysis.joined_analysis import Analysis
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
-    from .deviation_source import flank_deviations, measured_file, shipped_deviations
+    from .deviation_source import flank_deviations, measured_file
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
     from .load_cases.duty_means import duty_means, equivalent_torque
@@ -83,7 +84,7 @@ _MODULES = {
     "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
-    "shipped_deviations": ".deviation_source",
+    "shipped_deviations": "..cases.reading",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
     "write_load_case_pictures": ".load_cases.load_case_pictures",

@@ -19,10 +19,11 @@ from .options.shared_options import (
     outside_allowed,
     teeth,
 )
+from .terminal.word_completion import case_names
 
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
@@ -79,7 +80,7 @@ def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> 
 
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @flank_option
 @deviation_option(

@@ -21,7 +21,8 @@ from .options.shared_options import (
     solvers,
     tolerances,
 )
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar
+from .terminal.word_completion import solver_list
 
 
 @click.command(cls=Command)
@@ -116,6 +117,7 @@ def library(output: Path, parts: str | None) -> None:
 @click.option(
     "--solvers",
     callback=solvers,
+    shell_complete=solver_list,
     metavar="A,B,...",
     show_default="all installed ones",
     help="Solvers to compare; MODULE:FUNCTION for one of your own.",

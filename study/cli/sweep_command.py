@@ -18,7 +18,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
     from ..sweep.sweep_plan import SweepPlan

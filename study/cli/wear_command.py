@@ -10,13 +10,14 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import pair_options, show_stage, with_defaults
-from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option, outside_allowed
-from .terminal_bar import terminal_bar
+from .options.analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
+from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option
+from .terminal.terminal_bar import terminal_bar
 
 
 @click.command(cls=Command)
 @pair_options
+@supports_option
 @click.option(
     "--torque",
     callback=duty_cycle,
@@ -64,6 +65,7 @@ def wear(
     largest_depth: float | None,
     most_steps: int,
     output: Path,
+    supports: str | None,
     **options: Any,
 ) -> None:
     """Wear the flanks of CASE step by step.
@@ -72,13 +74,14 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from ...cases import read_case
     from ...core.writing.output_file import check_writable, whole_file
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
 
-    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
-    checked = read_case(case, allow_outside=outside_allowed())
+    check_writable(
+        output, case, *([] if supports is None else [supports]), *options["deviations"].values(), suffix=".nc"
+    )
+    checked = chosen_case(case, supports)
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
     with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:

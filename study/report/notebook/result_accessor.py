@@ -111,8 +111,8 @@ class ResultPlots:
             raise AttributeError(f"there is no picture {name!r}; there are: {', '.join(sorted(functions))}")
         function = functions[name]
         bound = update_wrapper(partial(function, self._tree), function)
-        first, *others = (signature := inspect.signature(function)).parameters.values()
-        bound.__signature__ = signature.replace(parameters=others)  # type: ignore[attr-defined]
+        signature = inspect.signature(function)
+        bound.__signature__ = signature.replace(parameters=list(signature.parameters.values())[1:])  # type: ignore[attr-defined]
         del bound.__wrapped__  # type: ignore[attr-defined]
         return bound
 
@@ -257,7 +257,7 @@ class ResultAccessor:
         if not known and "easeoff_version" in tree.root.attrs:
             raise InputError(f"tree = {tree.path!r}: must be a whole result; this is a group of one: take tree.root")
         found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
-        if not known or len(found) == len(VARIABLES) and all(fault.startswith("no group") for fault in found):
+        if not known or found == [f"no group {name}" for name in VARIABLES]:
             name = f"tree = {str(tree.name or tree.path)!r}"
             raise InputError(f"{name}: must be a result of easeoff.analyze, easeoff.optimize or easeoff.read_result")
         if found:

@@ -25,7 +25,6 @@ SHOWN_NUMBERS = (
     "root_stress/max_root_stress",
     "loaded/status",
 )
-CELL = ' style="text-align:left"'
 
 
 def result_page(tree: xr.DataTree) -> str:
@@ -89,14 +88,15 @@ def _left(count: int) -> str:
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table; the first column names the rows."""
-    head = "".join(f"<th{'' if at else CELL}>{_shown(text)}</th>" for at, text in enumerate(heads))
-    body = "".join(
-        "<tr>"
-        + "".join(f"<td{'' if at and heads else CELL}>{_shown(text)}</td>" for at, text in enumerate(row))
-        + "</tr>"
-        for row in rows
-    )
-    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{body}</tbody></table>"
+    head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
+    body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
+    lines = "".join(f"<tr>{cells}</tr>" for cells in body)
+    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{lines}</tbody></table>"
+
+
+def _cell(kind: str, text: str, *, left: bool) -> str:
+    """A cell: the names of rows are on the left, numbers on the right, whatever the notebook's own style."""
+    return f'<{kind} style="text-align:{"left" if left else "right"}">{_shown(text)}</{kind}>'
 
 
 def _shown(text: object) -> str:

@@ -52,7 +52,7 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
 
 
 def _frame(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
-    """Variables as columns over some dimensions; one with further dimensions takes a column for each of their values."""
+    """Variables as columns over some dimensions; one with further dimensions takes a column for each of theirs."""
     import pandas as pd
 
     columns: dict[str, Any] = {}
