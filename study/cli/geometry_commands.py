@@ -19,6 +19,7 @@ from .options.shared_options import (
     outside_allowed,
     teeth,
 )
+from .terminal.terminal_bar import working
 from .terminal.word_completion import case_names
 
 
@@ -75,7 +76,9 @@ def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> 
         given["margins"] = EdgeMargins(**given["margins"])
     if given.get("teeth") == "all":
         given["teeth"] = None
-    written = write(read_case(case, allow_outside=outside_allowed()), output, member, flank, given)
+    checked = read_case(case, allow_outside=outside_allowed())
+    with working(f"teeth of the {member}"):
+        written = write(checked, output, member, flank, given)
     echo(f"wrote {output}: {written}")
 
 
@@ -97,8 +100,9 @@ def correct(case: str, flank: Any, deviations: Any) -> None:
     from ..report.correction_report import correction_report
 
     pair = gear_pair(read_case(case, allow_outside=outside_allowed()), flank)
-    reports = [
-        correction_report(name, named_member(pair, name), deviation)
-        for name, deviation in flank_deviations(pair, deviations).items()
-    ]
+    with working("settings fitted to the measured flanks"):
+        reports = [
+            correction_report(name, named_member(pair, name), deviation)
+            for name, deviation in flank_deviations(pair, deviations).items()
+        ]
     echo("\n\n".join(reports))

@@ -23,7 +23,7 @@ from .options.shared_options import (
     output_option,
     torques,
 )
-from .terminal.terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar, working
 from .terminal.word_completion import case_names, solver_names
 
 
@@ -119,13 +119,14 @@ def optimize(
         require_replaceable(fitted_case, force)
     checked = chosen_case(case, supports)
     bar: Any
-    with terminal_bar(desc="convex programmes") as bar:
+    with terminal_bar(desc="convex programmes", unit="programme") as bar:
         tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
     echo(optimization_report(tree))
     echo(f"\nwrote {output}")
     if fitted_case is not None:
-        fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
+        with working("fitting the pinion's settings"):
+            fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
         write_case(
             fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
         )

@@ -10,6 +10,7 @@ import click
 from ...core.printable import printable
 from .command import Command
 from .options.shared_options import echo
+from .terminal.terminal_bar import working
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +62,9 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
         if marking is not None:
             raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")
         check_folder(folder, "pictures")
-        for picture in write_sweep_pictures(dataset, folder):
+        with working("drawing the pictures"):
+            pictures = write_sweep_pictures(dataset, folder)
+        for picture in pictures:
             echo(f"wrote {picture}")
         return
     tree = read_result(result)
@@ -93,8 +96,10 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
-    write_report(dict(zip(names, map(read_result, results), strict=True)), output)
+    with working("drawing the report"):
+        write_report(dict(zip(names, map(read_result, results), strict=True)), output)
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
+    echo("next: open it in a browser, which also prints it")
 
 
 def _sweep(path: Path) -> xr.Dataset | None:
@@ -118,7 +123,9 @@ def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> No
 
     before = pictures_of_results(folder)
     write = write_load_case_pictures if "load_cases" in tree.children else write_pictures
-    for picture in write(tree, folder, marking=marking):
+    with working("drawing the pictures"):
+        pictures = write(tree, folder, marking=marking)
+    for picture in pictures:
         echo(f"wrote {picture}")
     for title in sorted({title for title in before.values() if title != printable(str(tree.attrs.get("title", "")))}):
         echo(f"replaced the pictures of {printable(title)!r}")

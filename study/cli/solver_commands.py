@@ -105,6 +105,7 @@ def library(output: Path, parts: str | None) -> None:
             f"wrote {one.path}: {one.problems} contact problems, worst certificate {one.worst_certificate:.1e}, "
             f"rotations as the reference within {one.worst_difference:.1e}"
         )
+    next_commands(("compare", *(one.path for one in written)))
     faults = [fault for one in written for fault in one.faults]
     if faults:
         echo("\n".join(faults), err=True)

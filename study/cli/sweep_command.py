@@ -18,7 +18,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
-from .terminal.terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar, working
 
 if TYPE_CHECKING:
     from ..sweep.sweep_plan import SweepPlan
@@ -191,7 +191,9 @@ def sweep(
     elif plots is not None:
         from ..plot.sweep_pictures import write_sweep_pictures
 
-        for picture in write_sweep_pictures(found, plots):
+        with working("drawing the pictures"):
+            pictures = write_sweep_pictures(found, plots)
+        for picture in pictures:
             echo(f"wrote {picture}")
     if store is None:
         batch_store(plan, folder).remove()
@@ -246,7 +248,8 @@ def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]
                 continue
             path = output.with_name(f"{output.stem}-points") / f"{row:06d}.nc"
             try:
-                write_result(point_tree(plan.setup, plan.table.values(row)), path)
+                with working(f"analysing point {row}"):
+                    write_result(point_tree(plan.setup, plan.table.values(row)), path)
             except EaseoffError as error:
                 echo(f"point {row}: {error}", err=True)
                 continue

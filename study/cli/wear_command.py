@@ -78,13 +78,12 @@ def wear(
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
 
-    check_writable(
-        output, case, *([] if supports is None else [supports]), *options["deviations"].values(), suffix=".nc"
-    )
+    held = [] if supports is None else [supports]
+    check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")
     checked = chosen_case(case, supports)
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
-    with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:
+    with terminal_bar(total=revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
         history = worn(
             checked,
             law,
@@ -107,7 +106,8 @@ def wear(
         echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
     echo(f"wrote {output}")
     worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
-    next_commands(("run", case, *worn_flanks, "-o", "RESULT.nc"))
+    on_supports = [] if supports is None else ["--supports", supports]
+    next_commands(("run", case, *on_supports, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
         echo(
             f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "

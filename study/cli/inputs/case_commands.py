@@ -17,6 +17,7 @@ from ..options.shared_options import (
     outside_allowed,
     problem_format_options,
 )
+from ..terminal.terminal_bar import working
 from ..terminal.word_completion import case_names, design_names
 
 
@@ -70,7 +71,9 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
 
     check_writable(output, design, suffix=".toml")
     require_replaceable(output, force)
-    case, found = design_case(read_design(design, allow_outside=outside_allowed()))
+    checked = read_design(design, allow_outside=outside_allowed())
+    with working("blanks, gear, and a pinion fitted to the ease-off"):
+        case, found = design_case(checked)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")
     echo(design_report(found) if report else "\n".join(summary_lines(found)))
