@@ -185,3 +185,4 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
 
         for path in write_test_set(joined([import_problems(file) for file in problems]), output / "test_set"):
             echo(f"wrote {path}")
+    echo(f"next: read {output / 'report.md'}")

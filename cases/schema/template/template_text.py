@@ -95,7 +95,7 @@ class _Writer:
                 continue
             key = f"{name} = {toml_value(value)}" if given else f"#{name} = {default_value(field)}".rstrip()
             lines += with_comment(key, "" if known is not None else meaning(name, field))
-        if known is not None and lines:
+        if known is not None and (lines or any(not sub_table(one.annotation) for one in model.model_fields.values())):
             lines.append(f"# further keys as in [{known}]")
         return lines
 

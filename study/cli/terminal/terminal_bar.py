@@ -40,7 +40,7 @@ def terminal_bar(**options: Any) -> Any:
     from tqdm import tqdm
 
     tqdm.monitor_interval = 0
-    return tqdm(disable=None, leave=False, **options)
+    return tqdm(disable=not _on_terminal(), leave=False, **options)
 
 
 @contextmanager
