@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from .flank_wear.wear_simulation import wear
     from .load_cases.duty_means import duty_means, equivalent_torque
     from .load_cases.load_case_analysis import analyze_load_cases
-    from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
-    from .vh.vh_picture import write_vh_picture
 
 __all__ = [
     "Analysis",
@@ -58,10 +56,8 @@ __all__ = [
     "sweep",
     "vh_check",
     "wear",
-    "write_load_case_pictures",
     "write_pictures",
     "write_report",
-    "write_vh_picture",
 ]
 
 _MODULES = {
@@ -87,10 +83,8 @@ _MODULES = {
     "shipped_deviations": "..cases.reading",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
-    "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
     "write_report": ".report.contact_report.report_file",
-    "write_vh_picture": ".vh.vh_picture",
 }
 
 

@@ -203,3 +203,12 @@ def test_pictures_are_the_functions_of_the_package(tree: xr.DataTree, monkeypatc
     assert str(inspect.signature(plot.pressure)).startswith("(torque: ")
     with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure"):
         plot.presure()
+
+
+def test_pictures_of_a_result_are_drawn(tree: xr.DataTree) -> None:
+    plot = tree.easeoff.plot
+    assert {"pressure", "ease_off", "transmission_error"} <= set(dir(plot))
+    assert "vh_check" not in dir(plot)  # of a dataset
+    assert set(plot.pictures()) <= set(dir(plot))
+    figure = plot.pressure(torque=200.0)
+    assert len(figure.axes) >= 1

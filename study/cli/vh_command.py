@@ -11,8 +11,9 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
-from .options.shared_options import echo, output_option, outside_allowed, refuse_name_of_output
-from .terminal.terminal_bar import terminal_bar, working
+from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
+from .result_commands import draw
+from .terminal.terminal_bar import terminal_bar
 
 GRID_OF_PICTURES = (5, 5)
 
@@ -115,12 +116,8 @@ def vh(
     echo(vh_table(found))
     echo(f"wrote {output}")
     if plots is not None:
-        from ..vh.vh_picture import write_vh_picture
-
-        with working("drawing the picture"):
-            picture = write_vh_picture(found, plots)
-        echo(f"wrote {picture}")
+        draw(found, plots)
     else:
-        echo("next: the same command with --plots FOLDER draws the patterns")
+        next_commands(("plot", output, "FOLDER"))
     if found["status"].values.any():
         sys.exit(EXIT_UNCERTIFIED)

@@ -118,13 +118,13 @@ class ResultPlots:
 
 
 def _pictures() -> dict[str, Callable[..., Any]]:
-    """Functions of ``easeoff.plot`` whose first argument is a result."""
+    """Functions of ``easeoff.plot`` that take a result first."""
     plot = import_module("easeoff").plot
     found = {name: getattr(plot, name) for name in plot.__all__}
     return {
         name: function
         for name, function in found.items()
-        if inspect.isfunction(function) and next(iter(inspect.signature(function).parameters), "") == "tree"
+        if inspect.isfunction(function) and next(iter(inspect.signature(function).parameters), "") in ("tree", "result")
     }
 
 
