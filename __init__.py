@@ -22,8 +22,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .core.after_import import after_import
-from .core.checkout import fence
+from .core.imports.after_import import after_import
+from .core.imports.checkout import fence
 
 if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
