@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import click
-from click.shell_completion import get_completion_class
 
 from ..command import Command
 
@@ -31,6 +30,8 @@ def completion(shell: str) -> None:
 
     A new shell has it. In bash it needs version 4.4 or later.
     """
+    from click.shell_completion import get_completion_class
+
     found = get_completion_class(shell)
     assert found is not None  # of the three shells that click knows
     root = click.get_current_context().find_root().command

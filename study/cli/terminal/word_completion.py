@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import click
-from click.shell_completion import CompletionItem
 
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
@@ -16,6 +18,8 @@ def words_or_files(names: Callable[[], Iterable[str]]) -> Complete:
     """Completion by names that begin as the word does; of a word that begins otherwise, by files."""
 
     def complete(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
         found = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
         return found or [CompletionItem(incomplete, type="file")]
 
@@ -26,6 +30,8 @@ def words_in_list(names: Callable[[], Iterable[str]]) -> Complete:
     """Completion of the last name of a list with commas."""
 
     def complete(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
         before, comma, last = incomplete.rpartition(",")
         return [CompletionItem(before + comma + name) for name in names() if name.startswith(last)]
 
@@ -76,6 +82,8 @@ def _deviations() -> list[str]:
 
 def template_names(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Completion of what the numbers of a template are taken from."""
+    from click.shell_completion import CompletionItem
+
     from ....cases.schema.template.file_templates import TEMPLATE_KINDS
 
     kind = TEMPLATE_KINDS.get(str(ctx.params.get("kind")))
