@@ -84,7 +84,7 @@ def _register_accessor() -> None:
 
         return ResultAccessor(tree)
 
-    xr.register_datatree_accessor("easeoff")(accessor)
+    xr.register_datatree_accessor("easeoff")(accessor)  # type: ignore[no-untyped-call]
 
 
 fence()

@@ -113,7 +113,7 @@ class ResultPlots:
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)
         bound.__signature__ = signature.replace(parameters=list(signature.parameters.values())[1:])  # type: ignore[attr-defined]
-        del bound.__wrapped__  # type: ignore[attr-defined]
+        del bound.__wrapped__
         return bound
 
 
