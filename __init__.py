@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from .core.imports.after_import import after_import
 from .core.imports.checkout import fence
+from .core.imports.notebook_figures import show_figures_in_notebooks
 
 if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
@@ -89,6 +90,7 @@ def _register_accessor() -> None:
 
 fence()
 after_import("xarray", _register_accessor)
+show_figures_in_notebooks()
 
 
 def __dir__() -> list[str]:

@@ -18,6 +18,7 @@ import xarray as xr
 import easeoff
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
 from easeoff.core.errors import InputError
+from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers, result_summary
 
@@ -212,3 +213,35 @@ def test_pictures_of_a_result_are_drawn(tree: xr.DataTree) -> None:
     assert set(plot.pictures()) <= set(dir(plot))
     figure = plot.pressure(torque=200.0)
     assert len(figure.axes) >= 1
+
+
+class Formatter:
+    """A formatter of IPython as far as it is used."""
+
+    def __init__(self, *known: str) -> None:
+        self.known = dict.fromkeys(known)
+
+    def lookup_by_type(self, name: str) -> None:
+        return self.known[name]
+
+    def for_type_by_name(self, module: str, name: str, call: Any) -> None:
+        self.known[f"{module}.{name}"] = call
+
+
+@pytest.mark.parametrize("known", [(), ("matplotlib.figure.Figure",)])
+def test_a_notebook_shows_figures_unless_it_does_already(
+    known: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    formatter = Formatter(*known)
+    shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"image/png": formatter}))
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))  # type: ignore[arg-type]
+    show_figures_in_notebooks()
+    assert list(formatter.known) == ["matplotlib.figure.Figure"]
+    assert (formatter.known["matplotlib.figure.Figure"] is None) == bool(known)
+
+
+def test_without_a_notebook_figures_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "IPython", raising=False)
+    show_figures_in_notebooks()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))  # type: ignore[arg-type]
+    show_figures_in_notebooks()

@@ -112,7 +112,8 @@ class ResultPlots:
         function = functions[name]
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)
-        bound.__signature__ = signature.replace(parameters=list(signature.parameters.values())[1:])  # type: ignore[attr-defined]
+        others = list(signature.parameters.values())[1:]
+        bound.__signature__ = signature.replace(parameters=others)  # type: ignore[attr-defined]
         del bound.__wrapped__
         return bound
 
