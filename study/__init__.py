@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file
+    from .export.contact_mesh import export_contact
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
     from .load_cases.duty_means import duty_means, equivalent_torque
@@ -43,6 +44,7 @@ __all__ = [
     "design_case",
     "duty_means",
     "equivalent_torque",
+    "export_contact",
     "fit_modification",
     "flank_deviations",
     "key_numbers",
@@ -73,6 +75,7 @@ _MODULES = {
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",
     "equivalent_torque": ".load_cases.duty_means",
+    "export_contact": ".export.contact_mesh",
     "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
