@@ -93,11 +93,13 @@ def verify(
             progress=progress,
         )
     echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
+    if found.passed:
+        echo("every comparison that applies is within its limit")
+    else:
+        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
     if output is not None:
         with whole_file(output) as temporary:
             found.dataset().to_netcdf(temporary, engine="netcdf4")
-        echo(f"wrote {output}")
+        echo(f"wrote {output}: the table, for xarray.open_dataset")
     if not found.passed:
-        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
         sys.exit(EXIT_UNCERTIFIED)
-    echo("every comparison that applies is within its limit")
