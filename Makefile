@@ -24,11 +24,18 @@ check: $(READY_FOR_CHECKS)
 	.venv/bin/ruff format --check .
 	.ci/types
 	$(PYTEST)
-	.ci/lowest $(WORKERS)
+	.ci/installed lowest $(WORKERS)
 
-# The quick tests on the package as it is installed from a wheel, with the lowest versions that pyproject.toml allows.
-lowest: $(READY_FOR_CHECKS)
-	.ci/lowest $(WORKERS)
+# The quick tests on the package as it is installed from a wheel that is built from the source distribution: with the
+# lowest versions that pyproject.toml allows, or with the newest.
+lowest newest: $(READY_FOR_CHECKS)
+	.ci/installed $@ $(WORKERS)
+
+# What is published: source distribution and wheel, from the files of the repository alone.
+dist: $(READY_FOR_CHECKS)
+	rm -rf dist
+	place=$$(mktemp -d) && git ls-files -z | xargs -0 cp --parents -t $$place \
+	&& .venv/bin/uv build --python $(PYTHON) -o dist $$place; status=$$?; rm -rf $$place; exit $$status
 
 # Other examples than those of the tests, and more of them.
 random: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
@@ -59,4 +66,4 @@ $(READY_FOR_CHECKS): pyproject.toml | .venv
 	$(PIP) -e '.[test,lint,dask]'
 	touch $(READY) $(READY_FOR_TESTS) $@
 
-.PHONY: run test check lowest random fuzz
+.PHONY: run test check lowest newest dist random fuzz
