@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import tarfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,14 @@ import xarray as xr
 from keep_files import COMMANDS, KEPT, KINDS, READERS, call
 
 import easeoff
-from easeoff.cases import parse_case
 
 VERSIONS = sorted(path.name for path in KEPT.iterdir())
 #: Numbers by which a run of today means the same as the kept one, whatever models and grids have become.
 OF_ONE_MEANING = (
     *("/loaded/transmission_error", "/loaded/max_pressure", "/loaded/lever_arm", "/unloaded/transmission_error"),
     *("/ease_off/roll_angle", "/friction/efficiency", "/friction/mean_power_loss", "/root_stress/max_root_stress"),
-    *("/max_pressure", "/loaded_mean_level", "/misalignment/offset", "/supports/mesh_force", "/depth", "/v", "/h"),
+    *("/max_pressure", "/mean_level", "/efficiency", "/largest_depth", "/misalignment/offset", "/supports/mesh_force"),
+    *("/total_v", "/total_h", "/peak_to_peak"),
     *("/load_cases/max_pressure", "/load_cases/torque"),
 )
 CHANGE = 0.1  # greatest change of these, relative
@@ -45,14 +45,14 @@ WITH_CASE = [each for each in SHOWN if each[1] != "duty.nc"]  # that one is run 
 
 
 @pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with the inputs and results of every version."""
     folder = tmp_path_factory.mktemp("kept")
     for name in VERSIONS:
         shutil.copytree(KEPT / name / "inputs", folder / name / "inputs")
         with tarfile.open(KEPT / name / "results.tar.xz") as packed:
             packed.extractall(folder / name, filter="data")
-    yield folder
+    return folder
 
 
 def check(recorded: Any, found: Any, place: str = "") -> None:
@@ -106,7 +106,7 @@ def test_results_are_shown(name: str, file: str, kept: Path) -> None:
     assert len(call(kept / name / "results", ["show", file]).splitlines()) > 3
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "file"), SHOWN)
 def test_results_are_plotted(name: str, file: str, kept: Path, tmp_path: Path) -> None:
     call(kept / name / "results", ["plot", file, str(tmp_path)])
@@ -148,7 +148,6 @@ def test_the_case_in_a_result_is_run(name: str, file: str, kept: Path, tmp_path:
     with xr.open_dataset(kept / name / "results" / file, engine="netcdf4") as opened:
         text = opened.attrs["case"]
     shutil.copytree(kept / name / "inputs", tmp_path / "inputs")
-    assert parse_case(text).title
     (tmp_path / "inputs/case.toml").write_text(text, encoding="utf-8")
     command, _, *words = record["command"][:-2]
     if "--supports" in words:
