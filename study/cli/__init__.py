@@ -23,7 +23,7 @@ from .geometry_commands import correct, export
 from .oil_command import oil
 from .optimize_command import optimize
 from .options.shared_options import echo
-from .result_commands import plot, report, show
+from .result_commands import cite, plot, report, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
@@ -144,5 +144,6 @@ for _command in (
     correct,
     wear,
     oil,
+    cite,
 ):
     main.add_command(_command)
