@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import xarray as xr
 from keep_files import COMMANDS, KEPT, KINDS, READERS, call
+from netCDF4 import Dataset
 
 import easeoff
 
@@ -163,3 +164,15 @@ def test_worn_flanks_are_those_of_the_kept_wear(name: str, kept: Path, tmp_path:
     words = [f"--deviation={member}={results / 'wear.nc'}" for member in ("pinion", "gear")]
     call(kept / name / "inputs", ["run", "spiral_bevel.toml", "--torque", "150", *words, "-o", str(tmp_path / "x.nc")])
     assert easeoff.read_result(tmp_path / "x.nc").attrs["largest_deviation_pinion_um"] > 0.0
+
+
+@pytest.mark.parametrize(("file", "mark"), [("run.nc", "schema_version"), ("sweep.nc", "sweep_schema_version")])
+def test_a_file_of_a_later_layout_names_the_version_that_reads_it(
+    file: str, mark: str, kept: Path, tmp_path: Path
+) -> None:
+    shutil.copy(kept / version("easeoff") / "results" / file, tmp_path)
+    with Dataset(tmp_path / file, "a") as changed:
+        changed.setncattr(mark, 2)
+        changed.setncattr("easeoff_version", "9.1.0")
+    with pytest.raises(RuntimeError, match=r"was written by easeoff 9.1.0 and this is"):
+        call(tmp_path, ["show", file])
