@@ -38,8 +38,8 @@ def citation(tree: xr.DataTree | None = None, *, bibtex: bool = False) -> str:
         return "\n".join([*lines, "'easeoff cite RESULT' names the sources that a result rests on."])
     made = tree.attrs.get("easeoff_version")
     lines += [f"This result was made by version {made}."] if made is not None else []
-    works = distinct_works(sources)
-    numbers = {work.key: number for number, work in enumerate(works, start=1)}
+    listed = distinct_works(sources)
+    numbers = {work.key: number for number, work in enumerate(listed, start=1)}
     lines += ["", "The result rests on"]
     for source in sources:
         marks = "".join(f"[{numbers[work.key]}]" for work in source.works)
@@ -47,4 +47,4 @@ def citation(tree: xr.DataTree | None = None, *, bibtex: bool = False) -> str:
         lines.append(f"  {source.role}{f' ({source.model})' if source.model else ''}: {said}")
     if "friction" not in tree.children and "efficiency" in tree.dataset:
         lines.append("  friction: this file does not tell its models; they are those of the command or of the case")
-    return "\n".join([*lines, "", *(f"[{number}] {work.text()}" for number, work in enumerate(works, start=1))])
+    return "\n".join([*lines, "", *(f"[{number}] {work.text()}" for number, work in enumerate(listed, start=1))])
