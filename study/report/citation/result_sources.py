@@ -34,9 +34,9 @@ WORDS = {
 }
 #: What the package has computed or made itself, with the page that describes it.
 OWN = {
-    "solid_shell": "model of this package, see docs/finite_elements.md",
-    "fe": "model of this package, see docs/finite_elements.md",
-    "mixed_lubrication": "formula of this package, see docs/mixed_ehl.md",
+    "solid_shell": "model of this package, see finite_elements.md of its documentation",
+    "fe": "model of this package, see finite_elements.md of its documentation",
+    "mixed_lubrication": "formula of this package, see mixed_ehl.md of its documentation",
 }
 
 
