@@ -28,11 +28,18 @@ check: $(READY_FOR_CHECKS) $(READY_FOR_DOCS)
 	.ci/types
 	$(MAKE) docs
 	$(PYTEST)
-	.ci/lowest $(WORKERS)
+	.ci/installed lowest $(WORKERS)
 
-# The quick tests on the package as it is installed from a wheel, with the lowest versions that pyproject.toml allows.
-lowest: $(READY_FOR_CHECKS)
-	.ci/lowest $(WORKERS)
+# The quick tests on the package as it is installed from a wheel that is built from the source distribution: with the
+# lowest versions that pyproject.toml allows, or with the newest.
+lowest newest: $(READY_FOR_CHECKS)
+	.ci/installed $@ $(WORKERS)
+
+# What is published: source distribution and wheel, from the files of the repository alone.
+dist: $(READY_FOR_CHECKS)
+	rm -rf dist
+	place=$$(mktemp -d) && git ls-files -z | xargs -0 cp --parents -t $$place \
+	&& .venv/bin/uv build --python $(PYTHON) -o dist $$place; status=$$?; rm -rf $$place; exit $$status
 
 # The site, from pages, docstrings and examples that are run; a warning ends it. No network is needed, here and to read.
 docs: $(READY_FOR_DOCS)
@@ -72,4 +79,4 @@ $(READY_FOR_DOCS): pyproject.toml | .venv
 	$(PIP) -e '.[docs]'
 	touch $(READY) $@
 
-.PHONY: run test check docs lowest random fuzz
+.PHONY: run test check docs lowest newest dist random fuzz

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
 
+    __version__: str
+
 __all__ = [
     "Case",
     "EaseoffError",
@@ -100,6 +102,8 @@ def __dir__() -> list[str]:
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return getattr(import_module(_MODULES[name], __name__), name)
+    if name == "__version__":
+        return import_module("importlib.metadata").version(__name__)
     if name in __all__:
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

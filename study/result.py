@@ -9,12 +9,11 @@ import xarray as xr
 
 from ..cases.reading import CASE
 from ..core.errors import InputError
+from ..core.reading.file_origin import layout_fault, unreadable
 from ..core.reading.netcdf_file import read_tree
 from ..core.reading.regular_file import named
 from ..core.writing.output_file import whole_file
-from .result_layout import VARIABLES, faults, load_case_faults
-
-FAULT_COUNT_LIMIT = 3  # that a message names
+from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
 
 
 def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
@@ -94,10 +93,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
         raise InputError(
             f"{source} is a netCDF file, but no result of 'easeoff run': make one with 'easeoff run CASE -o FILE'"
         )
+    found = layout_fault(tree.attrs, "schema_version", RESULT_SCHEMA_VERSION) or found
     if found:
-        more = f", and {len(found) - FAULT_COUNT_LIMIT} more" if len(found) > FAULT_COUNT_LIMIT else ""
-        raise InputError(
-            f"{source} is damaged, changed by hand or made by another version of easeoff: "
-            f"{'; '.join(found[:FAULT_COUNT_LIMIT])}{more}; make it anew with 'easeoff run CASE -o FILE'"
-        )
+        raise unreadable(source, tree.attrs, found, "easeoff run CASE -o FILE")
     return tree

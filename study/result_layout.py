@@ -15,6 +15,7 @@ from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.reading.json_text import parsed_json
 from ..core.stored_status import StoredStatus
 
+RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 MAGNITUDE_LIMIT = 1e30
 GRID = ("lengthwise", "profile")
 PAIRS = ("pair", "mesh_position")

@@ -23,12 +23,12 @@ from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviation_source import require_line_contact
+from ..result_layout import RESULT_SCHEMA_VERSION
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
 from .supported_analysis import LoadedPart, case_rounds, supported_parts
 
 Array = NDArray[Any]
 
-RESULT_SCHEMA_VERSION = 1
 LIGHT_LOAD_SHARE = 0.01  # of the greatest torque
 
 

@@ -24,7 +24,7 @@ from .inputs.new_command import new
 from .inputs.oil_command import oil
 from .optimize_command import optimize
 from .options.shared_options import echo
-from .result_commands import plot, report, show
+from .result_commands import cite, plot, report, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
@@ -146,7 +146,11 @@ for _command in (
     correct,
     wear,
     oil,
+<<<<<<< HEAD
     new,
     completion,
+=======
+    cite,
+>>>>>>> b1b95d69b544b91eb123292b6a294b76005ae027
 ):
     main.add_command(_command)

@@ -134,6 +134,25 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     echo("next: open it in a browser, which also prints it")
 
 
+@click.command(cls=Command)
+@click.argument("result", type=click.Path(path_type=Path), required=False)
+@click.option("--bibtex", is_flag=True, help="Entries of BibTeX in place of text.")
+def cite(result: Path | None, bibtex: bool) -> None:
+    """Print how to cite the program, and the sources of RESULT.
+
+    RESULT is a netCDF file of any command, such as 'easeoff run'. Named are the published sources of its friction
+    formula, oil, elastic teeth and pair, as far as the file tells them.
+    """
+    from ..report.citation.citation_text import citation
+
+    if result is None:
+        echo(citation(bibtex=bibtex))
+        return
+    from ...core.reading.netcdf_file import read_tree
+
+    echo(citation(read_tree(result), bibtex=bibtex))
+
+
 def _sweep(path: Path) -> xr.Dataset | None:
     """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
     from ...core.errors import InputError

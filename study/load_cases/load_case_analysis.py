@@ -27,11 +27,12 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..analysis.contact_analysis import RESULT_SCHEMA_VERSION, contact_analysis
+from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
+from ..result_layout import RESULT_SCHEMA_VERSION
 from .duty_means import DAMAGE_EXPONENTS, checked_exponents, duty_means
 
 if TYPE_CHECKING:

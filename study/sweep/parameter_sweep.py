@@ -28,6 +28,7 @@ from .distribution import Sampler
 from .engine import cluster_client, in_processes, in_this_process, on_cluster
 from .point_table import PointTable
 from .sweep_dataset import SweepNumbers
+from .sweep_layout import SWEEP_SCHEMA_VERSION
 from .sweep_plan import SweepPlan, planned_sweep
 from .sweep_setup import SweepSetup
 from .swept_quantity import Stage, swept_quantity
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant
     from ...friction.operation import Array, Numbers, Roughness
 
-SWEEP_SCHEMA_VERSION = 1
 WORKER_COUNT_LIMIT = 1024
 BATCH_TIME = 4.0  # [s]; a scheduler stalls on many short tasks, and a kill loses a batch
 POOL_TIME = 8.0  # [s]; less work than this is done before the processes of a pool are ready

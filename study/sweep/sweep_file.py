@@ -7,12 +7,12 @@ import os
 import xarray as xr
 
 from ...core.errors import InputError
+from ...core.reading.file_origin import layout_fault, unreadable
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.regular_file import named
 from ...core.writing.output_file import whole_file
-from .sweep_layout import sweep_faults
+from .sweep_layout import SWEEP_SCHEMA_VERSION, sweep_faults
 
-FAULT_COUNT_LIMIT = 3  # that a message names
 MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
 
 
@@ -99,13 +99,9 @@ def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Datas
     ...     print(str(error).partition(":")[0])
     sweep.nc is damaged, changed by hand or made by another version of easeoff
     """
-    faults = sweep_faults(dataset)
+    faults = layout_fault(dataset.attrs, MARK, SWEEP_SCHEMA_VERSION) or sweep_faults(dataset)
     if faults:
-        more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
-        raise InputError(
-            f"{named(path)} is damaged, changed by hand or made by another version of easeoff: "
-            f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}; make it anew with 'easeoff sweep CASE -o FILE'"
-        )
+        raise unreadable(path, dataset.attrs, faults, "easeoff sweep CASE -o FILE")
     texts = {
         name: (variable.dims, variable.values.astype(str), variable.attrs)
         for name, variable in dataset.variables.items()

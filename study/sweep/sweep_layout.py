@@ -13,6 +13,7 @@ from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, index_faults
 from .batch_analysis import PointStatus
 from .reductions import LOADS, point_dimensions, swept_names
 
+SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 ATTRIBUTES: dict[str, str | int] = {
     **dict.fromkeys(("title", "easeoff_version", "flank", "solver"), "text"),
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),

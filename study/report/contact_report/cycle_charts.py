@@ -253,7 +253,7 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
             source = f"friction/{variable}"
             charts.append(_course(variable, title, unit, source, names, reduce(table)[chosen]))
     if "sliding_velocity" in here:
-        sliding = here["sliding_velocity"].transpose("mesh_position", "segment").values[None]
+        sliding = here["sliding_velocity"].transpose(..., "mesh_position", "segment").values  # maybe of each torque
         source = "friction/sliding_velocity"
         table = np.where(carries, sliding, np.nan)
         charts.append(

@@ -1,0 +1,76 @@
+"""Files of other versions of the package: what a message says of one that cannot be read, and by what it can."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .regular_file import named
+
+FAULT_COUNT_LIMIT = 3  # that a message names
+VERSION = re.compile(r"\d{1,4}(\.\d{1,6}){1,3}[a-z0-9.]{0,12}")
+
+
+def layout_fault(attributes: Mapping[Any, Any], name: str, known: int) -> list[str]:
+    """Fault of a file with a later layout than this version knows; empty if it has none.
+
+    Parameters
+    ----------
+    attributes
+        Attributes of the file.
+    name
+        Attribute that holds the number of the layout.
+    known
+        Greatest number that is known.
+
+    Examples
+    --------
+    >>> layout_fault({"schema_version": 2}, "schema_version", 1)
+    ['its layout schema_version = 2 is later than 1']
+    """
+    number = attributes.get(name, known)
+    if not isinstance(number, int | np.integer) or number <= known:
+        return []
+    return [f"its layout {name} = {number} is later than {known}"]
+
+
+def unreadable(
+    path: str | os.PathLike[str], attributes: Mapping[Any, Any], faults: Sequence[str], remedy: str
+) -> InputError:
+    """Error of a file with faults: damaged, or of another version, which is then named as what reads it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    attributes
+        Its attributes; ``easeoff_version`` says which version wrote it.
+    faults
+        What is wrong with it, one phrase each.
+    remedy
+        Command that makes it anew.
+
+    Examples
+    --------
+    >>> error = unreadable("x.nc", {"easeoff_version": "9.0.0"}, ["no group loaded"], "easeoff run CASE -o FILE")
+    >>> str(error).partition(" and ")[0]
+    'x.nc was written by easeoff 9.0.0'
+    """
+    more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
+    what = f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}"
+    wrote, own = str(attributes.get("easeoff_version", "")), version("easeoff")
+    if wrote != own and VERSION.fullmatch(wrote):
+        return InputError(
+            f"{named(path)} was written by easeoff {wrote} and this is {own}: {what}; easeoff {wrote} reads it ('pip "
+            f"install easeoff=={wrote}'), or make it anew with '{remedy}'"
+        )
+    return InputError(
+        f"{named(path)} is damaged, changed by hand or made by another version of easeoff: {what}; make it anew with "
+        f"'{remedy}'"
+    )

@@ -1,0 +1,1 @@
+"""How to cite the package, and the published sources that a result rests on."""

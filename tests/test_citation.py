@@ -1,0 +1,144 @@
+"""How the package is cited: file and command say the same, and a result names the sources of what it is made of."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+import xarray as xr
+import yaml
+from click.testing import CliRunner
+from jsonschema import Draft7Validator
+
+import easeoff
+from easeoff.friction import COEFFICIENTS, FrictionModel
+from easeoff.friction.oil_film.film_thickness import FILMS
+from easeoff.friction.oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
+from easeoff.study.cli import main
+from easeoff.study.report.citation.citation_text import citation
+from easeoff.study.report.citation.published_work import WORKS, PublishedWork, package
+from easeoff.study.report.citation.result_sources import MODELS, OWN, result_sources
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+COARSE = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+
+
+def coarse(name: str, model: str) -> easeoff.Case:
+    case = easeoff.read_case(name)
+    compliance = case.compliance.model_copy(update={"model": model})
+    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "compliance": compliance})
+
+
+def entries(text: str) -> dict[str, dict[str, str]]:
+    """Entries of BibTeX by key, with their fields; braces must close."""
+    found: dict[str, dict[str, str]] = {}
+    for kind, key, body in re.findall(r"^@(\w+)\{([\w-]+),\n(.*?)^\}$", text, flags=re.MULTILINE | re.DOTALL):
+        assert key not in found
+        plain = re.sub(r"\\[{}]", "", body)
+        assert plain.count("{") == plain.count("}")
+        found[key] = {"kind": kind, **dict(re.findall(r"^  (\w+) = \{+(.*?)\}+,$", body, flags=re.MULTILINE))}
+    assert len(found) == text.count("@")
+    return found
+
+
+def test_citation_file_is_valid() -> None:
+    """By the schema 1.2.0 of the Citation File Format (CC-BY-4.0), as cffconvert ships it."""
+    schema = json.loads((ROOT / "tests/data/cff_1.2.0_schema.json").read_text(encoding="utf-8"))
+    # Dates aside, of which YAML makes more than text.
+    assert [error.message for error in Draft7Validator(schema).iter_errors(CITATION)] == []
+
+
+def test_citation_file_says_what_project_licence_and_command_say() -> None:
+    assert CITATION["version"] == PROJECT["version"] == easeoff.__version__
+    assert CITATION["license"] == PROJECT["license"]
+    assert set(CITATION["keywords"]) == set(PROJECT["keywords"])
+    (author,) = CITATION["authors"]
+    assert f"the {author['name'].removeprefix('The ')}" in (ROOT / "LICENSE").read_text(encoding="utf-8")
+    assert package().fields["author"] == author["name"]
+    assert package().fields["title"] == CITATION["title"]
+    assert package().fields["note"] == f"version {PROJECT['version']}"
+    (thesis,) = CITATION["references"]
+    fields = WORKS["kolivand_2009"].fields
+    assert (thesis["title"], str(thesis["year"])) == (fields["title"], fields["year"])
+    assert thesis["institution"]["name"] == fields["school"]
+
+
+def test_text_and_bibtex_name_program_and_dissertation() -> None:
+    text, bibtex = citation(), entries(citation(bibtex=True))
+    assert PROJECT["version"] in text
+    assert "Kolivand" in text
+    assert list(bibtex) == ["easeoff", "kolivand_2009"]
+    assert bibtex["easeoff"]["author"] == "The easeoff developers"
+    assert bibtex["kolivand_2009"]["kind"] == "phdthesis"
+
+
+@pytest.mark.parametrize(
+    ("attribute", "models", "without"),
+    [
+        ("friction_coefficient", COEFFICIENTS, {"constant"}),
+        ("film", FILMS, set()),
+        ("film_heating", FILM_FACTORS, {"none"}),
+        ("thermal_factor", THERMAL_FACTORS, {"none"}),
+    ],
+)
+def test_every_model_has_a_source(attribute: str, models: Iterable[str], without: set[str]) -> None:
+    known = MODELS[attribute].keys() | OWN.keys() | without
+    assert set(models) <= known
+    assert MODELS[attribute].keys() <= set(models)
+
+
+def test_sources_have_the_identifiers_of_the_pages() -> None:
+    pages = "\n".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    for key in ("pan_1989", "goksem_1978", "murch_1975", "gupta_1992", "fritsch_1980"):
+        assert WORKS[key].fields["doi"] in pages.replace("\n", " "), key
+
+
+def test_a_result_names_its_own_sources() -> None:
+    model = FrictionModel(coefficient="benedict_kelly")
+    tree = easeoff.analyze(
+        coarse("nasa-12x36", "shell"), torques=100.0, speed=1500.0, oil="pao-vg100", friction_model=model
+    )
+    found = {source.role: [work.key for work in source.works] for source in result_sources(tree)}
+    assert found["pair, by its title"] == ["bibel_1994"]
+    assert found["elastic teeth"] == ["kolivand_2009"]
+    assert found["friction coefficient"] == ["benedict_1961"]
+    assert found["oil"] == ["oil_pao_vg100"]
+    assert "10.1177/1350650118778655" in citation(tree)
+    bibtex = entries(citation(tree, bibtex=True))
+    assert {"benedict_1961", "oil_pao_vg100", "pan_1989", "blok_1937"} <= bibtex.keys()
+    assert "xu_2007" not in bibtex
+
+
+def test_models_of_the_package_itself_are_told_by_their_pages() -> None:
+    tree = xr.DataTree(xr.Dataset(attrs={"compliance_model": "solid_shell", "title": "my own pair"}))
+    (_, teeth) = result_sources(tree)
+    assert (teeth.model, teeth.works) == ("solid shell", ())
+    pages = {page.name for page in (ROOT / "docs").rglob("*.md")}
+    assert {word for remark in OWN.values() for word in remark.split() if word.endswith(".md")} <= pages
+
+
+def test_what_an_oil_file_says_does_not_break_bibtex() -> None:
+    oil = {"oil": "a/b c", "oil_title": r"100 % pure & cheap_oil {x} \end", "oil_source": "data sheet #3, 40-60 $"}
+    tree = xr.DataTree.from_dict({"/friction": xr.Dataset(attrs=oil)})
+    entry = entries(citation(tree, bibtex=True))["oil_a_b_c"]
+    assert entry["title"] == r"100 \% pure \& cheap\_oil \{x\} \textbackslash{}end"
+    assert entry["note"] == r"lubricant data: data sheet \#3, 40--60 \$"
+
+
+def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None:
+    runner = CliRunner()
+    assert "The easeoff developers" in runner.invoke(main, ["cite"]).output
+    assert list(entries(runner.invoke(main, ["cite", "--bibtex"]).output)) == ["easeoff", "kolivand_2009"]
+    wrong = runner.invoke(main, ["cite", str(tmp_path / "x.nc")])
+    assert wrong.exit_code == 2
+    assert "there is no such file" in wrong.output
+
+
+def test_work_without_author_is_named_by_its_title() -> None:
+    assert PublishedWork("x", "misc", {"title": "Oil", "year": "2026"}).text() == "Oil. 2026"
