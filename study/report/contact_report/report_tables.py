@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,10 @@ from ....core.ordered_values import ordered
 from ..contact_tables import end_name
 from ..deflection_report import misalignment_over_torque
 from ..key_numbers import key_numbers
+from ..load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
+from ..supports_report import supports_tables
 
+NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
 
 #: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
@@ -56,7 +60,7 @@ UNLOADED_ROWS = (
 
 
 def _written(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "–"
+    return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
 def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
@@ -71,8 +75,11 @@ def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     return [*rows, ["transmission error, orders 1, 2, 3", "µrad", "unloaded.harmonics", harmonics]]
 
 
-def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
-    """Torques, and rows name, unit, variable and a value a torque of the contact under load."""
+def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any]:
+    """Torques, and rows name, unit, variable and a value a torque of the contact under load.
+
+    Lengths along the pitch circle need the case.
+    """
     numbers = key_numbers(tree)
     loaded = tree["loaded"].to_dataset()
     rows = [
@@ -89,7 +96,7 @@ def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
     if "max_edge_share" in numbers:
         shares = [_written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
         rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
-    rows += _linear(tree, loaded)
+    rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
             values = numbers["max_root_stress"].sel(member=member).values
@@ -111,7 +118,24 @@ def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
     return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
-def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
+def mean_pitch_radius(case: Case) -> float | None:
+    """Pitch radius of the gear in the middle of its face [mm]; ``None`` without a blank."""
+    blank = with_blanks(case).gear.blank
+    if blank is None:
+        return None
+    return (blank.outer_cone_distance - 0.5 * blank.face_width) * math.sin(math.radians(blank.pitch_angle))
+
+
+def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]]:
+    radius = None if case is None else mean_pitch_radius(case)
+    if radius is None:
+        return []
+    source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
+    values = [_written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
+    return [["transmission error at the mean pitch radius, peak to peak", "µm", source, *values]]
+
+
+def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     """Transmission error as a length, and mesh stiffness by force, length and face width.
 
     Along the common normal, with the mean lever arm a [mm] of the common flank: a length is the angle times a, and a
@@ -135,20 +159,38 @@ def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     return rows
 
 
-def efficiency_rows(friction: xr.Dataset) -> dict[str, Any]:
-    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out."""
+def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
+    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out.
+
+    What is the greatest over segments is so over those of contact lines that carry.
+    """
     names = ("torque", "speed", "temperature", "roughness")
     columns: list[tuple[str, str, float, str]] = [
         ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
+        ("greatest friction coefficient", "friction_coefficient", 1.0, ".4f"),
+        ("greatest sliding [m/s]", "sliding_velocity", 1.0, ".2f"),
+        ("greatest p v [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
+        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".1f"),
+        ("greatest contact temperature [°C]", "max_contact_temperature", 1.0, ".1f"),
+        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
         ("power loss [W]", "mean_power_loss", 1.0, ".1f"),
         ("of it rolling [W]", "mean_rolling_loss", 1.0, ".1f"),
         ("efficiency [%]", "efficiency", 100.0, ".2f"),
-        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
-        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".0f"),
     ]
     columns = [column for column in columns if column[1] in friction]
-    tables = [factor * friction[variable].transpose(*names).values for _, variable, factor, _ in columns]
+    carries = loaded["pressure"].fillna(0.0) > 0.0
+    over = [
+        friction[variable].where(carries).max(["mesh_position", "segment"])
+        if "segment" in friction[variable].dims
+        else friction[variable]
+        for _, variable, *_ in columns
+    ]
     shape = tuple(friction.sizes[name] for name in names)
+    whole = xr.DataArray(np.ones(shape), dims=names)
+    tables = [
+        factor * (values * whole).transpose(*names).values
+        for values, (_, _, factor, _) in zip(over, columns, strict=True)
+    ]
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
         conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
@@ -157,6 +199,36 @@ def efficiency_rows(friction: xr.Dataset) -> dict[str, Any]:
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
     variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
+
+
+def supports_rows(tree: xr.DataTree) -> list[dict[str, Any]]:
+    """Tables of a pair on supports: heads, rows and variables."""
+    return [
+        {
+            "title": table.title,
+            "heads": [_headed(head) for head in table.heads],
+            "rows": [[NO_VALUE if cell == "-" else cell for cell in row] for row in table.rows],
+            "variables": list(table.variables),
+        }
+        for table in supports_tables(tree)
+    ]
+
+
+def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
+    """Tables of an analysis over load cases, means over the duty cycle, and notes."""
+    numbers = tree["load_cases"].to_dataset()
+    tables = []
+    for columns in (input_columns(numbers), result_columns(numbers)):
+        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
+        tables.append({"heads": [_headed(head) for head in columns], "rows": rows})
+    duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
+    return {"tables": tables, "duty": duty, "notes": load_case_notes(tree)}
+
+
+def _headed(head: str) -> str:
+    """Head of a column in one line, with the unit in brackets and its signs."""
+    words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
+    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def case_tables(case: Case) -> list[dict[str, Any]]:
