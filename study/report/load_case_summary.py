@@ -47,7 +47,14 @@ def load_case_summary(tree: xr.DataTree) -> str:
     """
     numbers = tree["load_cases"].to_dataset()
     title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(map(len, title)), "", _table(input_columns(numbers)), "", _table(result_columns(numbers))]
+    parts = [
+        "\n".join(title),
+        "=" * max(map(len, title)),
+        "",
+        _table(input_columns(numbers)),
+        "",
+        _table(result_columns(numbers)),
+    ]
     if "duty" in tree.children:
         parts += ["", duty_lines(tree["duty"].to_dataset())]
     notes = load_case_notes(tree)

@@ -58,7 +58,8 @@ def assembly_rows(here: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str,
     """Variable, name and both values at each torque of what an optimization records of one assembly."""
     torques = range(here.sizes["torque"])
     return [
-        (name, label, [_change(here[name].values[:, t], digits, arrow) for t in torques]) for label, name, digits in ROWS
+        (name, label, [_change(here[name].values[:, t], digits, arrow) for t in torques])
+        for label, name, digits in ROWS
     ]
 
 

@@ -55,7 +55,7 @@ class TorqueTable:
 
         Examples
         --------
-        >>> print(TorqueTable("Loads", ("torque\\nN m", "head\\nN"), (("100", "8000"),), ()).text().splitlines()[-1])
+        >>> print(TorqueTable("Loads", ("torque", "head"), (("100", "8000"),), ()).text().splitlines()[-1])
              100    8000
         """
         right = ("right",) * len(self.heads)
@@ -72,7 +72,7 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
     >>> import easeoff
     >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], supports="gearbox-nasa-12x36")
     >>> shares, loads = supports_tables(tree)
-    >>> [head.partition("\\n")[0] for head in shares.heads]
+    >>> [head.split()[0] for head in shares.heads]
     ['torque', 'whole', 'teeth', 'contact', 'supports', 'ease-off']
     >>> supports_tables(easeoff.analyze("nasa-12x36", torques=[100.0]))
     []

@@ -38,7 +38,16 @@ def chart(
         for number, (label, at, values) in enumerate(series)
         if np.any(np.isfinite(values))
     ]
-    return {"id": name, "title": title, "x": x, "y": y, "source": source, "series": shown, "by": by, "cycle": x == CYCLE}
+    return {
+        "id": name,
+        "title": title,
+        "x": x,
+        "y": y,
+        "source": source,
+        "series": shown,
+        "by": by,
+        "cycle": x == CYCLE,
+    }
 
 
 def _cycle(values: Array) -> tuple[Array, Array]:

@@ -122,7 +122,7 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     rows = []
     for step in shown:
         values = [*(f"{v:.2f}" for v in largest[step]), *(f"{v:.2f}" for v in ripple[step])]
-        rows.append([f"{turned[step]:.4g}", *values, *(f"{v:.0f}" if v == v else NO_VALUE for v in pressure[step])])
+        rows.append([f"{turned[step]:.0f}", *values, *(f"{v:.0f}" if v == v else NO_VALUE for v in pressure[step])])
     return {
         "name": name,
         "title": str(worn.attrs.get("title", "")),

@@ -25,10 +25,10 @@ LAYOUTS: dict[str, dict[str, tuple[str, ...]]] = {
     "V-H check": {
         "print_excess": ("place", *GRID),
         "in_plane": ("plane_axis", *GRID),
-        **{name: ("place",) for name in ("v", "h", "place_lengthwise", "place_profile", "status")},
+        **dict.fromkeys(("v", "h", "place_lengthwise", "place_profile", "status"), ("place",)),
         **{f"pattern_{name}": ("place",) for name in ("centre_lengthwise", "centre_profile", "from", "to", "height")},
         "peak_to_peak": ("place",),
-        **{name: () for name in ("total_v", "total_h", "h_over_v")},
+        **dict.fromkeys(("total_v", "total_h", "h_over_v"), ()),
     },
     "wear": {
         "wear_depth": ("step", "member", *GRID),
@@ -36,7 +36,7 @@ LAYOUTS: dict[str, dict[str, tuple[str, ...]]] = {
         "revolutions": ("step",),
         "largest_depth": ("step", "member"),
         "removed_volume": ("step", "member"),
-        **{name: ("step", "torque") for name in ("peak_to_peak", "max_pressure")},
+        **dict.fromkeys(("peak_to_peak", "max_pressure"), ("step", "torque")),
     },
 }
 
@@ -107,7 +107,9 @@ class GivenResults:
         """Take results of load cases, those of the greatest pressure if there is no room for all."""
         cases = dict(tree.children["results"].children) if "results" in tree.children else {}
         room = RESULT_COUNT_LIMIT - len(self.results)
-        peaks = {case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()}
+        peaks = {
+            case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()
+        }
         chosen = sorted(cases, key=lambda case: -peaks[case])[:room]
         for case in cases:
             if case in chosen:

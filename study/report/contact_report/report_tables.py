@@ -169,7 +169,7 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
         ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
         ("greatest friction coefficient", "friction_coefficient", 1.0, ".4f"),
         ("greatest sliding [m/s]", "sliding_velocity", 1.0, ".2f"),
-        ("greatest p v [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
+        ("greatest pressure × sliding [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
         ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".1f"),
         ("greatest contact temperature [°C]", "max_contact_temperature", 1.0, ".1f"),
         ("least film [µm]", "min_film_thickness", 1.0, ".3f"),

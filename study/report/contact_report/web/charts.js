@@ -88,7 +88,8 @@ class LineChart {
     }
     for (const x of ticks(...this.shown, 8)) {
       svg("line", { x1: left + this.px(x), x2: left + this.px(x), y1: bottom, y2: bottom + 4, class: "axis" }, this.drawing);
-      svg("text", { x: left + this.px(x), y: bottom + 17, "text-anchor": "middle" }, this.drawing, written(x));
+      const words = written(x), last = this.px(x) + 3.5 * words.length > CHART.width - left;
+      svg("text", { x: last ? CHART.width - 1 : left + this.px(x), y: bottom + 17, "text-anchor": last ? "end" : "middle" }, this.drawing, words);
     }
     svg("line", { x1: left, x2: left + wide, y1: bottom, y2: bottom, class: "axis" }, this.drawing);
     const turn = chart.cycle && this.result.teeth ? `, 1 is ${(360 / this.result.teeth).toFixed(2)}° of the pinion` : "";

@@ -84,6 +84,7 @@ window.addEventListener("hashchange", () => {
   }
 });
 
+document.documentElement.style.setProperty("--title", JSON.stringify(`Contact report: ${data.title}`));
 const header = element("header", "", document.body);
 element("h1", "", header, "Contact report");
 element("p", "case-title", header, data.title);
@@ -105,6 +106,7 @@ if (results.length) {
 const page = element("main", "", document.body);
 
 function summary() {
+  if (!results.length && !data.notes.length) return;
   const node = section("summary", "Summary");
   for (const note of data.notes) element("p", "note", node, note);
   for (const result of results) {
@@ -159,11 +161,17 @@ function easeOff() {
   }
 }
 
-// Deviation from the design, in shades to both sides of zero.
+// Deviation from the design, in shades to both sides of zero, which the middle one has about it.
 function departure(stored) {
-  const values = unpack(stored).filter(Number.isFinite), most = values.reduce((a, v) => Math.max(a, Math.abs(v)), 1e-3);
-  const step = ticks(0, most, 5), reach = Math.ceil(most / (step[1] || most) - 1e-9) * (step[1] || most);
-  return { raster: raster(stored), low: -reach, high: reach, levels: 20, map: "metal", unit: "µm", lines: true };
+  const most = unpack(stored).filter(Number.isFinite).reduce((a, v) => Math.max(a, Math.abs(v)), 1e-3);
+  const step = ticks(0, most, 10)[1], count = Math.max(Math.ceil(most / step - 0.5), 1), reach = (count + 0.5) * step;
+  return { raster: raster(stored), low: -reach, high: reach, levels: 2 * count + 1, map: "metal", unit: "µm", lines: true };
+}
+
+// The results that lack what a section shows, in one line.
+function lacking(parent, has) {
+  const names = results.filter((result) => !has(result)).map((result) => result.name);
+  if (names.length && names.length < results.length) element("p", "small", parent, `None: ${names.join(", ")}.`);
 }
 
 function deviations() {
@@ -177,7 +185,7 @@ function deviations() {
       new FlankPicture(grid, result, member, { id: "deviation", title: title(`Deviation of the ${member} flank`, result), source: own.source, keys: [], field: () => field, words: () => "from the design along the normal, positive where there is more metal; drawn on the common flank" });
     }
   }
-  for (const result of results) if (!Object.keys(result.deviations).length) element("p", "none", grid, `${result.name} has none.`);
+  lacking(node, (result) => Object.keys(result.deviations).length);
 }
 
 function modifications() {
@@ -185,13 +193,14 @@ function modifications() {
   const node = section("modification", "Modified ease-off");
   for (const result of results) {
     const own = result.modification;
-    if (!own) { if (several) element("p", "none", node, `${result.name} has none.`); continue; }
+    if (!own) continue;
     if (several) element("h3", "", node, result.name);
     const grid = element("div", "grid", node), field = departure(own.raster);
     new FlankPicture(grid, result, "gear", { id: "modification", title: "Addition to the ease-off, gear flank", source: "modification/modification", keys: [], field: () => field, words: () => "along the normal, positive where the gap grows" });
     storedTable(grid, { heads: ["term", "coefficient [µm]"], rows: own.terms, variables: ["modification/coefficient"] });
     for (const stage of own.stages) table(element("div", "wide", node), stage.heads, stage.rows, stage.title).classList.add("after-first");
   }
+  lacking(node, (result) => result.modification);
 }
 
 // Flanks of all results: of two results those of one member stand side by side.
@@ -290,7 +299,7 @@ function charts(id, name, key) {
   if (!results.some((result) => result.charts[key])) return;
   const node = section(id, name), grid = element("div", "grid", node);
   drawCharts(grid, key);
-  for (const result of results) if (!result.charts[key]) element("p", "none", grid, `${result.name} has none.`);
+  lacking(node, (result) => result.charts[key]);
 }
 
 const FRICTION = {
@@ -398,10 +407,18 @@ function compareNumbers(wide) {
   const rows = names.map((name) => {
     const [unit, , path] = own.find((one) => one.rows.has(name)).rows.get(name);
     const values = own.map((one) => (one.rows.has(name) ? one.rows.get(name)[1] : "–")), [a, b] = values.map(Number);
-    const change = Number.isFinite(a) && Number.isFinite(b) && a ? `${b >= a ? "+" : "−"}${Math.abs((100 * (b - a)) / a).toFixed(1)} %` : "";
+    const change = /mesh position/.test(name) ? "" : changed(a, b, unit, values[0]);
     return [name, unit, ...values, ...(own.length === 2 ? [change] : []), path.replace(/ [×/].*/, "")];
   });
   table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), "variable"], rows);
+}
+
+// Change of a number: of a share its difference, of anything else in per cent.
+function changed(a, b, unit, words) {
+  if (!Number.isFinite(a) || !Number.isFinite(b)) return "";
+  const sign = b >= a ? "+" : "−", digits = (words.split(".")[1] || "").length;
+  if (unit.startsWith("%")) return `${sign}${Math.abs(b - a).toFixed(digits)}`;
+  return a ? `${sign}${Math.abs((100 * (b - a)) / a).toFixed(1)} %` : "";
 }
 
 function loadCases() {
@@ -420,11 +437,12 @@ function supports() {
   if (!results.some((result) => result.supports.length)) return;
   const node = section("supports", "Supports");
   for (const result of results) {
-    if (!result.supports.length) { element("p", "none", node, `${result.name} has none.`); continue; }
+    if (!result.supports.length) continue;
     if (several) element("h3", "", node, result.name);
     for (const one of result.supports) storedTable(node, one);
   }
   drawCharts(element("div", "grid", node), "supports");
+  lacking(node, (result) => result.supports.length);
 }
 
 // A mark at fractions of a flank: a dot, or a cross.
@@ -508,7 +526,7 @@ if (results.length) {
   pressure();
   charts("error", "Transmission error", "error");
   charts("root", "Root stress", "root");
-  if (!results.some((result) => result.charts.root)) element("p", "small none", page, "Root stress: the results have none; the model fe computes it.");
+  if (!results.some((result) => result.charts.root)) element("p", "small none", page, "No root stress: the model of the teeth was not fe, which computes it.");
   friction();
 }
 wear();
