@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from ....contact.evaluation.projection_plane import ProjectionPlane
 from ....core.errors import EaseoffError
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
-from ....geometry.tooth.tooth_flanks import named_member
+from ....geometry.tooth.tooth_flanks import MemberName, named_member
 from ...plot.tooth_view import ToothView, fine_grid
 from ..optimization_report import assembly_rows, assembly_title, terms
 from .cycle_charts import chart
@@ -55,7 +55,7 @@ def deviation_fields(tree: xr.DataTree, case: Case | None, views: tuple[ToothVie
     return fields
 
 
-def _from_design(tree: xr.DataTree, case: Case, member: Literal["pinion", "gear"]) -> Array | None:
+def _from_design(tree: xr.DataTree, case: Case, member: MemberName) -> Array | None:
     """Distance [um] of a result's flank from the designed one along its normal, at the nodes of the result."""
     flanks = tree["flanks"].to_dataset()
     try:
@@ -110,7 +110,8 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     torques = [f"{torque:g} N m" for torque in worn["torque"].values]
     depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
     members = [str(member) for member in worn["member"].values]
-    planes = {member: ProjectionPlane.of(worn, member) for member in MEMBERS}
+    both: tuple[MemberName, ...] = get_args(MemberName)
+    planes = {member: ProjectionPlane.of(worn, member) for member in both}
     largest, ripple, pressure = (
         ordered(worn, variable, "step", over)
         for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
@@ -133,9 +134,9 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
                 "window": list(ToothView(planes[member], None, ()).window),  # type: ignore[arg-type]
                 "common": [],
             }
-            for member in MEMBERS
+            for member in both
         },
-        "depth": {member: packed(_fine(depth[members.index(member)])) for member in MEMBERS},
+        "depth": {member: packed(_fine(depth[members.index(member)])) for member in both},
         "table": {
             "heads": heads,
             "rows": rows,
@@ -172,4 +173,4 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
 
 def _even(count: int) -> list[int]:
     """Numbers of evenly chosen steps, the first and the last one among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, STEP_COUNT_LIMIT)).round().astype(int)).tolist()
+    return [int(step) for step in np.unique(np.linspace(0, count - 1, min(count, STEP_COUNT_LIMIT)).round())]

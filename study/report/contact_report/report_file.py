@@ -70,9 +70,9 @@ def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: s
     ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     True
     """
-    single = isinstance(results, xr.DataTree | xr.Dataset)
-    named = by_name([results] if single else results) if single or not isinstance(results, Mapping) else results
-    text = report_page(named)
+    if isinstance(results, xr.DataTree | xr.Dataset):
+        results = [results]
+    text = report_page(results if isinstance(results, Mapping) else by_name(results))
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
