@@ -70,9 +70,13 @@ def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: s
     ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     True
     """
-    if isinstance(results, xr.DataTree | xr.Dataset):
-        results = [results]
-    text = report_page(results if isinstance(results, Mapping) else by_name(results))
+    if isinstance(results, Sequence):
+        named = by_name(results)
+    elif isinstance(results, xr.DataTree | xr.Dataset):
+        named = by_name([results])
+    else:
+        named = dict(results)
+    text = report_page(named)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
