@@ -20,11 +20,11 @@ from ..optimization_report import assembly_rows, assembly_title, terms
 from .cycle_charts import chart
 from .flank_raster import RASTER, gear_raster
 from .packed_array import packed
-from .report_tables import NO_VALUE
+from .report_tables import written
 
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
-STEP_COUNT_LIMIT = 12  # rows of the table of wear
+STEP_COUNT_LIMIT, TORQUE_COUNT_LIMIT = 12, 3  # rows of the table of wear, and columns of it
 
 
 def deviation_fields(tree: xr.DataTree, case: Case | None, views: tuple[ToothView, ...]) -> dict[str, Any]:
@@ -116,14 +116,19 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
         ordered(worn, variable, "step", over)
         for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
     )
-    label, shown = "revolutions of the pinion", _even(turned.size)
+    label = "revolutions of the pinion"
     heads = ["revolutions", *(f"depth, {member} [µm]" for member in members)]
-    heads += [f"transmission error, {torque} [µrad]" for torque in torques]
-    heads += [f"greatest pressure, {torque} [MPa]" for torque in torques]
+    several = len(torques) > TORQUE_COUNT_LIMIT
+    at = ["greatest of all torques"] if several else torques
+    shown_error, shown_pressure = (
+        np.max(values, axis=1, keepdims=True) if several else values for values in (ripple, pressure)
+    )
+    heads += [f"transmission error, {words} [µrad]" for words in at]
+    heads += [f"greatest pressure, {words} [MPa]" for words in at]
     rows = []
-    for step in shown:
-        values = [*(f"{v:.2f}" for v in largest[step]), *(f"{v:.2f}" for v in ripple[step])]
-        rows.append([f"{turned[step]:.0f}", *values, *(f"{v:.0f}" if v == v else NO_VALUE for v in pressure[step])])
+    for step in _even(turned.size):
+        cells = [*(f"{v:.2f}" for v in largest[step]), *(written(v, ".2f") for v in shown_error[step])]
+        rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in shown_pressure[step])])
     return {
         "name": name,
         "title": str(worn.attrs.get("title", "")),

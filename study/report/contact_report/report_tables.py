@@ -59,7 +59,12 @@ UNLOADED_ROWS = (
 )
 
 
-def _written(value: float, form: str) -> str:
+def written(value: float, form: str) -> str:
+    """A number in a format; a dash if there is none.
+
+    >>> written(1.234, ".2f"), written(math.nan, ".2f")
+    ('1.23', '–')
+    """
     return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
@@ -67,7 +72,7 @@ def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     """Rows name, unit, variable and value of the contact without load."""
     numbers = key_numbers(tree)
     rows = [
-        [name, unit, path, _written(factor * float(numbers[variable]), form)]
+        [name, unit, path, written(factor * float(numbers[variable]), form)]
         for name, unit, variable, path, factor, form in UNLOADED_ROWS
         if variable in numbers
     ]
@@ -83,7 +88,7 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
     numbers = key_numbers(tree)
     loaded = tree["loaded"].to_dataset()
     rows = [
-        [name, unit, f"loaded/{variable}", *(_written(factor * v, form) for v in numbers[variable].values)]
+        [name, unit, f"loaded/{variable}", *(written(factor * v, form) for v in numbers[variable].values)]
         for name, unit, variable, factor, form in LOADED_ROWS
         if variable in numbers
     ]
@@ -94,13 +99,13 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
     if "max_edge_share" in numbers:
-        shares = [_written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
+        shares = [written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
         rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
     rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
             values = numbers["max_root_stress"].sel(member=member).values
-            stresses = (_written(v, ".0f") for v in values)
+            stresses = (written(v, ".0f") for v in values)
             rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
     positions = loaded.sizes["mesh_position"]
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
@@ -131,7 +136,7 @@ def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]
     if radius is None:
         return []
     source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
-    values = [_written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
+    values = [written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
     return [["transmission error at the mean pitch radius, peak to peak", "µm", source, *values]]
 
 
@@ -145,7 +150,7 @@ def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     grid = ("lengthwise", "profile")
     arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
     source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
-    errors = [_written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
+    errors = [written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
     rows = [["transmission error along the normal, peak to peak", "µm", source, *errors]]
     if "mean_mesh_stiffness" in loaded:
         position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
@@ -154,7 +159,7 @@ def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
         width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
         source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
         # N m/urad is 1e9 N mm/rad; over mm^2 that is N/mm, a thousandth of it N/um.
-        values = [_written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
+        values = [written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
         rows.append(["mesh stiffness along the normal by face width", "N/(µm mm)", source, *values])
     return rows
 
@@ -194,7 +199,7 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
         conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        found = [_written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        found = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
         rows.append([*conditions, *found])
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
     variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]

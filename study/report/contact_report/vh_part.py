@@ -14,6 +14,7 @@ from .packed_array import packed
 
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
+COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
 HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")
 VARIABLES = "v, h, pattern_centre_lengthwise, pattern_centre_profile, pattern_from, pattern_to, pattern_height"
@@ -75,9 +76,10 @@ def _grid(found: xr.Dataset) -> dict[str, Any]:
     """Prints over V and H, row by row of H from the greatest one down."""
     prints = ordered(found, "grid_print_excess", "v_grid", "h_grid", *GRID)
     centre = [ordered(found, f"grid_pattern_centre_{name}", "v_grid", "h_grid") for name in GRID]
+    drawn = prints[..., ::COARSER, ::COARSER]
     cells = [
         [
-            {"print": _print(prints[i, j]), "centre": [_finite(values[i, j]) for values in centre]}
+            {"print": _print(drawn[i, j]), "centre": [_finite(values[i, j]) for values in centre]}
             for i in range(prints.shape[0])
         ]
         for j in reversed(range(prints.shape[1]))

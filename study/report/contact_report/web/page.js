@@ -480,7 +480,7 @@ function vhGrid(node, check) {
   const grid = element("div", "cells", box);
   grid.style.gridTemplateColumns = `auto repeat(${v.length}, minmax(0, 1fr))`;
   h.forEach((value, j) => {
-    element("span", "small", grid, `H ${signed(value)}`);
+    element("span", "small", grid, signed(value));
     v.forEach((_, i) => {
       const { print, centre } = cells[j][i];
       if (!print) { element("span", "none", grid, "no contact"); return; }
@@ -488,8 +488,8 @@ function vhGrid(node, check) {
     });
   });
   element("span", "", grid);
-  for (const value of v) element("span", "small", grid, `V ${signed(value)}`);
-  element("p", "small", box, "V and H in mm; toe on the left, tip at the top");
+  for (const value of v) element("span", "small", grid, signed(value));
+  element("p", "small", box, "V to the right, H upwards, in mm; toe on the left, tip at the top; dot: centre");
 }
 
 function wear() {
