@@ -41,7 +41,7 @@ LOADED_ROWS = (
     ("greatest pressure, mesh position", "", "max_pressure_position", 1.0, ".2f"),
 )
 UNLOADED_ROWS = (
-    ("common flank", "% of the gear flank", "common_flank", "ease_off/inside", 100.0, ".0f"),
+    ("common flank, part of the gear flank", "%", "common_flank", "ease_off/inside", 100.0, ".0f"),
     ("greatest ease-off", "µm", "max_ease_off", "ease_off/ease_off", 1.0, ".1f"),
     ("transmission error, peak to peak", "µrad", "unloaded_peak_to_peak", "unloaded.peak_to_peak", 1.0, ".2f"),
     (
@@ -76,8 +76,10 @@ def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
         for name, unit, variable, path, factor, form in UNLOADED_ROWS
         if variable in numbers
     ]
-    harmonics = " / ".join(f"{value:.2f}" for value in numbers["unloaded_harmonic"].values)
-    return [*rows, ["transmission error, orders 1, 2, 3", "µrad", "unloaded.harmonics", harmonics]]
+    orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
+    return rows + [
+        [f"transmission error, order {o:g}", "µrad", "unloaded.harmonics", written(v, ".2f")] for o, v in orders
+    ]
 
 
 def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any]:

@@ -396,7 +396,7 @@ function comparison() {
 function compareNumbers(wide) {
   wide.replaceChildren();
   const own = results.map((result) => {
-    const loaded = result.loaded_numbers, at = nearest(loaded.torques.map(Number), state.torque), rows = new Map();
+    const loaded = result.loaded_numbers, at = nearest(loaded.torques.map(Number), result.torques[torqueOf(result)]), rows = new Map();
     for (const [name, unit, path, ...values] of loaded.rows) rows.set(name, [unit, values[at], path]);
     const efficiency = result.over_torque.efficiency;
     if (efficiency) rows.set("efficiency, middle speed", ["%", unpack(efficiency.y)[nearest(Array.from(unpack(efficiency.x)), Number(loaded.torques[at]))].toFixed(2), efficiency.source]);
@@ -408,9 +408,9 @@ function compareNumbers(wide) {
     const [unit, , path] = own.find((one) => one.rows.has(name)).rows.get(name);
     const values = own.map((one) => (one.rows.has(name) ? one.rows.get(name)[1] : "–")), [a, b] = values.map(Number);
     const change = /mesh position/.test(name) ? "" : changed(a, b, unit, values[0]);
-    return [name, unit, ...values, ...(own.length === 2 ? [change] : []), path.replace(/ [×/].*/, "")];
+    return [name, unit, ...values, ...(own.length === 2 ? [change] : []), ...(own.length > 3 ? [] : [path.replace(/ [×/].*/, "")])];
   });
-  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), "variable"], rows);
+  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows).classList.add(own.length > 3 ? "many" : "few");
 }
 
 // Change of a number: of a share its difference, of anything else in per cent.
@@ -418,6 +418,7 @@ function changed(a, b, unit, words) {
   if (!Number.isFinite(a) || !Number.isFinite(b)) return "";
   const sign = b >= a ? "+" : "−", digits = (words.split(".")[1] || "").length;
   if (unit.startsWith("%")) return `${sign}${Math.abs(b - a).toFixed(digits)}`;
+  if (a * b > 0 && b / a >= 10) return `× ${written(Number((b / a).toPrecision(3)))}`;
   return a ? `${sign}${Math.abs((100 * (b - a)) / a).toFixed(1)} %` : "";
 }
 
