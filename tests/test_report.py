@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 import io
-import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +16,11 @@ from browser import Browser, chromium
 from click.testing import CliRunner
 from matplotlib.image import imread
 from numpy.typing import NDArray
+from report_content import coarse, content, unpacked
 from scipy.interpolate import RegularGridInterpolator
 
-from easeoff import InputError, analyze, read_case, write_result
+from easeoff import InputError, analyze, write_result
 from easeoff.cases import Deflections, LoadCase
-from easeoff.cases.changes import changed_case
-from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import Status
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.core.compiled.compiled_use import without_compiled_code
@@ -34,16 +31,11 @@ from easeoff.study import analyze_load_cases, key_numbers, write_report
 from easeoff.study.cli import main
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.contact_report import flank_raster, mesh_scene, packed_array, stored_case
-from easeoff.study.report.contact_report.report_file import RESULT_COUNT_LIMIT, report_page
+from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT
+from easeoff.study.report.contact_report.report_file import report_page
 
 Array = NDArray[Any]
 SIZE_LIMIT = 6e6  # [byte] of a report
-
-
-def coarse(**changes: float) -> Case:
-    """The pair 11 x 41 at few mesh positions."""
-    size = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15} | changes
-    return changed_case(read_case("fm-11x41"), {f"contact.{key}": value for key, value in size.items()})
 
 
 @pytest.fixture(scope="module")
@@ -56,22 +48,6 @@ def drive() -> xr.DataTree:
 def coast() -> xr.DataTree:
     with without_compiled_code():
         return analyze(coarse(), torques=[100.0], flank="coast")
-
-
-def content(page: str) -> Any:
-    """Data of a page."""
-    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
-    assert found is not None
-    return json.loads(found[1])
-
-
-def unpacked(stored: Mapping[str, Any]) -> Array:
-    """Array as the page reads it."""
-    raw = base64.b64decode(stored["data"])
-    if "step" not in stored:
-        return np.frombuffer(raw, "<f4").reshape(stored["shape"])
-    codes = np.frombuffer(raw, "<u2").astype(float).reshape(stored["shape"])
-    return np.where(codes == 65535, np.nan, stored["low"] + stored["step"] * codes)
 
 
 def changed(tree: xr.DataTree, **groups: xr.Dataset | None) -> xr.DataTree:

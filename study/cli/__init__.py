@@ -146,11 +146,8 @@ for _command in (
     correct,
     wear,
     oil,
-<<<<<<< HEAD
     new,
     completion,
-=======
     cite,
->>>>>>> b1b95d69b544b91eb123292b6a294b76005ae027
 ):
     main.add_command(_command)

@@ -112,14 +112,15 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 def report(results: tuple[Path, ...], output: Path) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
-    RESULT is a file of 'easeoff run'; several, such as drive and coast or before and after a change, stand side by side
-    under the names of their files. The report holds case, numbers, charts, pictures of the flanks that answer the
-    pointer, and teeth in three dimensions. It opens in any browser without a network, which also prints it.
+    RESULT is a file of 'easeoff run', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before and after
+    a change, stand side by side under the names of their files. The report holds case, numbers, charts, pictures of the
+    flanks that answer the pointer, and teeth in three dimensions. It opens in any browser without a network, which also
+    prints it.
     """
     from ...core.errors import InputError
     from ...core.writing.output_file import check_writable
+    from ..report.contact_report.given_results import read_given
     from ..report.contact_report.report_file import write_report
-    from ..result import read_result
 
     check_writable(output, *results, suffix=".html")
     names = [path.stem for path in results]
@@ -129,7 +130,7 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     if twice is not None:
         raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
     with working("drawing the report"):
-        write_report(dict(zip(names, map(read_result, results), strict=True)), output)
+        write_report(dict(zip(names, map(read_given, results), strict=True)), output)
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
     echo("next: open it in a browser, which also prints it")
 

@@ -25,28 +25,42 @@ def optimization_report(tree: xr.DataTree) -> str:
         A result of ``optimize``.
     """
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
-    values = surface["coefficient"].values
-    terms = [(str(name), f"{value:+.2f}") for name, value in zip(surface["term"].values, values, strict=True)]
     extent = np.abs(surface["modification"].values).max()
     parts = [
         f"Modification, up to {extent:.1f} um",
-        tabulate(terms, headers=("term", "um"), disable_numparse=True, colalign=("left", "right")),
+        tabulate(terms(surface), headers=("term", "um"), disable_numparse=True, colalign=("left", "right")),
     ]
     torques = [f"{torque:g}" for torque in record["torque"].values]
     for number in range(record.sizes["assembly"]):
         here = record.isel(assembly=number)
-        rows = [
-            (label, *(_change(here[name].values[:, t], digits) for t in range(len(torques))))
-            for label, name, digits in ROWS
-        ]
-        title = "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
-        parts.append(f"Before -> after, {title}")
+        rows = [(label, *changes) for _, label, changes in assembly_rows(here)]
+        parts.append(f"Before -> after, {assembly_title(here, number)}")
         headers = ("torque [N m]", *torques)
         parts.append(
             tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
         )
     parts.append("Contact on lines alone, without tooth edges: 'easeoff run' shows what edges carry")
     return "\n\n".join([*parts, *notes(tree)])
+
+
+def terms(surface: xr.Dataset) -> list[tuple[str, str]]:
+    """Terms of a modification and their coefficients [um]."""
+    pairs = zip(surface["term"].values, surface["coefficient"].values, strict=True)
+    return [(str(name), f"{value:+.2f}") for name, value in pairs]
+
+
+def assembly_title(here: xr.Dataset, number: int) -> str:
+    """Name of an assembly of an optimization."""
+    return "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
+
+
+def assembly_rows(here: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str, list[str]]]:
+    """Variable, name and both values at each torque of what an optimization records of one assembly."""
+    torques = range(here.sizes["torque"])
+    return [
+        (name, label, [_change(here[name].values[:, t], digits, arrow) for t in torques])
+        for label, name, digits in ROWS
+    ]
 
 
 def notes(tree: xr.DataTree) -> list[str]:
@@ -75,8 +89,8 @@ def notes(tree: xr.DataTree) -> list[str]:
     return [*found, *deflection_notes(tree)]
 
 
-def _change(both: np.ndarray, digits: int) -> str:
-    return f"{both[0]:.{digits}f} -> {both[1]:.{digits}f}"
+def _change(both: np.ndarray, digits: int, arrow: str) -> str:
+    return f"{both[0]:.{digits}f}{arrow}{both[1]:.{digits}f}"
 
 
 def _errors(here: xr.Dataset) -> str:

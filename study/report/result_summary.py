@@ -20,6 +20,7 @@ from .notes.edge_load import edge_notes
 from .notes.plausibility import plausibility
 from .notes.pressure_jumps import jump_notes
 from .notes.ranges import range_notes
+from .supports_report import supports_tables, supports_words
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
@@ -175,6 +176,7 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
         ("pair", f"{pair}, {attrs['flank']} flanks"),
         ("misalignment", misaligned),
         ("deflections", str(attrs.get("deflections", ""))),
+        ("supports", supports_words(tree)),
         ("deviating flanks", deviations(attrs)),
         ("modified ease-off", modification(attrs)),
         ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
@@ -223,6 +225,8 @@ def result_summary(tree: xr.DataTree) -> str:
     parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
     if table := deflection_table(tree):
         parts += ["Misalignment over the torque", "", table, ""]
+    for supported in supports_tables(tree):
+        parts += [supported.text(), ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
     parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
     if "friction" in tree.children:

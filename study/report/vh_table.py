@@ -23,6 +23,13 @@ def vh_table(found: xr.Dataset) -> str:
     >>> print(vh_table(vh_check("fh-design-a", share=0.3)).splitlines()[-1].partition(":")[0])
     toe to heel
     """
+    table = tabulate(vh_rows(found), headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))
+    lines = [table, *reasons(found), "", totals(found)]
+    return "\n".join(lines)
+
+
+def vh_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
+    """Cells of the table, a row a place; of one that was not reached its name and these words alone."""
     rows: list[tuple[str, ...]] = []
     for place in found["place"].values:
         one = found.sel(place=place)
@@ -42,9 +49,7 @@ def vh_table(found: xr.Dataset) -> str:
                 f"{value['peak_to_peak']:.1f}",
             )
         )
-    table = tabulate(rows, headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))
-    lines = [table, *reasons(found), "", totals(found)]
-    return "\n".join(lines)
+    return rows
 
 
 def reasons(found: xr.Dataset) -> list[str]:

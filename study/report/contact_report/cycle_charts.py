@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....core.ordered_values import ordered
 from ...plot.transmission_error_chart import unloaded_curves
+from ..supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
 Array = NDArray[Any]
@@ -37,7 +38,16 @@ def chart(
         for number, (label, at, values) in enumerate(series)
         if np.any(np.isfinite(values))
     ]
-    return {"id": name, "title": title, "x": x, "y": y, "source": source, "series": shown, "by": by}
+    return {
+        "id": name,
+        "title": title,
+        "x": x,
+        "y": y,
+        "source": source,
+        "series": shown,
+        "by": by,
+        "cycle": x == CYCLE,
+    }
 
 
 def _cycle(values: Array) -> tuple[Array, Array]:
@@ -92,8 +102,20 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
     return found
 
 
-def transmission_error_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
-    """Without load, under load, about the mean, and its orders by number and over torque."""
+def transmission_error_charts(
+    tree: xr.DataTree, chosen: NDArray[Any], radius: float | None = None
+) -> list[dict[str, Any]]:
+    """Without load, under load, about the mean, and its orders by number and over torque.
+
+    Parameters
+    ----------
+    tree
+        A result.
+    chosen
+        Numbers of torques.
+    radius
+        Mean pitch radius of the gear [mm], for a second scale with lengths [um] along its pitch circle.
+    """
     loaded = tree["loaded"].to_dataset()
     names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
     error = ordered(loaded, "transmission_error", *LOADED)[chosen]
@@ -152,6 +174,9 @@ def transmission_error_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[d
                 series,
             )
         )
+    if radius is not None:
+        second = {"factor": 1e-3 * radius, "label": "[µm] at the mean pitch radius"}
+        charts = [one | {"second": second} if one["id"] != "te_unloaded" else one for one in charts]
     return charts
 
 
@@ -196,6 +221,32 @@ def _course(name: str, title: str, y: str, source: str, names: Sequence[str], ta
     return chart(
         name, title, CYCLE, y, source, [(n, *_cycle(v)) for n, v in zip(names, table, strict=True)], by="torque"
     )
+
+
+def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
+    """Parts of the gear's rotation over torque, and bearing loads over the mesh cycle."""
+    group = tree["supports"].to_dataset()
+    torques = group["torque"].values
+    rank = np.argsort(torques)
+    parts = [(n, torques[rank], ordered(group, v, *LOADED).mean(axis=1)[rank]) for n, v in SHARES.items()]
+    charts = []
+    if torques.size > 1:
+        source = "supports/teeth_rotation, contact_rotation, supports_rotation, ease_off_rotation"
+        title = "Parts of the gear's rotation, mean over the mesh cycle"
+        charts.append(chart("rotation_parts", title, "torque at the pinion [N m]", "[µrad]", source, parts))
+    names, radial, axial = bearing_loads(tree)
+    place = np.argsort(rank)[chosen]  # these rise with the torque
+    for name, title, force in (("radial", "Radial", radial), ("axial", "Axial", axial)):
+        series = [
+            (f"{torques[i]:g} N m, {bearing}", *_cycle(force[number, k]))
+            for i, k in zip(chosen, place, strict=True)
+            for number, bearing in enumerate(names)
+        ]
+        if series:
+            words = f"{title} bearing loads" + (", positive towards the heel" if name == "axial" else "")
+            one = chart(f"bearing_{name}", words, CYCLE, "[N]", "supports/bearing_force", series, by="only")
+            charts.append(one | {"per": len(names)})
+    return charts
 
 
 def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[str, Any]]:

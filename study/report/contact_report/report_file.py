@@ -13,15 +13,23 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.writing.output_file import whole_file
 from ....friction.operation import named_models
 from ..result_summary import head_rows, result_notes
-from .report_tables import case_tables, efficiency_rows, loaded_numbers, misalignment_rows, unloaded_numbers
+from .given_results import GivenResults, by_name
+from .report_tables import (
+    case_tables,
+    efficiency_rows,
+    load_case_rows,
+    loaded_numbers,
+    mean_pitch_radius,
+    misalignment_rows,
+    supports_rows,
+    unloaded_numbers,
+)
 from .stored_case import stored_case
 
-RESULT_COUNT_LIMIT = 6  # in one report
 TORQUE_COUNT, SPEED_COUNT = 12, 9  # with pictures of the flanks, of all results together
 TORQUE_LIMIT, SPEED_LIMIT = 6, 3  # with pictures of the flanks, of each result
 PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
@@ -30,23 +38,26 @@ PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 
 
-def write_report(
-    results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTree], path: str | os.PathLike[str]
-) -> None:
+Given = xr.DataTree | xr.Dataset
+
+
+def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: str | os.PathLike[str]) -> None:
     """Write the report of one or several results: tables, charts, flank pictures and turnable teeth in one HTML file.
 
     Parameters
     ----------
     results
-        One or up to six results of ``analyze`` or ``read_result``; by the name that the report gives them, or in a
-        sequence, of which the report takes flank or title. One of load cases counts as the results of all of them.
+        One or up to six results of ``analyze``, ``optimize`` or ``read_result``; by the name that the report gives
+        them, or in a sequence, of which the report takes flank or title. Of one of load cases, those of the greatest
+        pressure have pictures, and all are in a table. V-H checks of ``study.vh_check`` and histories of
+        ``study.wear`` may be among them, or alone.
     path
         File to write, replaced if it exists; missing folders are made.
 
     Raises
     ------
     InputError
-        If there is no result or too many, one is none of ``analyze``, or the file cannot be written.
+        If there is no result or too many, one is none of these, or the file cannot be written.
 
     Examples
     --------
@@ -59,55 +70,38 @@ def write_report(
     ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     True
     """
-    text = report_page(_named(results))
+    if isinstance(results, Sequence):
+        named = by_name(results)
+    elif isinstance(results, xr.DataTree | xr.Dataset):
+        named = by_name([results])
+    else:
+        named = dict(results)
+    text = report_page(named)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def _named(results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
-    """Results by name, with those of load cases in the place of the result that holds them."""
-    given = _by_name([results] if isinstance(results, xr.DataTree) else results)
-    named: dict[str, xr.DataTree] = {}
-    for name, tree in given.items():
-        if "load_cases" not in tree.children:
-            named[printable(name)] = tree
-        elif "results" in tree.children:
-            cases = tree.children["results"].children.items()
-            named |= {printable(case if len(given) == 1 else f"{name}, {case}"): result for case, result in cases}
-    if not 1 <= len(named) <= RESULT_COUNT_LIMIT:
-        raise InputError(
-            f"results = {len(named)} results, load cases counted: must be 1 to {RESULT_COUNT_LIMIT} for one report"
-        )
-    for name, tree in named.items():
-        if "loaded" not in tree.children:
-            raise InputError(f"{name}: must be a result of 'easeoff run'")
-    return named
-
-
-def _by_name(results: Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
-    """Results by name: the given one, else by flank or title, with a number where these are alike."""
-    if isinstance(results, Mapping):
-        return dict(results)
-    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
-    names = flanks if len(set(titles)) == 1 else titles
-    if len(set(names)) < len(names):
-        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
-    return dict(zip(names, results, strict=True))
-
-
-def report_page(results: Mapping[str, xr.DataTree]) -> str:
+def report_page(results: Mapping[str, Given]) -> str:
     """Text of the page with results by name."""
     from ....core.compiled.compiled_use import without_compiled_code
     from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
+    from . import flank_departures, vh_part
 
+    given = GivenResults.of(results)
     with default_style(), without_compiled_code():  # a page needs too little of that code to load it for
-        data: dict[str, Any] = {"results": [_content(name, tree, len(results)) for name, tree in results.items()]}
-    title = " · ".join(dict.fromkeys(str(tree.attrs.get("title", "")) for tree in results.values()))
+        data: dict[str, Any] = {
+            "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
+            "checks": [vh_part.vh_part(name, found) for name, found in given.checks.items()],
+            "wear": [flank_departures.wear_part(name, worn) for name, worn in given.wear.items()],
+            "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
+            "notes": given.notes,
+        }
+    title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
     data |= {"title": printable(title), "version": printable(str(version))}
     # "<" would end the element that holds the data, or open a comment.
     text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
-    folder = resources.files(__package__)
+    folder = resources.files(__package__) / "web"
     style = folder.joinpath("page.css").read_text(encoding="utf-8")
     script = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in PARTS)
     heading = html.escape(f"Contact report: {data['title']}")
@@ -126,7 +120,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     """Everything that the page shows of one result."""
     from ...plot.page import evenly_chosen
     from ...plot.tooth_view import tooth_view
-    from . import cycle_charts, flank_pictures
+    from . import cycle_charts, flank_departures, flank_pictures
     from .mesh_scene import mesh_scene
 
     case = stored_case(tree)
@@ -142,7 +136,11 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "misalignment": misalignment_rows(tree),
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
-        "loaded_numbers": loaded_numbers(tree),
+        "loaded_numbers": loaded_numbers(tree, case),
+        "supports": supports_rows(tree),
+        "deviations": flank_departures.deviation_fields(tree, case, views),
+        "modification": flank_departures.modification_part(tree),
+        "teeth": int(tree.attrs["pinion_teeth"]),
         "torques": loaded["torque"].values[chosen].tolist(),
         "torque_count": loaded.sizes["torque"],
         "positions": loaded["mesh_position"].values.tolist(),
@@ -152,13 +150,17 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
         "segments": flank_pictures.segments(loaded, chosen, views),
         "charts": {
-            "error": cycle_charts.transmission_error_charts(tree, chosen),
+            "error": cycle_charts.transmission_error_charts(
+                tree, chosen, None if case is None else mean_pitch_radius(case)
+            ),
             "contact": cycle_charts.contact_charts(tree, chosen),
         },
         "over_torque": cycle_charts.over_torque(tree),
         "scene": None if case is None else mesh_scene(tree, case),
         "friction": None,
     }
+    if "supports" in tree.children:
+        content["charts"]["supports"] = cycle_charts.supports_charts(tree, chosen)
     if "root_stress" in tree.children:
         content["charts"]["root"] = cycle_charts.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
     if "friction" in tree.children:
@@ -174,7 +176,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "speeds": friction["speed"].values[speeds].tolist(),
             "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
             "map": cycle_charts.efficiency_map(friction, middle),
-            "table": efficiency_rows(friction),
+            "table": efficiency_rows(friction, loaded),
         }
     return content
 

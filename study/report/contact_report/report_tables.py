@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,10 @@ from ....core.ordered_values import ordered
 from ..contact_tables import end_name
 from ..deflection_report import misalignment_over_torque
 from ..key_numbers import key_numbers
+from ..load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
+from ..supports_report import supports_tables
 
+NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
 
 #: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
@@ -37,7 +41,7 @@ LOADED_ROWS = (
     ("greatest pressure, mesh position", "", "max_pressure_position", 1.0, ".2f"),
 )
 UNLOADED_ROWS = (
-    ("common flank", "% of the gear flank", "common_flank", "ease_off/inside", 100.0, ".0f"),
+    ("common flank, part of the gear flank", "%", "common_flank", "ease_off/inside", 100.0, ".0f"),
     ("greatest ease-off", "µm", "max_ease_off", "ease_off/ease_off", 1.0, ".1f"),
     ("transmission error, peak to peak", "µrad", "unloaded_peak_to_peak", "unloaded.peak_to_peak", 1.0, ".2f"),
     (
@@ -55,28 +59,38 @@ UNLOADED_ROWS = (
 )
 
 
-def _written(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "–"
+def written(value: float, form: str) -> str:
+    """A number in a format; a dash if there is none.
+
+    >>> written(1.234, ".2f"), written(math.nan, ".2f")
+    ('1.23', '–')
+    """
+    return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
 def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     """Rows name, unit, variable and value of the contact without load."""
     numbers = key_numbers(tree)
     rows = [
-        [name, unit, path, _written(factor * float(numbers[variable]), form)]
+        [name, unit, path, written(factor * float(numbers[variable]), form)]
         for name, unit, variable, path, factor, form in UNLOADED_ROWS
         if variable in numbers
     ]
-    harmonics = " / ".join(f"{value:.2f}" for value in numbers["unloaded_harmonic"].values)
-    return [*rows, ["transmission error, orders 1, 2, 3", "µrad", "unloaded.harmonics", harmonics]]
+    orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
+    return rows + [
+        [f"transmission error, order {o:g}", "µrad", "unloaded.harmonics", written(v, ".2f")] for o, v in orders
+    ]
 
 
-def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
-    """Torques, and rows name, unit, variable and a value a torque of the contact under load."""
+def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any]:
+    """Torques, and rows name, unit, variable and a value a torque of the contact under load.
+
+    Lengths along the pitch circle need the case.
+    """
     numbers = key_numbers(tree)
     loaded = tree["loaded"].to_dataset()
     rows = [
-        [name, unit, f"loaded/{variable}", *(_written(factor * v, form) for v in numbers[variable].values)]
+        [name, unit, f"loaded/{variable}", *(written(factor * v, form) for v in numbers[variable].values)]
         for name, unit, variable, factor, form in LOADED_ROWS
         if variable in numbers
     ]
@@ -87,13 +101,13 @@ def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
     if "max_edge_share" in numbers:
-        shares = [_written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
+        shares = [written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
         rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
-    rows += _linear(tree, loaded)
+    rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
             values = numbers["max_root_stress"].sel(member=member).values
-            stresses = (_written(v, ".0f") for v in values)
+            stresses = (written(v, ".0f") for v in values)
             rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
     positions = loaded.sizes["mesh_position"]
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
@@ -111,7 +125,24 @@ def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
     return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
-def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
+def mean_pitch_radius(case: Case) -> float | None:
+    """Pitch radius of the gear in the middle of its face [mm]; ``None`` without a blank."""
+    blank = with_blanks(case).gear.blank
+    if blank is None:
+        return None
+    return (blank.outer_cone_distance - 0.5 * blank.face_width) * math.sin(math.radians(blank.pitch_angle))
+
+
+def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]]:
+    radius = None if case is None else mean_pitch_radius(case)
+    if radius is None:
+        return []
+    source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
+    values = [written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
+    return [["transmission error at the mean pitch radius, peak to peak", "µm", source, *values]]
+
+
+def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     """Transmission error as a length, and mesh stiffness by force, length and face width.
 
     Along the common normal, with the mean lever arm a [mm] of the common flank: a length is the angle times a, and a
@@ -121,7 +152,7 @@ def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     grid = ("lengthwise", "profile")
     arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
     source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
-    errors = [_written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
+    errors = [written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
     rows = [["transmission error along the normal, peak to peak", "µm", source, *errors]]
     if "mean_mesh_stiffness" in loaded:
         position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
@@ -130,33 +161,81 @@ def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
         width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
         source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
         # N m/urad is 1e9 N mm/rad; over mm^2 that is N/mm, a thousandth of it N/um.
-        values = [_written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
+        values = [written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
         rows.append(["mesh stiffness along the normal by face width", "N/(µm mm)", source, *values])
     return rows
 
 
-def efficiency_rows(friction: xr.Dataset) -> dict[str, Any]:
-    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out."""
+def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
+    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out.
+
+    What is the greatest over segments is so over those of contact lines that carry.
+    """
     names = ("torque", "speed", "temperature", "roughness")
     columns: list[tuple[str, str, float, str]] = [
         ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
+        ("greatest friction coefficient", "friction_coefficient", 1.0, ".4f"),
+        ("greatest sliding [m/s]", "sliding_velocity", 1.0, ".2f"),
+        ("greatest pressure × sliding [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
+        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".1f"),
+        ("greatest contact temperature [°C]", "max_contact_temperature", 1.0, ".1f"),
+        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
         ("power loss [W]", "mean_power_loss", 1.0, ".1f"),
         ("of it rolling [W]", "mean_rolling_loss", 1.0, ".1f"),
         ("efficiency [%]", "efficiency", 100.0, ".2f"),
-        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
-        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".0f"),
     ]
     columns = [column for column in columns if column[1] in friction]
-    tables = [factor * friction[variable].transpose(*names).values for _, variable, factor, _ in columns]
+    carries = loaded["pressure"].fillna(0.0) > 0.0
+    over = [
+        friction[variable].where(carries).max(["mesh_position", "segment"])
+        if "segment" in friction[variable].dims
+        else friction[variable]
+        for _, variable, *_ in columns
+    ]
     shape = tuple(friction.sizes[name] for name in names)
+    whole = xr.DataArray(np.ones(shape), dims=names)
+    tables = [
+        factor * (values * whole).transpose(*names).values
+        for values, (_, _, factor, _) in zip(over, columns, strict=True)
+    ]
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
         conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        found = [_written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        found = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
         rows.append([*conditions, *found])
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
     variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
+
+
+def supports_rows(tree: xr.DataTree) -> list[dict[str, Any]]:
+    """Tables of a pair on supports: heads, rows and variables."""
+    return [
+        {
+            "title": table.title,
+            "heads": [_headed(head) for head in table.heads],
+            "rows": [[NO_VALUE if cell == "-" else cell for cell in row] for row in table.rows],
+            "variables": list(table.variables),
+        }
+        for table in supports_tables(tree)
+    ]
+
+
+def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
+    """Tables of an analysis over load cases, means over the duty cycle, and notes."""
+    numbers = tree["load_cases"].to_dataset()
+    tables = []
+    for columns in (input_columns(numbers), result_columns(numbers)):
+        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
+        tables.append({"heads": [_headed(head) for head in columns], "rows": rows})
+    duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
+    return {"tables": tables, "duty": duty, "notes": load_case_notes(tree)}
+
+
+def _headed(head: str) -> str:
+    """Head of a column in one line, with the unit in brackets and its signs."""
+    words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
+    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def case_tables(case: Case) -> list[dict[str, Any]]:

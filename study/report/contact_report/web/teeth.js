@@ -93,7 +93,17 @@ class Teeth {
     for (const [value, name] of [["now", "pressure at the mesh position"], ["cycle", "pressure over the mesh cycle"]]) element("option", "", this.over, name).value = value;
     for (const select of [this.see, this.over]) select.addEventListener("change", () => { this.colourFlanks(); this.draw(); });
     for (const [name, factor] of [["+", 1 / 1.25], ["−", 1.25]]) element("button", "", row, name).addEventListener("click", () => { this.size *= factor; this.draw(); });
-    element("span", "small", row, "drag to turn, shift and drag to move; bands of contact are drawn at least 0.5 mm wide");
+    element("span", "small", row, "drag or use the arrow keys to turn, shift and drag to move; bands of contact are drawn at least 0.5 mm wide");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("aria-label", "teeth in mesh; the arrow keys turn them");
+    this.canvas.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      this.yaw += step[0];
+      this.pitch = clamp(this.pitch + step[1], -1.55, 1.55);
+      this.draw();
+    });
     this.canvas.addEventListener("pointerdown", (event) => { this.canvas.setPointerCapture(event.pointerId); this.held = [event.clientX, event.clientY]; });
     this.canvas.addEventListener("pointerup", () => (this.held = null));
     this.canvas.addEventListener("pointermove", (event) => {

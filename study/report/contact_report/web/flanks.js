@@ -40,20 +40,20 @@ class FlankPicture {
     const flank = result.flanks[member];
     this.plane = flank.plane;
     [this.x0, this.x1, this.y0, this.y1] = flank.window;
-    const margin = 0.035 * (this.x1 - this.x0); // for the names of the edges
+    const margin = options.small ? 0 : 0.035 * (this.x1 - this.x0); // for the names of the edges
     [this.x0, this.x1] = [this.x0 - margin, this.x1 + margin];
     const wide = this.x1 - this.x0, high = this.y1 - this.y0;
-    this.box = figure(parent, options.title, options.source);
+    this.box = options.small ? element("figure", "small-flank", parent) : figure(parent, options.title, options.source);
     this.box.id = `${result.id}-${options.id}-${member}`;
     this.box.classList.add("flank");
     this.stage = element("div", "stage", this.box);
     this.canvas = element("canvas", "", this.stage);
-    this.canvas.width = PIXELS;
-    this.canvas.height = Math.round((PIXELS * high) / wide);
+    this.canvas.width = options.small ? PIXELS / 3 : PIXELS;
+    this.canvas.height = Math.round((this.canvas.width * high) / wide);
     this.layer = document.createElement("canvas");
     [this.layer.width, this.layer.height] = [this.canvas.width, this.canvas.height];
     this.drawing = svg("svg", { viewBox: `${this.x0} ${-this.y1} ${wide} ${high}`, role: "img", "aria-label": options.title }, this.stage);
-    this.unit = wide / PIXELS;
+    this.unit = wide / this.canvas.width;
     this.outline(flank);
     this.group = svg("g", {}, this.drawing);
     this.foot = element("div", "foot", this.box);
@@ -71,6 +71,7 @@ class FlankPicture {
       svg("polygon", { points: path, fill: "none", stroke: "#6b6b6b", "stroke-width": line, "stroke-dasharray": `${5 * line} ${3 * line}` }, this.drawing);
     }
     svg("polygon", { points: corners.map(([x, y]) => `${x},${-y}`).join(" "), fill: "none", stroke: "#222", "stroke-width": 1.3 * line }, this.drawing);
+    if (this.options.small) return;
     const size = 17 * this.unit;
     for (const [name, t, h, anchor, dx, dy] of [["toe", 0, 0.5, "end", -0.4, 0.3], ["heel", 1, 0.5, "start", 0.4, 0.3], ["root", 0.5, 0, "middle", 0, 1.05], ["tip", 0.5, 1, "middle", 0, -0.4]]) {
       const [x, y] = project(this.plane, t, h);
@@ -146,7 +147,7 @@ class FlankPicture {
     }
     this.layer.getContext("2d").putImageData(image, 0, 0);
     context.save();
-    if (lines) this.common(context);
+    if (lines && this.result.flanks[this.member].common.length) this.common(context);
     context.drawImage(this.layer, 0, 0);
     context.restore();
   }

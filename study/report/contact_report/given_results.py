@@ -1,0 +1,194 @@
+"""What a report is made of: results, V-H checks, wear and load cases, told apart by what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ....core.errors import InputError
+from ....core.printable import printable
+from ....core.reading.netcdf_file import read_dataset
+from ...result import read_result
+from ...sweep.sweep_file import MARK
+
+RESULT_COUNT_LIMIT = 6  # with pictures in one report
+ACCEPTED = "'easeoff run', 'optimize', 'wear' or 'vh'"
+GRID = ("lengthwise", "profile")
+COMMANDS = {"V-H check": "vh", "wear": "wear"}
+
+#: Variables of a V-H check and of wear, with their dimensions.
+LAYOUTS: dict[str, dict[str, tuple[str, ...]]] = {
+    "V-H check": {
+        "print_excess": ("place", *GRID),
+        "in_plane": ("plane_axis", *GRID),
+        **dict.fromkeys(("v", "h", "place_lengthwise", "place_profile", "status"), ("place",)),
+        **{f"pattern_{name}": ("place",) for name in ("centre_lengthwise", "centre_profile", "from", "to", "height")},
+        "peak_to_peak": ("place",),
+        **dict.fromkeys(("total_v", "total_h", "h_over_v"), ()),
+    },
+    "wear": {
+        "wear_depth": ("step", "member", *GRID),
+        "position": ("member", *GRID, "xyz"),
+        "revolutions": ("step",),
+        "largest_depth": ("step", "member"),
+        "removed_volume": ("step", "member"),
+        **dict.fromkeys(("peak_to_peak", "max_pressure"), ("step", "torque")),
+    },
+}
+
+
+@dataclass(frozen=True)
+class GivenResults:
+    """Parts of a report by name.
+
+    Parameters
+    ----------
+    results
+        Of ``analyze``, those of load cases among them.
+    checks
+        V-H checks.
+    wear
+        Histories of wear.
+    load_cases
+        Analyses over load cases, for their tables.
+    notes
+        What the report has no pictures of.
+    """
+
+    results: dict[str, xr.DataTree] = field(default_factory=dict)
+    checks: dict[str, xr.Dataset] = field(default_factory=dict)
+    wear: dict[str, xr.Dataset] = field(default_factory=dict)
+    load_cases: dict[str, xr.DataTree] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, given: Mapping[str, xr.DataTree | xr.Dataset]) -> GivenResults:
+        """Parts of what is given by name.
+
+        Raises
+        ------
+        InputError
+            If something is no result, or there are too many.
+
+        Examples
+        --------
+        >>> from easeoff.study import vh_check
+        >>> list(GivenResults.of({"check": vh_check("fh-design-a")}).checks)
+        ['check']
+        """
+        found = cls()
+        joined = {}
+        for name, one in given.items():
+            kind = kind_of(one)
+            if isinstance(one, xr.DataTree):
+                if "load_cases" in one.children:
+                    found.load_cases[printable(name)] = joined[name] = one
+                elif "loaded" in one.children:
+                    found.results[printable(name)] = one
+                else:
+                    raise InputError(f"{name}: must be a result of {ACCEPTED}")
+            else:
+                _require_layout(name, one, kind)
+                (found.checks if kind == "V-H check" else found.wear)[printable(name)] = one
+        if not len(found.results) <= RESULT_COUNT_LIMIT or not given:
+            raise InputError(
+                f"results = {len(found.results)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report, and V-H "
+                "checks and wear besides"
+            )
+        for name, one in joined.items():
+            found._take_load_cases(name, one, alone=len(given) == 1)
+        return found
+
+    def _take_load_cases(self, name: str, tree: xr.DataTree, *, alone: bool) -> None:
+        """Take results of load cases, those of the greatest pressure if there is no room for all."""
+        cases = dict(tree.children["results"].children) if "results" in tree.children else {}
+        room = RESULT_COUNT_LIMIT - len(self.results)
+        peaks = {
+            case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()
+        }
+        chosen = sorted(cases, key=lambda case: -peaks[case])[:room]
+        for case in cases:
+            if case in chosen:
+                self.results[printable(case if alone else f"{name}, {case}")] = cases[case]
+        if len(chosen) < len(cases):
+            self.notes.append(
+                f"{printable(name)}: pictures of {len(chosen)} of {len(cases)} load cases, those of the greatest "
+                f"pressure; the table has all of them."
+            )
+
+
+def kind_of(given: xr.DataTree | xr.Dataset) -> str:
+    """What is given: ``result``, ``sweep``, ``V-H check`` or ``wear``.
+
+    Examples
+    --------
+    >>> kind_of(xr.Dataset({"wear_depth": 0.0}))
+    'wear'
+    """
+    if MARK in given.attrs:
+        return "sweep"
+    if isinstance(given, xr.Dataset):
+        return "wear" if "wear_depth" in given else "V-H check" if "print_excess" in given else "other"
+    return "result"
+
+
+def read_given(path: Path) -> xr.DataTree | xr.Dataset:
+    """A result, a V-H check or wear from its file.
+
+    Raises
+    ------
+    InputError
+        If it is none of them.
+    """
+    try:
+        found = read_dataset(path)
+    except InputError:
+        return read_result(path)
+    kind = kind_of(found)
+    if kind == "sweep":
+        raise InputError(_sweep_refused(str(path)))
+    if kind == "other":
+        return read_result(path)
+    _require_layout(str(path), found, kind)
+    return found
+
+
+def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
+    """Results by flank, or by title if these differ, with a number where they are alike.
+
+    Examples
+    --------
+    >>> list(by_name([xr.Dataset(attrs={"flank": "drive"}), xr.Dataset(attrs={"flank": "drive"})]))
+    ['1: drive', '2: drive']
+    """
+    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
+    names = flanks if len(set(titles)) == 1 else titles
+    if len(set(names)) < len(names):
+        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
+    return dict(zip(names, results, strict=True))
+
+
+def _require_layout(name: str, found: xr.Dataset, kind: str) -> None:
+    """Refuse a V-H check or wear that lacks what the report shows."""
+    if kind == "sweep":
+        raise InputError(_sweep_refused(name))
+    if kind not in LAYOUTS:
+        raise InputError(f"{name}: must be a result of {ACCEPTED}")
+    for variable, dimensions in LAYOUTS[kind].items():
+        there = variable in found.variables and set(found[variable].dims) == set(dimensions)
+        if not there or found[variable].dtype.kind not in "fiu" or 0 in found[variable].shape:
+            raise InputError(
+                f"{name} is damaged or of another version: no numbers {variable!r} over "
+                f"{', '.join(dimensions) or 'no dimension'}; make it anew with 'easeoff {COMMANDS[kind]}'"
+            )
+
+
+def _sweep_refused(name: str) -> str:
+    return (
+        f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
+        "'easeoff show' and 'easeoff plot' show a sweep"
+    )
