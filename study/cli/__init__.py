@@ -136,8 +136,9 @@ for _command in (
     verify,
     vh,
     optimize,
-    design,
     cases,
+    new,
+    design,
     problems,
     library,
     compare,
@@ -146,8 +147,7 @@ for _command in (
     correct,
     wear,
     oil,
-    new,
-    completion,
     cite,
+    completion,
 ):
     main.add_command(_command)

@@ -32,7 +32,8 @@ MEANINGS = {
     "free_settings": ("pinion settings the fit may move, see below; the usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "edge_contact": (
-        "whether tooth edges may touch beside the contact lines, see [finite elements](../guides/finite_elements.md#edges)",
+        "whether tooth edges may touch beside the contact lines, see "
+        "[finite elements](../guides/finite_elements.md#edges)",
         "",
     ),
     "torques": (
@@ -41,7 +42,8 @@ MEANINGS = {
         "N m",
     ),
     "model": (
-        "see [finite elements](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the dissertation's",
+        "see [finite elements](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the "
+        "dissertation's",
         "",
     ),
     "plate": (
