@@ -106,7 +106,7 @@ def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree,
     cases = duty.easeoff.summary().tables["load_cases"]
     assert cases.index.tolist() == ["climb", "2"]
     assert cases["misalignment_shaft_angle [deg]"].tolist() == pytest.approx([0.1, 0.0])
-    kept = duty["load_cases"]["misalignment_shaft_angle"]
+    kept = duty["load_cases"].to_dataset()["misalignment_shaft_angle"]
     assert kept.attrs["units"] == "rad"
     assert kept.values.tolist() == pytest.approx([math.radians(0.1), 0.0])
 
@@ -219,9 +219,9 @@ class Formatter:
     """A formatter of IPython as far as it is used."""
 
     def __init__(self, *known: str) -> None:
-        self.known = dict.fromkeys(known)
+        self.known: dict[str, Any] = dict.fromkeys(known)
 
-    def lookup_by_type(self, name: str) -> None:
+    def lookup_by_type(self, name: str) -> Any:
         return self.known[name]
 
     def for_type_by_name(self, module: str, name: str, call: Any) -> None:
@@ -234,7 +234,7 @@ def test_a_notebook_shows_figures_unless_it_does_already(
 ) -> None:
     formatter = Formatter(*known)
     shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"image/png": formatter}))
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     show_figures_in_notebooks()
     assert list(formatter.known) == ["matplotlib.figure.Figure"]
     assert (formatter.known["matplotlib.figure.Figure"] is None) == bool(known)
@@ -243,5 +243,5 @@ def test_a_notebook_shows_figures_unless_it_does_already(
 def test_without_a_notebook_figures_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "IPython", raising=False)
     show_figures_in_notebooks()
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
     show_figures_in_notebooks()
