@@ -14,6 +14,7 @@ import xarray as xr
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.patches import Rectangle
 
 import easeoff
 from easeoff import InputError, plot
@@ -132,7 +133,7 @@ def test_panels_come_on_a_page_or_on_axes_of_ones_own(
 
 def test_axes_of_a_subfigure_keep_the_settings_of_the_caller(tree: xr.DataTree) -> None:
     figure = Figure()
-    left, right = figure.subfigures(1, 2)
+    left, right = np.ravel(np.array(figure.subfigures(1, 2), dtype=object))
     with matplotlib.rc_context({"lines.linestyle": ":"}):
         assert plot.load_sharing(tree, torque=50.0, axes=left.subplots()) is figure
         page = plot.load_sharing(tree, torque=50.0)
@@ -147,7 +148,7 @@ def test_a_torque_draws_its_own_values(tree: xr.DataTree) -> None:
     (course,) = figure.axes[0].lines
     error = loaded["transmission_error"].values
     np.testing.assert_array_equal(course.get_ydata(), [*error, *error, error[0]])
-    heights = [bar.get_height() for bar in figure.axes[1].patches]
+    heights = [bar.get_height() for bar in figure.axes[1].patches if isinstance(bar, Rectangle)]
     np.testing.assert_allclose(heights, loaded["harmonic"].values)
     over_torque = plot.transmission_error(tree, parts="orders").axes[0].lines
     for number, line in enumerate(over_torque):
