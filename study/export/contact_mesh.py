@@ -19,7 +19,7 @@ from ...core.ordered_values import ordered
 from ...core.processes.memory import require_memory
 from ...core.writing.output_file import check_writable, whole_file
 from ...geometry.formats.mesh_file import vtu_file
-from ...geometry.pair.gear_pair import MEMBERS, GearPair
+from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
 from ..plot.figures.drawn_result import require_result
@@ -37,7 +37,8 @@ FLANK_NODES = (121, 49)
 NODE_SIZE = 2.0e4  # memory of a node of a flank, with those of all teeth, while it is found and written [byte]
 RASTER = (361, 145)  # points over a flank from which the nodes have their values
 POSITION_TOLERANCE = 1e-6
-BOTH_MEMBERS = len(MEMBERS)
+MEMBER_NAMES: tuple[MemberName, ...] = ("pinion", "gear")
+BOTH_MEMBERS = len(MEMBER_NAMES)
 PARTS = {"loaded flank": 0, "other surface": 1, "contact segment": 2}
 EASE_OFF, PATTERN, BAND = "ease-off [um]", "greatest pressure over the cycle [MPa]", "contact pressure [MPa]"
 
@@ -157,8 +158,8 @@ class TeethInMesh:
             at = chosen_condition(whole)
             friction = whole.isel({name: int(np.argmax(whole[name].values == at[name])) for name in list(at)[1:]})
             friction = friction.isel(torque=index)
-        patches = {member: tooth_patches(pair, member, nodes) for member in MEMBERS}
-        views = {member: tooth_view(tree, member) for member in MEMBERS}
+        patches = {member: tooth_patches(pair, member, nodes) for member in MEMBER_NAMES}
+        views = {member: tooth_view(tree, member) for member in MEMBER_NAMES}
         return cls(tree, loaded.isel(torque=index), friction, pair, patches, views)
 
     @property
@@ -247,7 +248,7 @@ class TeethInMesh:
             chosen = segments.tooth == tooth
             strips = self.in_mesh(corners[chosen], "gear", tooth, number)
             pressure = segments.values["pressure [MPa]"][chosen]  # NaN on sharp edges
-            for index, member in enumerate(MEMBERS):
+            for index, member in enumerate(MEMBER_NAMES):
                 for name, points in self.patches[member].items():
                     at = self.in_mesh(points, member, tooth, number)
                     if name == self._flank(member):

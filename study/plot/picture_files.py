@@ -37,7 +37,8 @@ def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
     own = result.attrs
     teeth = f"{own['pinion_teeth']}x{own['gear_teeth']}" if {"pinion_teeth", "gear_teeth"} <= own.keys() else "result"
     name = re.sub(r"[^\w.-]+", "_", str(own.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
-    flank = str(own.get("flank", ""))
+    swept = result.coords.get("flank") if isinstance(result, xr.Dataset) else None
+    flank = str(own.get("flank", "") if swept is None else swept.values.item() if swept.size == 1 else "")
     return f"{name}-{flank}" if flank in ("drive", "coast") else name
 
 

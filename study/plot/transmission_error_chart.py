@@ -53,8 +53,9 @@ def draw(
         loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
     names = chosen_parts(PARTS, parts)
     note = "rotation of the gear, positive where the gear lags"
-    shape, ratios = (len(names), 1), {"height_ratios": [HEIGHTS[name] for name in names]}
-    found = panels(tree, "Transmission error", sum(HEIGHTS[name] for name in names), note, shape, own, **ratios)
+    heights = [HEIGHTS[name] for name in names]
+    layout: dict[str, Any] = {"height_ratios": heights}
+    found = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
     over_time = [name for name in names if name != "orders"]
     for axes, name in zip(found.axes, names, strict=True):
         if name == "orders":

@@ -9,16 +9,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
-from matplotlib.path import Path as Outline
+from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ....contact.lines.contact_lines import boundary_distance
+from ....contact.lines.flank_splines import fit
 from ..contour_labels import number_lines, outlined
 from ..page import BLUE, BODY_SIZE, FAINT, INK, SMALL_SIZE, WIDTH, plain_axes, plain_bar, torque_name
 from ..panel_grid import OwnAxes, chosen_parts, panels
-from ..tooth_view import ToothView, draw_flank
+from ..tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
 
@@ -61,25 +62,30 @@ def draw_optimization(
     return found.figure
 
 
-def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -> QuadContourSet:
-    """Draw a change of the ease-off [um] over (lengthwise, profile) on the gear flank, with a colour bar."""
+def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -> None:
+    """Draw a change of the ease-off [um] over (lengthwise, profile) on the common flank, with a colour bar."""
     draw_flank(axes, view)
     axes.tick_params(axis="y", pad=15, length=0)  # beyond the word at the toe
-    grid = np.stack(np.meshgrid(change["lengthwise"].values, change["profile"].values, indexing="ij"))
-    values = np.ma.masked_invalid(change.transpose("lengthwise", "profile").values)
-    low, high = (float(values.min()), float(values.max())) if values.count() else (0.0, 0.0)
+    axes.set_title(label, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    grid = fine_grid()
+    nodes = change.transpose("lengthwise", "profile").values
+    values = fit(change["lengthwise"].values, change["profile"].values, {"change": nodes})("change", grid)
+    inside = boundary_distance(view.fields, grid) >= 0.0
+    if not np.any(inside):
+        return
+    low, high = (float(extreme(values[inside])) for extreme in (np.min, np.max))
     low, high = min(low, -0.5 * SPAN_MINIMUM), max(high, 0.5 * SPAN_MINIMUM)
     levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
     extent = float(np.abs(levels).max())
-    norm = TwoSlopeNorm(0.0, -extent, extent)
     x, y = view.in_plane(grid)
-    shading: QuadContourSet = axes.contourf(x, y, values, levels=levels, cmap=CHANGE_MAP, norm=norm, zorder=1)
-    lines = axes.contour(x, y, values, levels=levels, colors=INK, linewidths=0.5, zorder=2)
-    corners = np.append(view.corners, view.corners[:, :1], axis=1)
-    number_lines(axes, lines, outlined(Outline(corners.T, closed=True)))
-    bar = axes.get_figure(root=True).colorbar(shading, ax=axes, shrink=0.8, pad=0.02, ticks=MaxNLocator(7))  # type: ignore[union-attr]
-    plain_bar(bar, label)
-    return shading
+    outline = view.outline(view.common)
+    style: dict[str, Any] = {"levels": levels, "zorder": 1, "extend": "both"}
+    shading = axes.contourf(x, y, values, cmap=CHANGE_MAP, norm=TwoSlopeNorm(0.0, -extent, extent), **style)
+    shading.set_clip_path(PathPatch(outline, transform=axes.transData))  # the edge of the shading is smooth
+    lines = axes.contour(x, y, np.where(inside, values, np.nan), levels=levels, colors=INK, linewidths=0.5, zorder=2)
+    number_lines(axes, lines, outlined(outline))
+    figure: Any = axes.get_figure(root=True)
+    plain_bar(figure.colorbar(shading, ax=axes, shrink=0.8, pad=0.02, extendfrac=0, ticks=MaxNLocator(7)), "")
 
 
 def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:

@@ -215,9 +215,9 @@ def _curves(dataset: xr.Dataset, names: list[str], along: str, own: OwnAxes) -> 
 
 def _pattern(dataset: xr.Dataset, own: OwnAxes) -> Figure:
     """Centre and extent of the contact pattern on the gear flank over one coordinate, a panel a torque."""
-    own = point_dimensions(dataset)
-    grids = [dim for dim in _grids(dataset) if dim in own]
-    rows = [dim for dim in own if dim in ROWS]
+    points = point_dimensions(dataset)
+    grids = [dim for dim in _grids(dataset) if dim in points]
+    rows = [dim for dim in points if dim in ROWS]
     along = grids[0] if grids else rows[0] if rows else "torque"
     torques = evenly_chosen(dataset["torque"].values, 2) if "torque" in dataset.dims and along != "torque" else [0]
     keep = (along, "torque") if along != "torque" else (along,)

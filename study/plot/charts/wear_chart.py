@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -49,7 +50,8 @@ def _draw_depth(axes: Axes, depth: xr.DataArray, member: str) -> None:
     axes.set_xlabel("from the toe [%]", fontsize=SMALL_SIZE + 1, color=INK)
     axes.set_ylabel("from the root [%]", fontsize=SMALL_SIZE + 1, color=INK)
     axes.set_title(f"depth on the {member} [µm]", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
-    plain_bar(axes.get_figure(root=True).colorbar(drawn, ax=axes, pad=0.02, ticks=MaxNLocator(6)), "")  # type: ignore[union-attr]
+    figure: Any = axes.get_figure(root=True)
+    plain_bar(figure.colorbar(drawn, ax=axes, pad=0.02, ticks=MaxNLocator(6)), "")
 
 
 def _draw_history(axes: Axes, history: xr.Dataset, name: str) -> None:

@@ -28,7 +28,7 @@ MADE_BY = {
 }
 
 
-def require_result(tree: xr.DataTree, *groups: str) -> None:
+def require_result(tree: object, *groups: str) -> None:
     """Refuse what is no result, and a result without a group that the figure shows.
 
     Raises
@@ -47,6 +47,8 @@ def require_result(tree: xr.DataTree, *groups: str) -> None:
     for group in groups or ("loaded",):
         if group not in tree.children:
             hint = MADE_BY.get(group, "draw that of one load case, in its group 'results'")
+            if group == "root_stress" and "root_stress_left_out" in tree.attrs:
+                hint = str(tree.attrs["root_stress_left_out"])
             raise InputError(f"tree: the result has no group {group!r}: {hint}")
 
 

@@ -77,6 +77,21 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
     return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
 
 
+def kind_of(name: str) -> tuple[str, ...]:
+    """Names of all pictures of the kind of result that has one of a name.
+
+    Examples
+    --------
+    >>> kind_of("wear")
+    ('wear',)
+    """
+    if name.startswith("sweep_"):
+        from ..charts.sweep_chart import PICTURES as OF_SWEEPS
+
+        return OF_SWEEPS
+    return (name,) if name in STUDY_PICTURES else (*PICTURES, *FURTHER_PICTURES)
+
+
 def draw_picture(
     result: xr.DataTree | xr.Dataset,
     name: str,

@@ -15,7 +15,7 @@ from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ..drawing_style import drawing
 from ..picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
-from .picture_list import WITH_TORQUES, draw_picture, pictures
+from .picture_list import WITH_TORQUES, draw_picture, kind_of, pictures
 
 FLANKS = ("drive", "coast")
 DPI_MINIMUM, DPI_LIMIT = 30, 1200
@@ -168,9 +168,11 @@ def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Seque
 
 
 def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Sequence[Path]) -> None:
-    """Remove the pictures of an earlier result of the same case and flank."""
+    """Remove the pictures of an earlier result of the same kind, case and flank."""
     prefix, mark = f"{file_prefix(result)}-", result_mark(result)
+    kind = kind_of(pictures(result)[0])
     for path, (_, own) in pictures_of_results(folder).items():
-        if path not in written and path.name.startswith(prefix) and own != mark:
+        earlier = path.name.startswith(prefix) and path.stem.removeprefix(prefix) in kind and own != mark
+        if earlier and path not in written:
             with suppress(OSError):
                 path.unlink()
