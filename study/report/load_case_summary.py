@@ -47,23 +47,22 @@ def load_case_summary(tree: xr.DataTree) -> str:
     """
     numbers = tree["load_cases"].to_dataset()
     title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(map(len, title)), "", _table(_inputs(numbers)), "", _table(_results(numbers))]
+    parts = [
+        "\n".join(title),
+        "=" * max(map(len, title)),
+        "",
+        _table(input_columns(numbers)),
+        "",
+        _table(result_columns(numbers)),
+    ]
     if "duty" in tree.children:
         parts += ["", duty_lines(tree["duty"].to_dataset())]
     notes = load_case_notes(tree)
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
 
 
-def load_case_tables(tree: xr.DataTree) -> list[tuple[list[str], list[list[str]]]]:
-    """Heads and rows of the two tables of the summary: inputs and results of the load cases."""
-    numbers = tree["load_cases"].to_dataset()
-    return [
-        ([head.replace("\n", " ") for head in columns], [list(row) for row in zip(*columns.values(), strict=True)])
-        for columns in (_inputs(numbers), _results(numbers))
-    ]
-
-
-def _inputs(numbers: xr.Dataset) -> dict[str, list[str]]:
+def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of what the load cases are: flank, torque, misalignment, speed and share."""
     columns: dict[str, list[str]] = {
         "load case": [str(name) for name in numbers["load_case"].values],
         "flank": [str(name) for name in numbers["flank"].values],
@@ -76,7 +75,8 @@ def _inputs(numbers: xr.Dataset) -> dict[str, list[str]]:
     return columns
 
 
-def _results(numbers: xr.Dataset) -> dict[str, list[str]]:
+def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of the main numbers of the load cases."""
     columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
     for head, (name, words, factor) in RESULTS.items():
         if name in numbers and not np.all(np.isnan(numbers[name].values)):

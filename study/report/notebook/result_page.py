@@ -9,7 +9,7 @@ import xarray as xr
 
 from ....core.printable import printable
 from ..contact_report.report_tables import efficiency_rows, loaded_numbers
-from ..load_case_summary import load_case_notes, load_case_tables
+from ..load_case_summary import input_columns, load_case_notes, result_columns
 from ..result_summary import head_rows, result_notes
 
 TORQUE_COUNT_LIMIT = 8  # side by side
@@ -43,8 +43,10 @@ def result_page(tree: xr.DataTree) -> str:
     """
     parts = [f"<h4>{_shown(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
-        for heads, rows in load_case_tables(tree):
-            parts += [_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
+        numbers = tree["load_cases"].to_dataset()
+        for columns in (input_columns(numbers), result_columns(numbers)):
+            rows = list(zip(*columns.values(), strict=True))
+            parts += [_table([head.replace("\n", " ") for head in columns], rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
         notes = load_case_notes(tree)
     else:
         parts.append(_table([], [list(row) for row in head_rows(tree)]))
