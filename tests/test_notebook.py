@@ -118,6 +118,10 @@ def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
     numbers = key_numbers(tree)
     assert rows["torque at the pinion [N m]"] == ["100", "200"]
     assert rows["greatest pressure [MPa]"] == [f"{value:.0f}" for value in numbers["max_pressure"].values]
+    friction = tree["friction"].to_dataset()
+    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    assert [row[:4] for row in conditions] == [["100", "1000", "90", "0.8"], ["200", "1000", "90", "0.8"]]
+    assert [row[6] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
     assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
     assert "script" not in Cells(page).tags
     assert len(page) < 20_000
