@@ -66,9 +66,8 @@ def written(tree: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Writ
 @pytest.fixture(scope="module")
 def here(tree: xr.DataTree) -> xr.Dataset:
     """Loaded segments of the result, in the order of the file: by pair."""
-    at = {"torque": 1, "mesh_position": 8}
-    found = tree["loaded"].to_dataset().isel(at)
-    friction = tree["friction"].to_dataset().isel(**at, speed=0, temperature=0, roughness=0)
+    found = tree["loaded"].to_dataset().isel(torque=1, mesh_position=8)
+    friction = tree["friction"].to_dataset().isel(torque=1, mesh_position=8, speed=0, temperature=0, roughness=0)
     names = ("film_thickness", "friction_coefficient", "flash_temperature", "bulk_temperature")
     found = found.assign({name: friction[name] for name in names})
     chosen = np.flatnonzero(found["force"].values > 0.0)
@@ -97,8 +96,9 @@ def test_segments_have_the_values_of_the_result(written: Written, here: xr.Datas
 
 def test_segments_lie_on_the_gear_flank_of_the_result(tree: xr.DataTree, written: Written, here: xr.Dataset) -> None:
     """Radius about the gear axis and height along it do not depend on the rotation: as of the nodes, interpolated."""
-    flanks = tree["flanks"].to_dataset()["position"].sel(member="gear")
-    section = xr.concat([np.hypot(flanks.sel(xyz="x"), flanks.sel(xyz="y")), flanks.sel(xyz="z")], "axis")
+    position = tree["flanks"].to_dataset()["position"].sel(member="gear")
+    x, y, z = (position.sel(xyz=axis, drop=True) for axis in "xyz")
+    section = xr.Dataset({"radius": np.sqrt(x**2 + y**2), "height": z}).to_dataarray("axis")
     at = {name: xr.DataArray(here[name].values, dims="segment") for name in ("lengthwise", "profile")}
     expected = section.interp(at, method="linear").transpose("segment", "axis").values
     origin = np.asarray(tree["ease_off"].attrs["gear_origin_mm"])
@@ -137,7 +137,7 @@ def test_pressure_on_the_nodes_carries_the_load(written: Written, here: xr.Datas
 def test_pattern_and_ease_off_are_those_of_the_result(tree: xr.DataTree, written: Written, member: int) -> None:
     nodes = np.unique(written.quads[written.chosen(FLANK, member)])
     pattern = written.nodes["greatest pressure over the cycle [MPa]"][nodes]
-    greatest = float(tree["loaded"]["max_pressure"][1])
+    greatest = float(tree["loaded"].to_dataset()["max_pressure"][1])
     assert 0.97 * greatest < pattern.max() <= greatest * (1 + 1e-12)
     assert pattern.min() == 0.0
     ease_off = written.nodes["ease-off [um]"][nodes]

@@ -106,7 +106,7 @@ def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree,
     cases = duty.easeoff.summary().tables["load_cases"]
     assert cases.index.tolist() == ["climb", "2"]
     assert cases["misalignment_shaft_angle [deg]"].tolist() == pytest.approx([0.1, 0.0])
-    kept = duty["load_cases"]["misalignment_shaft_angle"]
+    kept = duty["load_cases"].to_dataset()["misalignment_shaft_angle"]
     assert kept.attrs["units"] == "rad"
     assert kept.values.tolist() == pytest.approx([math.radians(0.1), 0.0])
 
@@ -118,6 +118,10 @@ def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
     numbers = key_numbers(tree)
     assert rows["torque at the pinion [N m]"] == ["100", "200"]
     assert rows["greatest pressure [MPa]"] == [f"{value:.0f}" for value in numbers["max_pressure"].values]
+    friction = tree["friction"].to_dataset()
+    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    assert [row[:4] for row in conditions] == [["100", "1000", "90", "0.8"], ["200", "1000", "90", "0.8"]]
+    assert [row[6] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
     assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
     assert "script" not in Cells(page).tags
     assert len(page) < 20_000
@@ -219,9 +223,9 @@ class Formatter:
     """A formatter of IPython as far as it is used."""
 
     def __init__(self, *known: str) -> None:
-        self.known = dict.fromkeys(known)
+        self.known: dict[str, Any] = dict.fromkeys(known)
 
-    def lookup_by_type(self, name: str) -> None:
+    def lookup_by_type(self, name: str) -> Any:
         return self.known[name]
 
     def for_type_by_name(self, module: str, name: str, call: Any) -> None:
@@ -234,7 +238,7 @@ def test_a_notebook_shows_figures_unless_it_does_already(
 ) -> None:
     formatter = Formatter(*known)
     shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"image/png": formatter}))
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     show_figures_in_notebooks()
     assert list(formatter.known) == ["matplotlib.figure.Figure"]
     assert (formatter.known["matplotlib.figure.Figure"] is None) == bool(known)
@@ -243,5 +247,5 @@ def test_a_notebook_shows_figures_unless_it_does_already(
 def test_without_a_notebook_figures_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "IPython", raising=False)
     show_figures_in_notebooks()
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
     show_figures_in_notebooks()

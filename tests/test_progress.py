@@ -145,7 +145,7 @@ def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
         ("run", "small.toml", "-o", "out.nc", "--torque", "100"): "next: easeoff show out.nc, or easeoff plot out.nc",
         ("problems", "small.toml", "-o", "p.nc", "--torque", "100"): "next: easeoff compare p.nc",
         ("report", "out.nc", "-o", "r.html"): "next: open it in a browser",
-        ("vh", "small.toml", "-o", "vh.nc"): "next: the same command with --plots FOLDER",
+        ("vh", "small.toml", "-o", "vh.nc"): "next: easeoff plot vh.nc FOLDER",
         ("wear", "small.toml", "--torque", "100", "--revolutions", "10", "-o", "w.nc"): "next: easeoff run small.toml",
     }
     for words_of, end in ends.items():

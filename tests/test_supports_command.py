@@ -153,7 +153,7 @@ def test_wear_optimization_and_verification_take_supports(coarse: Case, tmp_path
             xr.open_datatree(tmp_path / f"{n}.nc", engine="netcdf4") for n in ("named", "own", "plain")
         )
         numbers = {"wear": "max_pressure", "optimize": "loaded/max_pressure", "verify": "difference"}[command]
-        first, second, third = (np.ravel(tree[numbers].values) for tree in (held, same, rigid))
+        first, second, third = (np.ravel(np.asarray(tree[numbers], dtype=float)) for tree in (held, same, rigid))
         np.testing.assert_allclose(first, second, rtol=1e-6, atol=1e-12)
         assert first.shape != third.shape or not np.allclose(first, third, rtol=1e-4, atol=0.0, equal_nan=True)
         for tree in (held, same, rigid):

@@ -61,15 +61,6 @@ def load_case_summary(tree: xr.DataTree) -> str:
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
 
 
-def load_case_tables(tree: xr.DataTree) -> list[tuple[list[str], list[list[str]]]]:
-    """Heads and rows of the two tables of the summary: inputs and results of the load cases."""
-    numbers = tree["load_cases"].to_dataset()
-    return [
-        ([head.replace("\n", " ") for head in columns], [list(row) for row in zip(*columns.values(), strict=True)])
-        for columns in (input_columns(numbers), result_columns(numbers))
-    ]
-
-
 def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
     """Columns by head of what the load cases are: flank, torque, misalignment, speed and share."""
     columns: dict[str, list[str]] = {

@@ -5,11 +5,12 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 
 from ....core.printable import printable
-from ..contact_report.report_tables import efficiency_rows, loaded_numbers
-from ..load_case_summary import load_case_notes, load_case_tables
+from ..contact_report.report_tables import loaded_numbers
+from ..load_case_summary import input_columns, load_case_notes, result_columns
 from ..result_summary import head_rows, result_notes
 
 TORQUE_COUNT_LIMIT = 8  # side by side
@@ -25,6 +26,16 @@ SHOWN_NUMBERS = (
     "root_stress/max_root_stress",
     "loaded/status",
 )
+
+#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and format.
+CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
+FRICTION = {
+    "friction coefficient": ("mean_friction_coefficient", 1.0, ".4f"),
+    "power loss [W]": ("mean_power_loss", 1.0, ".1f"),
+    "efficiency [%]": ("efficiency", 100.0, ".2f"),
+    "least film [µm]": ("min_film_thickness", 1.0, ".3f"),
+    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, ".0f"),
+}
 
 
 def result_page(tree: xr.DataTree) -> str:
@@ -43,8 +54,10 @@ def result_page(tree: xr.DataTree) -> str:
     """
     parts = [f"<h4>{_shown(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
-        for heads, rows in load_case_tables(tree):
-            parts += [_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
+        numbers = tree["load_cases"].to_dataset()
+        for columns in (input_columns(numbers), result_columns(numbers)):
+            rows = list(zip(*columns.values(), strict=True))
+            parts += [_table([head.replace("\n", " ") for head in columns], rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
         notes = load_case_notes(tree)
     else:
         parts.append(_table([], [list(row) for row in head_rows(tree)]))
@@ -74,11 +87,17 @@ def _friction(tree: xr.DataTree) -> list[str]:
     """Table of friction and efficiency, a row an operating condition, if the result has it."""
     if "friction" not in tree.children:
         return []
-    numbers = efficiency_rows(tree["friction"].to_dataset())
-    return [
-        _table(numbers["heads"], numbers["rows"][:ROW_COUNT_LIMIT]),
-        _left(len(numbers["rows"]) + int(numbers["left"])),
+    friction = tree["friction"].to_dataset()
+    names = tuple(CONDITIONS)
+    shown = {head: row for head, row in FRICTION.items() if row[0] in friction}
+    values = {head: factor * friction[name].transpose(*names).values for head, (name, factor, _) in shown.items()}
+    conditions = list(np.ndindex(*(friction.sizes[name] for name in names)))
+    rows = [
+        [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        + [format(values[head][at], form) for head, (_, _, form) in shown.items()]
+        for at in conditions[:ROW_COUNT_LIMIT]
     ]
+    return [_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions))]
 
 
 def _left(count: int) -> str:
