@@ -100,7 +100,7 @@ def test_plot_draws_pictures(result: Path, tmp_path: Path) -> None:
     assert found.exit_code == 0, found.output
     pictures = sorted(p.name for p in (tmp_path / "pictures").iterdir())
     names = ("ease_off", "contact_pattern", "pressure", "transmission_error")
-    assert {f"case-drive-{name}.png" for name in names} <= set(pictures)
+    assert {f"small-drive-{name}.png" for name in names} <= set(pictures)
 
 
 def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result: Path) -> None:

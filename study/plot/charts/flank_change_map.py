@@ -85,7 +85,9 @@ def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -
     lines = axes.contour(x, y, np.where(inside, values, np.nan), levels=levels, colors=INK, linewidths=0.5, zorder=2)
     number_lines(axes, lines, outlined(outline))
     figure: Any = axes.get_figure(root=True)
-    plain_bar(figure.colorbar(shading, ax=axes, shrink=0.8, pad=0.02, extendfrac=0, ticks=MaxNLocator(7)), "")
+    ticks = levels[np.round(levels / (levels[1] - levels[0])) % 2 == 0]
+    style = {"shrink": 0.8, "pad": 0.02, "extendfrac": 0, "spacing": "proportional"}
+    plain_bar(figure.colorbar(shading, ax=axes, ticks=ticks, **style), "")
 
 
 def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:

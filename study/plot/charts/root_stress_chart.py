@@ -43,6 +43,8 @@ def draw(
         axes.set_xlabel(LABELS[part], fontsize=SMALL_SIZE + 1, color=INK)
         if number % len(members) == 0 or not found.on_page:
             axes.set_ylabel("root stress [MPa]", fontsize=SMALL_SIZE + 1, color=INK)
+    for axes in found.axes:  # only now: panels of a row share their limits
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     found.axes[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
     return found.figure
 
@@ -67,6 +69,5 @@ def _draw_lines(axes: Axes, stress: xr.Dataset, part: str, member: str, chosen: 
             axes.plot(times, values, color=colour, linewidth=1.6, label=label)
     plain_axes(axes)
     axes.set_xlim((0.0, 100.0) if part == "face" else (0.0, 2.0))
-    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     if not np.any(np.isfinite(along[chosen])):
         axes.text(0.5, 0.5, "no certified solution", transform=axes.transAxes, ha="center", color=GREY)

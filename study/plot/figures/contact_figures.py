@@ -285,7 +285,7 @@ def root_stress(
     Examples
     --------
     >>> import easeoff
-    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = easeoff.read_case("fm-11x41")
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> elastic = case.compliance.model_copy(update={"model": "fe", "fineness": 0.5})
     >>> contact = case.contact.model_copy(update=coarse)
