@@ -10,8 +10,8 @@ An analysis in two lines:
 The functions here read a case, analyse or optimise it, and write and read the result, an ``xarray.DataTree``. What they
 raise is an ``EaseoffError``. The sub-packages hold the steps and can be used alone: ``geometry`` (flanks and ease-off),
 ``contact`` (unloaded and loaded contact, the contact problem and its solvers), ``friction`` (friction coefficient and
-efficiency), ``cases`` (case files), ``study`` (pictures, reports, wear, comparison of solvers) and ``verification``
-(independent checks). All are imported on first use.
+efficiency), ``cases`` (case files), ``study`` (reports, wear, comparison of solvers), ``plot`` (figures) and
+``verification`` (independent checks). All are imported on first use.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
     from .cases import Case, read_case
     from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
+    from .study import plot
     from .study.analysis.case_analysis import analyze
     from .study.design.optimization import optimize
     from .study.result import read_result, write_result
@@ -43,6 +44,7 @@ __all__ = [
     "friction",
     "geometry",
     "optimize",
+    "plot",
     "read_case",
     "read_result",
     "study",
@@ -60,6 +62,7 @@ _MODULES = {
     "MissingSolverError": ".core.errors",
     "analyze": ".study.analysis.case_analysis",
     "optimize": ".study.design.optimization",
+    "plot": ".study",
     "read_case": ".cases",
     "read_result": ".study.result",
     "sweep": ".study.sweep.parameter_sweep",

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from ..core.checks import truth
 from ..core.errors import EaseoffError, InputError
+from ..core.printable import printable
 from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ..core.suggestion import suggestion
@@ -22,6 +23,8 @@ from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
 from .schema.supports_table import SupportFile, SupportsTable
+
+NAME_LENGTH_LIMIT = 80  # of a case that results keep [characters]
 
 Model = TypeVar("Model", Case, Design, SupportFile)
 
@@ -100,7 +103,9 @@ class FileKind(Generic[Model]):
     def read(self, name_or_path: str | Path, *, allow_outside: bool = False) -> Model:
         """Read and check a file."""
         text, folder = self.find(name_or_path)
-        return self.parse(text, named(name_or_path), folder, allow_outside=allow_outside)
+        found = self.parse(text, named(name_or_path), folder, allow_outside=allow_outside)
+        found._name = stem(name_or_path)
+        return found
 
     def parse(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool = False) -> Model:
         """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``.
@@ -131,6 +136,17 @@ class FileKind(Generic[Model]):
         except EaseoffError as error:
             raise type(error)(f"{origin}: {error}") from error
         return found
+
+
+def stem(name_or_path: str | Path) -> str:
+    """Name of a shipped file, or of a user's file without folder and suffix, as files and terminals can show it.
+
+    Examples
+    --------
+    >>> stem("fm-11x41"), stem("cases/mine.toml")
+    ('fm-11x41', 'mine')
+    """
+    return printable(Path(name_or_path).stem)[:NAME_LENGTH_LIMIT]
 
 
 def _require_possible(found: Case | Design | SupportFile) -> None:

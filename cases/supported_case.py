@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..core.errors import InputError
-from .reading import read_supports
+from .reading import read_supports, stem
 from .schema.case_schema import Case
 from .schema.supports_table import SupportsTable
 from .support_conversion import support_system
@@ -41,4 +41,5 @@ def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
         origin = "" if isinstance(supports, SupportsTable) else f"{supports}: "
         raise InputError(f"{origin}{error}") from error
     found._text = case_toml(found)
+    found._supports_name = "" if isinstance(supports, SupportsTable) else stem(supports)
     return found

@@ -16,18 +16,17 @@ if TYPE_CHECKING:
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
+    from .export.contact_mesh import export_contact
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
     from .load_cases.duty_means import duty_means, equivalent_torque
     from .load_cases.load_case_analysis import analyze_load_cases
-    from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
     from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
-    from .vh.vh_picture import write_vh_picture
 
 __all__ = [
     "Analysis",
@@ -40,6 +39,7 @@ __all__ = [
     "design_case",
     "duty_means",
     "equivalent_torque",
+    "export_contact",
     "fit_modification",
     "flank_deviations",
     "key_numbers",
@@ -53,10 +53,8 @@ __all__ = [
     "sweep",
     "vh_check",
     "wear",
-    "write_load_case_pictures",
     "write_pictures",
     "write_report",
-    "write_vh_picture",
 ]
 
 _MODULES = {
@@ -69,6 +67,7 @@ _MODULES = {
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",
     "equivalent_torque": ".load_cases.duty_means",
+    "export_contact": ".export.contact_mesh",
     "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
@@ -79,10 +78,8 @@ _MODULES = {
     "shipped_deviations": ".deviation_source",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
-    "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
     "write_report": ".report.contact_report.report_file",
-    "write_vh_picture": ".vh.vh_picture",
 }
 
 

@@ -44,7 +44,7 @@ def checked_case(case: Case | str | Path) -> Case:
 
 
 def case_attributes(case: Case, what: str) -> dict[str, Any]:
-    """Attributes of every file: conventions, title, version, time and name of the computation, and the case.
+    """Attributes of every file: conventions, title, names of case and supports, version, computation, and the case.
 
     Examples
     --------
@@ -53,9 +53,11 @@ def case_attributes(case: Case, what: str) -> dict[str, Any]:
     'CF-1.11'
     """
     now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
+    names = {"case_name": case.name, "supports_name": case.supports_name}
     return {
         "Conventions": "CF-1.11",
         "title": case.title,
+        **{key: name for key, name in names.items() if name},
         "history": f"{now} easeoff {own} {what}",
         "easeoff_version": own,
         "case": case.text or case.model_dump_json(),

@@ -90,7 +90,9 @@ def test_one_command_alone_reaches_the_yardsticks_and_only_when_it_is_run() -> N
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["geometry", "contact", "contact.compliance", "contact.solvers", "friction", "cases"])
+@pytest.mark.parametrize(
+    "name", ["geometry", "contact", "contact.compliance", "contact.solvers", "friction", "cases", "study.plot"]
+)
 def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> None:
     """And none is that of a module in its folder: once imported, the module would stand in its place."""
     path = modules()[f"easeoff.{name}"]

@@ -87,7 +87,8 @@ def test_plot_draws_pictures(result: Path, tmp_path: Path) -> None:
     found = call("plot", str(result), str(tmp_path / "pictures"))
     assert found.exit_code == 0, found.output
     pictures = sorted(p.name for p in (tmp_path / "pictures").iterdir())
-    assert {"ease_off.png", "contact_pattern.png", "pressure.png", "transmission_error.png"} <= set(pictures)
+    names = ("ease_off", "contact_pattern", "pressure", "transmission_error")
+    assert {f"small-drive-{name}.png" for name in names} <= set(pictures)
 
 
 def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result: Path) -> None:

@@ -24,7 +24,7 @@ from easeoff.geometry.formats import (
 )
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member, side
 from easeoff.study import flank_deviations
-from easeoff.study.geometry_export import export_points
+from easeoff.study.export.geometry_export import export_points
 
 VALUES = np.round(np.random.default_rng(5).uniform(-9.0, 9.0, (5, 9)), 2)
 WAYS = {"flank": "convex", "rows": "root to tip", "columns": "toe to heel", "deviation_unit": "um"}

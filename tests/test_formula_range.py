@@ -36,7 +36,7 @@ from easeoff.friction.losses import losses
 from easeoff.study import result_summary
 from easeoff.study.cli import main
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
-from easeoff.study.plot.friction_maps import draw as draw_maps
+from easeoff.study.plot.friction_map_chart import draw as draw_maps
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.notes.ranges import INPUTS, range_notes
 

@@ -571,7 +571,7 @@ def test_run_and_plot_take_the_thickness(tmp_path: Path) -> None:
     for thickness in ("4", "12"):
         folder = tmp_path / thickness
         assert CliRunner().invoke(main, ["plot", str(result), str(folder), "--marking", thickness]).exit_code == 0
-        pictures.append((folder / "contact_pattern.png").read_bytes())
+        pictures.append((folder / "nasa-12x36-drive-contact_pattern.png").read_bytes())
     assert pictures[0] != pictures[1]
 
 

@@ -168,8 +168,8 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
     )
     assert done.exit_code == 0, done.output
     assert "mean over time: power loss" in done.output
-    assert (plots / "load_cases.png").stat().st_size > 10_000
-    assert (plots / "climb" / "efficiency.png").exists()
+    assert (plots / "case-load_cases.png").stat().st_size > 10_000
+    assert (plots / "climb" / "case-drive-efficiency.png").exists()
     pressure = numbers(easeoff.read_result(file))["max_pressure"]
     plain = CliRunner().invoke(main, ["run", str(own), "--torque", "100", "-o", str(tmp_path / "plain.nc")])
     assert "has 2 load cases: --load-cases case analyses them" in plain.output

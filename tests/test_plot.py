@@ -24,9 +24,7 @@ from easeoff.contact.evaluation.pressure_map import Line, loaded_parts, pressure
 from easeoff.contact.evaluation.tooth_passage import envelope, pairs_in_view, tooth_passage
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.friction import Operation, friction
-from easeoff.study import write_pictures
-from easeoff.study.plot import FRICTION_PICTURES, PICTURES
-from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
+from easeoff.study.plot import write_pictures
 from easeoff.study.plot.contour_labels import (
     drop_short,
     label_points,
@@ -38,9 +36,11 @@ from easeoff.study.plot.contour_labels import (
 )
 from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
-from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, velocity_maps
+from easeoff.study.plot.figures.picture_list import PICTURES
+from easeoff.study.plot.friction_map_chart import GRID, loaded_map, roughness_name, velocity_maps
 from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
+from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
 from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves
@@ -101,7 +101,8 @@ def lubricated(drive: xr.DataTree) -> xr.DataTree:
 
 def test_a_result_with_friction_has_two_pictures_more(lubricated: xr.DataTree, tmp_path: Path) -> None:
     written = write_pictures(lubricated, tmp_path)
-    assert [path.stem for path in written] == [*PICTURES, *FRICTION_PICTURES]
+    names = [*PICTURES, "friction_maps", "efficiency"]
+    assert [path.name for path in written] == [f"nasa-12x36-drive-{name}.png" for name in names]
     for path in written[-2:]:
         pixels = imread(path)[..., :3]
         assert np.unique((255.0 * pixels).round() @ np.array([65536, 256, 1])).size > 50
@@ -164,7 +165,8 @@ def test_loaded_map_holds_every_loaded_segment_of_the_lines(lubricated: xr.DataT
 def test_every_picture_is_written_and_shows_something(tree: xr.DataTree, tmp_path: Path) -> None:
     folder = tmp_path / "new" / "pictures"
     written = write_pictures(tree, folder)
-    assert [path.name for path in written] == [f"{name}.png" for name in PICTURES]
+    flank = tree.attrs["flank"]
+    assert [path.name for path in written] == [f"nasa-12x36-{flank}-{name}.png" for name in PICTURES]
     assert sorted(folder.iterdir()) == sorted(written)  # nothing temporary is left
     for path in written:
         pixels = imread(path)[..., :3]
@@ -214,10 +216,11 @@ def test_a_folder_that_cannot_be_made_is_the_users_mistake(drive: xr.DataTree, t
 
 
 def test_a_picture_that_cannot_replace_another_leaves_nothing_behind(drive: xr.DataTree, tmp_path: Path) -> None:
-    (tmp_path / "ease_off.png").mkdir()
+    there = tmp_path / "nasa-12x36-drive-ease_off.png"
+    there.mkdir()
     with pytest.raises(InputError, match=r"ease_off\.png is a folder"):
         write_pictures(drive, tmp_path)
-    assert list(tmp_path.iterdir()) == [tmp_path / "ease_off.png"]
+    assert list(tmp_path.iterdir()) == [there]
 
 
 def test_drawing_is_loaded_late_and_keeps_no_global_state() -> None:

@@ -500,8 +500,8 @@ def test_pictures_are_those_of_what_is_swept(case: Path, tmp_path: Path) -> None
     out, folder = tmp_path / "x.nc", tmp_path / "pictures"
     words = ["--over", "E=-0.05,0.05", "--over", "torque=100,300", "--workers", "1", "--plots", str(folder)]
     assert call("sweep", str(case), "-o", str(out), *words).exit_code == 0
-    assert sorted(path.name for path in folder.iterdir()) == ["sweep_map.png", "sweep_pattern.png"]
+    assert sorted(path.stem.split("-")[-1] for path in folder.iterdir()) == ["sweep_map", "sweep_pattern"]
     dataset = read_sweep(out).isel(torque=0, drop=True).rename(E="sample").assign_coords(E=("sample", [-0.05, 0.05]))
     write_sweep(dataset.drop_vars("sample").assign_attrs(swept='["E"]'), out)
     assert call("plot", str(out), str(folder)).exit_code == 0
-    assert sorted(path.name for path in folder.iterdir()) == ["sweep_histograms.png", "sweep_pattern.png"]
+    assert sorted(path.stem.split("-")[-1] for path in folder.iterdir()) == ["sweep_histograms", "sweep_pattern"]

@@ -16,7 +16,7 @@ from easeoff.cases import case_text, read_case, write_case
 from easeoff.friction import lubricant
 from easeoff.study.cli import main
 from easeoff.study.cli.command import Command
-from easeoff.study.plot import FRICTION_PICTURES, PICTURES
+from easeoff.study.plot.figures.picture_list import PICTURES
 from easeoff.study.plot.picture_files import pictures_of_results
 
 SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
@@ -109,24 +109,33 @@ def test_blanks_after_commas_and_lists_with_a_point_are_read(options: list[str],
         assert list(tree["friction"].to_dataset()["temperature"].values) == [40.0, 30.0]
 
 
-def test_pictures_of_another_result_do_not_stay(results: tuple[Path, Path], tmp_path: Path) -> None:
+def test_pictures_of_an_earlier_result_do_not_stay(results: tuple[Path, Path], tmp_path: Path) -> None:
+    """Of the same case and flank; those of other cases, and what is no picture of a result, stay."""
     nasa, fm = results
-    folder = tmp_path / "pictures"
+    folder, ours = tmp_path / "pictures", "nasa-12x36-drive-"
     said = call("plot", nasa, folder)
     assert said.exit_code == 0, said.output
     assert "replaced" not in said.output
-    assert {path.stem for path in pictures_of_results(folder)} == {*PICTURES, *FRICTION_PICTURES}
-    own = {"photo.png": b"no picture at all", "notes.txt": b"mine"}
+    assert "removed" not in said.output
+    first = {path.name for path in pictures_of_results(folder)}
+    assert first == {f"{ours}{name}.png" for name in (*PICTURES, "friction_maps", "efficiency")}
+    own = {"photo.png": b"no picture", "notes.txt": b"mine", f"{ours}mine.png": b"", f"{ours}mine.svg": b"<"}
     for name, content in own.items():
         (folder / name).write_bytes(content)
     said = call("plot", fm, folder)
     assert said.exit_code == 0, said.output
-    titles = {name: read_case(name).title for name in ("nasa-12x36", "fm-11x41")}
-    assert f"replaced the pictures of {titles['nasa-12x36']!r}" in said.output
-    for name in FRICTION_PICTURES:
-        assert f"removed {folder / name}.png, a picture of an earlier result" in said.output
-    assert set(pictures_of_results(folder).values()) == {titles["fm-11x41"]}
-    assert {path.name for path in folder.iterdir()} == {*own, *(f"{name}.png" for name in PICTURES)}
+    assert "removed" not in said.output
+    others = {f"fm-11x41-drive-{name}.png" for name in PICTURES}
+    assert {path.name for path in folder.iterdir()} == {*own, *first, *others}
+    for suffix in ("svg", "pdf"):
+        assert call("plot", nasa, folder, "--format", suffix, "--pictures", "efficiency").exit_code == 0
+    tree = easeoff.read_result(nasa)
+    del tree["friction"]
+    easeoff.write_result(tree, tmp_path / "other.nc")
+    said = call("plot", tmp_path / "other.nc", folder)
+    for name in ("friction_maps.png", "efficiency.png", "efficiency.svg", "efficiency.pdf"):
+        assert f"removed {folder / ours}{name}, a picture of an earlier result" in said.output
+    assert {path.name for path in folder.iterdir()} == {*own, *others, *(f"{ours}{name}.png" for name in PICTURES)}
     assert all((folder / name).read_bytes() == content for name, content in own.items())
 
 

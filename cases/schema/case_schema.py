@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
@@ -262,6 +262,12 @@ class Case(InputFile):
     friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
     load_cases: LoadCases = ()
+    _supports_name: str = PrivateAttr(default="")
+
+    @property
+    def supports_name(self) -> str:
+        """Name of the file of the supports, or that they stand in the case; empty if there are none."""
+        return "" if self.supports is None else self._supports_name or "of the case"
 
     @model_validator(mode="after")
     def _names_load_cases(self) -> Self:

@@ -17,11 +17,17 @@ class InputFile(Table):
     """A whole case or design file."""
 
     _text: str = PrivateAttr(default="")
+    _name: str = PrivateAttr(default="")
 
     @property
     def text(self) -> str:
         """The file as it was read; empty if it was built in Python."""
         return self._text
+
+    @property
+    def name(self) -> str:
+        """Name of the shipped file, or of the user's file without its suffix; empty if it was built in Python."""
+        return self._name
 
 
 def number(description: str, unit: str, **limits: Any) -> Any:

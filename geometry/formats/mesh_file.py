@@ -65,8 +65,18 @@ def vtk_file(points: Array, quads: Array, cell_data: Mapping[str, Array]) -> byt
     return b"".join(part.encode() if isinstance(part, str) else part.tobytes() for part in parts)
 
 
-def vtu_file(points: Array, quads: Array, cell_data: Mapping[str, Array]) -> bytes:
-    """Unstructured grid in the XML of VTK, compressed; arguments as of ``vtk_file``."""
+def vtu_file(
+    points: Array, quads: Array, cell_data: Mapping[str, Array], point_data: Mapping[str, Array] | None = None
+) -> bytes:
+    """Unstructured grid in the XML of VTK, compressed.
+
+    Parameters
+    ----------
+    points, quads, cell_data
+        As of ``vtk_file``.
+    point_data
+        Values (n) at the points by name.
+    """
     root = ElementTree.Element(
         "VTKFile", type="UnstructuredGrid", version="0.1", byte_order="LittleEndian", compressor="vtkZLibDataCompressor"
     )
@@ -78,7 +88,8 @@ def vtu_file(points: Array, quads: Array, cell_data: Mapping[str, Array]) -> byt
         "offsets": 4 * np.arange(1, len(quads) + 1),
         "types": np.full(len(quads), QUADRILATERAL, dtype=np.uint8),
     }
-    for group, arrays in (("Points", {"Points": points}), ("Cells", cells), ("CellData", cell_data)):
+    groups = {"Points": {"Points": points}, "Cells": cells, "CellData": cell_data}
+    for group, arrays in (groups | ({"PointData": point_data} if point_data else {})).items():
         parent = ElementTree.SubElement(piece, group)
         for name, values in arrays.items():
             _add_array(parent, name, values)

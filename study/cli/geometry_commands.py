@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from .command import Command
 from .options.shared_options import (
@@ -20,13 +21,17 @@ from .options.shared_options import (
     teeth,
 )
 
+#: Options of ``export`` that go with a result, and those that go with a case.
+CONTACT_OPTIONS = ("torque", "mesh_position")
+GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
+
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("source", metavar="CASE|RESULT")
 @allow_outside_option
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
-    "(meshes)."
+    "(meshes). Of a RESULT: .vtu."
 )
 @click.option(
     "--member", type=click.Choice(["pinion", "gear"]), default="pinion", show_default=True, help="Member to export."
@@ -61,12 +66,56 @@ from .options.shared_options import (
     show_default="61x31",
     help="Surfaces and meshes: nodes of a flank, lengthwise x profile.",
 )
-def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
-    """Export teeth of CASE as points, CAD surfaces or a mesh."""
+@click.option(
+    "--torque",
+    type=float,
+    metavar="T",
+    show_default="the greatest",
+    help="Result: torque at the pinion in N m, one of those of the result.",
+)
+@click.option(
+    "--mesh-position",
+    type=float,
+    metavar="Q",
+    show_default="0",
+    help="Result: mesh position, from 0 to 1 over a pinion pitch, one of those of the result.",
+)
+def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
+    """Export teeth of CASE as points, CAD surfaces or a mesh, or the contact of RESULT on its teeth.
+
+    RESULT is a file of 'easeoff run'. Its .vtu file, for ParaView and other programs that read VTK, holds the teeth of
+    both members in mesh position with ease-off, contact pattern and pressure, and a strip for every loaded segment with
+    its load, film, friction and temperature.
+    """
+    contact = {name: options.pop(name) for name in CONTACT_OPTIONS}
+    if Path(source).suffix.lower() == ".nc":
+        _export_contact(source, output, contact, options["nodes"])
+        return
+    given = [name for name, value in contact.items() if value is not None]
+    if given:
+        raise click.UsageError(f"--{given[0].replace('_', '-')}: must go with a RESULT, not with a case")
+    _export_geometry(source, output, member, flank, options)
+
+
+def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
+    from ...core.writing.output_file import check_writable
+    from ..export.contact_mesh import export_contact
+    from ..result import read_result
+
+    context = click.get_current_context()
+    foreign = [name for name in GEOMETRY_OPTIONS if context.get_parameter_source(name) == ParameterSource.COMMANDLINE]
+    if foreign:
+        raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
+    check_writable(output, source)
+    chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
+    echo(f"wrote {output}: {export_contact(read_result(source), output, **chosen)}")
+
+
+def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: dict[str, Any]) -> None:
     from ...cases import read_case
     from ...core.writing.output_file import check_writable
     from ...geometry.formats import EdgeMargins
-    from ..geometry_export import export as write
+    from ..export.geometry_export import export as write
 
     check_writable(output, case)
     given = {name: value for name, value in options.items() if value is not None}

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...core.printable import printable
 from .command import Command
-from .options.shared_options import echo
+from .options.shared_options import echo, names, torques
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +38,40 @@ def show(result: Path) -> None:
 
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=click.Path(path_type=Path), required=False)
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder to write.")
+@click.option(
+    "--pictures",
+    callback=names,
+    metavar="NAME,...",
+    show_default="all",
+    help="Pictures to draw, such as pressure,transmission_error; a wrong name lists those of the result.",
+)
+@click.option(
+    "--torque",
+    "torques",
+    callback=torques,
+    metavar="T1,T2,...",
+    show_default="up to six, spread evenly",
+    help="Torques of the result at the pinion in N m, for the pictures that show torques.",
+)
+@click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast"]),
+    show_default="both",
+    help="Flank to draw, of load cases or a sweep with both.",
+)
+@click.option(
+    "--format",
+    "file_format",
+    type=click.Choice(["png", "svg", "pdf"]),
+    default="png",
+    show_default=True,
+    help="Format of the files.",
+)
+@click.option(
+    "--dpi", type=click.IntRange(30, 1200), metavar="N", show_default="160", help="Dots per inch of PNG files."
+)
 @click.option(
     "--marking",
     type=float,
@@ -46,27 +79,28 @@ def show(result: Path) -> None:
     show_default="that of the result",
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
-def plot(result: Path, folder: Path, marking: float | None) -> None:
-    """Plot RESULT as PNG files in FOLDER.
+def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None, **options: Any) -> None:
+    """Draw pictures of RESULT into FOLDER.
 
-    RESULT is a file of 'easeoff run' or 'easeoff sweep'. Pictures of another result in FOLDER are replaced or removed.
+    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'. The files are named after case, flank and
+    picture, as in fm-11x41-drive-pressure.png. Pictures of an earlier result of the same case and flank in FOLDER are
+    replaced or removed.
     """
     from ...core.writing.output_file import check_folder
-    from ..result import read_result
+    from ..plot.figures.drawn_file import read_drawn
 
-    dataset = _sweep(result)
-    if dataset is not None:
-        from ..plot.sweep_pictures import write_sweep_pictures
-
-        if marking is not None:
-            raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")
-        check_folder(folder, "pictures")
-        for picture in write_sweep_pictures(dataset, folder):
-            echo(f"wrote {picture}")
-        return
-    tree = read_result(result)
-    check_folder(folder, "pictures")
-    draw(tree, folder, marking=marking)
+    if (folder is None) == (output is None):
+        raise click.UsageError("FOLDER: must be given once, as in 'easeoff plot RESULT -o FOLDER'")
+    if dpi is not None and options["file_format"] != "png":
+        raise click.UsageError(f"--dpi: must go with --format png; {options['file_format']} files have no dots")
+    drawn = read_drawn(result)
+    if options["marking"] is not None and not hasattr(drawn, "children"):
+        raise click.UsageError("--marking: must go with a file of 'easeoff run'; sweeps, V-H checks and wear have none")
+    place = folder or output
+    assert place is not None
+    check_folder(place, "pictures")
+    options["names"], options["torque"] = options.pop("pictures"), options.pop("torques")
+    draw(drawn, place, dpi=dpi, **options)
 
 
 @click.command(cls=Command)
@@ -110,18 +144,27 @@ def _sweep(path: Path) -> xr.Dataset | None:
     return checked_sweep(found, path) if is_sweep(found) else None
 
 
-def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:
-    """Write the pictures of a result, and say which were written and whose were replaced or removed."""
-    from ..load_cases.load_case_pictures import write_load_case_pictures
+def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:
+    """Write pictures of a result, and say which were written, and whose were replaced or removed.
+
+    Parameters
+    ----------
+    result, folder
+        The result and the folder.
+    **options
+        As of ``write_pictures``.
+    """
     from ..plot import write_pictures
-    from ..plot.picture_files import pictures_of_results
+    from ..plot.picture_files import file_prefix, pictures_of_results
 
     before = pictures_of_results(folder)
-    write = write_load_case_pictures if "load_cases" in tree.children else write_pictures
-    for picture in write(tree, folder, marking=marking):
+    written = write_pictures(result, folder, **options)
+    for picture in written:
         echo(f"wrote {picture}")
-    for title in sorted({title for title in before.values() if title != printable(str(tree.attrs.get("title", "")))}):
+    own = printable(str(result.attrs.get("title", "")))
+    ours = {path: title for path, (title, _) in before.items() if path.name.startswith(f"{file_prefix(result)}-")}
+    for title in sorted({title for path, title in ours.items() if title not in ("", own)}):
         echo(f"replaced the pictures of {printable(title)!r}")
-    for picture in before:
+    for picture in ours:
         if not picture.exists():
             echo(f"removed {printable(str(picture))}, a picture of an earlier result")

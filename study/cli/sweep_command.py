@@ -18,6 +18,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
+from .result_commands import draw
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
@@ -189,10 +190,7 @@ def sweep(
     if plots is not None and not bool(found["max_pressure"].notnull().any() if "max_pressure" in found else False):
         echo("no point has numbers: there are no pictures", err=True)
     elif plots is not None:
-        from ..plot.sweep_pictures import write_sweep_pictures
-
-        for picture in write_sweep_pictures(found, plots):
-            echo(f"wrote {picture}")
+        draw(found, plots)
     if store is None:
         batch_store(plan, folder).remove()
     echo("\n" + sweep_summary(found))

@@ -12,6 +12,7 @@ from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
 from .options.shared_options import echo, output_option, outside_allowed, refuse_name_of_output
+from .result_commands import draw
 
 GRID_OF_PICTURES = (5, 5)
 
@@ -105,8 +106,6 @@ def vh(
     echo(vh_table(found))
     echo(f"wrote {output}")
     if plots is not None:
-        from ..vh.vh_picture import write_vh_picture
-
-        echo(f"wrote {write_vh_picture(found, plots)}")
+        draw(found, plots)
     if found["status"].values.any():
         sys.exit(EXIT_UNCERTIFIED)

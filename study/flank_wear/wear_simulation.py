@@ -37,7 +37,7 @@ from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
 from ..analysis.supported_analysis import in_assembly_under_load
-from ..case_in_mesh import CaseInMesh, checked_case, deflection_attributes, prepared_pair
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case, deflection_attributes, prepared_pair
 from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
@@ -144,12 +144,14 @@ def wear(
     own = ("member", "lengthwise", "profile", "xyz")
     result["position"] = (own, np.stack([run.positions[name] for name in MEMBERS]))
     result = result.assign_coords(xyz=list("xyz"))
+    origin = case_attributes(checked, "wear")
     of_pair = {"pinion_teeth": pair.assembly.pinion_teeth, "gear_teeth": pair.assembly.gear_teeth}
     result.attrs = {
         "stop": run.stop,
         "completed": int(completed),
-        "title": checked.title,
+        **{key: origin[key] for key in ("title", "case_name", "easeoff_version") if key in origin},
         "flank": flank,
+        **{key: value for key, value in unloaded.attributes.items() if key.startswith("misalignment_")},
         "edge_contact": 0,
         **of_pair,
         **deflection_attributes(designed.misalignment, flank, list(shares)),

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
+from ..plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, plain_axes, torque_name
+from ..plot.panel_grid import OwnAxes, panels
 
 Array = NDArray[Any]
 ROW_COUNT_LIMIT = 30
@@ -18,28 +19,24 @@ ROW_HEIGHT = 0.26  # [in]
 NAME_LENGTH_LIMIT = 22  # of a load case beside the chart [characters]
 
 
-def draw(tree: xr.DataTree) -> Figure:
-    """Draw an analysis over load cases, a row each.
-
-    Parameters
-    ----------
-    tree
-        Of ``analyze_load_cases``.
-    """
+def draw(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
+    """Draw an analysis over load cases, a row each; ``own`` are axes of the caller, one a panel."""
     numbers = tree["load_cases"].to_dataset()
     count = numbers.sizes["load_case"]
     rows = np.sort(evenly_chosen(np.arange(float(count)), ROW_COUNT_LIMIT))
     shown = numbers.isel(load_case=rows)
     bars = _bars(tree, rows, shown)
     note = "" if rows.size == count else f"{rows.size} of {count} load cases"
-    figure = page(tree, "Load cases", ROW_HEIGHT * rows.size + 1.0, note)
-    panels = figure.subplots(1, 1 + len(bars), sharey=True, width_ratios=(1.6, *(1.0 for _ in bars)), squeeze=False)[0]
-    _draw_patterns(panels[0], shown)
-    for axes, (label, values) in zip(panels[1:], bars, strict=True):
+    layout: dict[str, Any] = {"sharey": True, "width_ratios": (1.6, *(1.0 for _ in bars))}
+    found = panels(tree, "Load cases", ROW_HEIGHT * rows.size + 1.0, note, (1, 1 + len(bars)), own, **layout)
+    grid = found.axes
+    _draw_patterns(grid[0], shown)
+    for axes, (label, values) in zip(grid[1:], bars, strict=True):
         _draw_bars(axes, label, values)
-    panels[0].set_ylim(rows.size - 0.4, -0.6)
-    panels[0].set_yticks(np.arange(rows.size), [_name(shown, i) for i in range(rows.size)])
-    return figure
+    for axes in grid if not found.on_page else grid[:1]:
+        axes.set_ylim(rows.size - 0.4, -0.6)
+        axes.set_yticks(np.arange(rows.size), [_name(shown, i) for i in range(rows.size)])
+    return found.figure
 
 
 def _bars(tree: xr.DataTree, rows: Array, shown: xr.Dataset) -> list[tuple[str, Array]]:

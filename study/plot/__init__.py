@@ -1,103 +1,70 @@
-"""Plots of a result: ease-off, contact, transmission error, load sharing, friction, efficiency, misalignment."""
+"""Figures of results, reached as ``easeoff.plot``, and their files.
+
+Every function takes a result and returns a matplotlib ``Figure``: a page of its own, or, with ``axes``, the figure of
+the caller's axes, one a panel, row by row. ``pictures`` lists what a result has; ``write_pictures`` writes the files.
+
+>>> import easeoff
+>>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+>>> figure = easeoff.plot.pressure(tree)
+>>> figure.savefig("pressure.png")  # doctest: +SKIP
+"""
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...core.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["FRICTION_PICTURES", "MISALIGNMENT_PICTURES", "PICTURES", "write_pictures"]
-
-PICTURES = ("ease_off", "contact_pattern", "pressure", "transmission_error", "load_sharing")
-"""Names of the pictures of every result; each is written as ``<name>.png``."""
-
-FRICTION_PICTURES = ("friction_maps", "efficiency")
-"""Names of the further pictures of a result with friction."""
-
-MISALIGNMENT_PICTURES = ("misalignment",)
-"""Names of the further pictures of a result whose misalignment depends on the torque."""
-
-
-def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking: float | None = None) -> list[Path]:
-    """Draw every picture of a result.
-
-    Pictures of another result in the folder are replaced, and those that this result does not have are removed: nothing
-    stays there that could be taken for a picture of this result. Other files are left alone.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-    folder
-        Folder for the PNG files; made if it does not exist.
-    marking
-        Thickness of the marking compound of the unloaded print [um]; that of the result if left out.
-
-    Returns
-    -------
-    list of Path
-        The files, in the order of ``PICTURES``, of ``FRICTION_PICTURES`` if the result has friction, and of
-        ``MISALIGNMENT_PICTURES`` if its misalignment depends on the torque.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to, or the thickness is out of range.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> from tempfile import TemporaryDirectory
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
-    >>> with TemporaryDirectory() as folder:
-    ...     [path.stem for path in write_pictures(tree, folder)]
-    ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
-    """
-    from ...core.compiled.compiled_use import without_compiled_code
-    from .drawing_style import default_style
-
-    with default_style(), without_compiled_code():  # a drawing needs too little of it to load it for
-        return _written(tree, Path(folder), marking)
-
-
-def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Path]:
-    # The drawing library is slow to load, and most of what imports this package never draws.
-    from ...contact.evaluation.marking_print import checked_thickness
-    from ..report.deflection_report import misalignment_over_torque
-    from . import contact_pattern_chart, friction_maps, misalignment_chart
-    from . import ease_off_map as ease_off
-    from . import efficiency_chart as efficiency
-    from . import load_share_chart as load_sharing
-    from . import pressure_chart as pressure
-    from . import transmission_error_chart as transmission_error
-    from .picture_files import pictures_of_results, save_picture
-    from .tooth_view import tooth_view
-
-    if marking is not None:
-        checked_thickness(marking)
-    view, pinion = tooth_view(tree), tooth_view(tree, "pinion")
-    names, figures = (
-        list(PICTURES),
-        [
-            ease_off.draw(tree, view),
-            contact_pattern_chart.draw(tree, (view, pinion), marking),
-            pressure.draw(tree, (view, pinion)),
-            transmission_error.draw(tree),
-            load_sharing.draw(tree),
-        ],
+    from .figures.contact_figures import (
+        contact_pattern,
+        deviations,
+        ease_off,
+        load_sharing,
+        misalignment,
+        pressure,
+        root_stress,
+        transmission_error,
     )
-    if "friction" in tree.children:
-        names += FRICTION_PICTURES
-        figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
-    if misalignment_over_torque(tree) is not None:
-        names += MISALIGNMENT_PICTURES
-        figures.append(misalignment_chart.draw(tree))
-    written = [save_picture(figure, folder / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)]
-    for stale in pictures_of_results(folder).keys() - set(written):
-        with suppress(OSError):
-            stale.unlink()
-    return written
+    from .figures.friction_figures import efficiency, friction_maps
+    from .figures.picture_list import pictures
+    from .figures.study_figures import load_cases, optimization, sweep, vh_check, wear
+    from .figures.written_pictures import write_pictures
+
+__all__ = [
+    "contact_pattern",
+    "deviations",
+    "ease_off",
+    "efficiency",
+    "friction_maps",
+    "load_cases",
+    "load_sharing",
+    "misalignment",
+    "optimization",
+    "pictures",
+    "pressure",
+    "root_stress",
+    "sweep",
+    "transmission_error",
+    "vh_check",
+    "wear",
+    "write_pictures",
+]
+
+_ORIGINS = {
+    ".figures.contact_figures": [
+        "contact_pattern",
+        "deviations",
+        "ease_off",
+        "load_sharing",
+        "misalignment",
+        "pressure",
+        "root_stress",
+        "transmission_error",
+    ],
+    ".figures.friction_figures": ["efficiency", "friction_maps"],
+    ".figures.picture_list": ["pictures"],
+    ".figures.study_figures": ["load_cases", "optimization", "sweep", "vh_check", "wear"],
+    ".figures.written_pictures": ["write_pictures"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.solvers import Status
-from .contact_pattern import contact_pattern, draw_pattern, path_beyond
 from .page import (
     BLUE,
     BODY_SIZE,
@@ -29,40 +29,40 @@ from .page import (
     VERMILION,
     WIDTH,
     legend_at_foot,
-    page,
     torque_name,
 )
+from .panel_grid import OwnAxes, chosen_parts, panels
+from .pattern_lines import contact_pattern, draw_pattern, path_beyond
 from .pressure_chart import draw_surface, pressure_levels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
 
 Array = NDArray[Any]
 FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
 COMPOUND = "#7FB2D6"  # colour of the marking compound
+PARTS = ("lines", "print", "light_load")
 LEGEND_HEIGHT = 0.62  # [in]
 DRAWN_GRID = (481, 241)  # points of a drawn print along the face and the profile
 CENTRE_STYLE: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 3.5, "color": INK}
 
 
-def draw(tree: xr.DataTree, views: tuple[ToothView, ...], marking: float | None = None) -> Figure:
-    """Draw the contact pattern of a result.
-
-    Parameters
-    ----------
-    tree
-        The result.
-    views
-        Flanks of gear and pinion.
-    marking
-        Thickness of the marking compound [um]; that of the result if left out.
-    """
+def draw(
+    tree: xr.DataTree,
+    views: tuple[ToothView, ...],
+    marking: float | None = None,
+    parts: str | Sequence[str] | None = None,
+    own: OwnAxes = None,
+) -> Figure:
+    """Draw the contact pattern of a result; arguments as of ``contact_figures.contact_pattern``."""
     unloaded = tree["unloaded"].to_dataset()
     separation = float(unloaded.attrs.get("separation", float("nan")))
     thickness = separation if marking is None else marking
     light = tree["light_load"].to_dataset().isel(torque=0) if "light_load" in tree.children else None
-    rows = 2 if light is None else 3
-    height = rows * ((WIDTH - 0.9) / 2 * shared_aspect(views) + 0.28) + 0.35 + LEGEND_HEIGHT
-    figure = page(tree, "Contact pattern", height, f"contact lines where the gap is within {separation:g} µm")
-    panels = figure.subplots(rows, 2, squeeze=False)
+    names = chosen_parts(PARTS if light is not None else PARTS[:2], parts)
+    height = len(names) * ((WIDTH - 0.9) / len(views) * shared_aspect(views) + 0.28) + 0.35 + LEGEND_HEIGHT
+    note = f"contact lines where the gap is within {separation:g} µm"
+    found = panels(tree, "Contact pattern", height, note, (len(names), len(views)), own)
+    grid = found.axes.reshape(len(names), len(views))
+    rows = dict(zip(names, grid, strict=True))
     pattern = contact_pattern(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
     printed, region = None, None
@@ -71,25 +71,27 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...], marking: float | None 
         region = MarkingPrint.of(views[0].fields, error, thickness).region(views[0].plane)
     surface = None if light is None else pressure_map(light)
     for column, view in enumerate(views):
-        name, left = FLANK_NAMES[view.member], column == 0
-        draw_pattern(panels[0, column], view, pattern, labels=(False, left))
-        _title(panels[0, column], name, "contact lines, path of contact")
-        draw_flank(panels[1, column], view, labels=(rows == 2, left))
-        if region is not None and printed is not None:
-            draw_print(panels[1, column], view, printed, region)
-        said = "no unloaded contact" if region is None else size_name(region)
-        _title(panels[1, column], f"marking print, {thickness:g} µm", said if left else "")
-        if light is not None and surface is not None:
-            draw_flank(panels[2, column], view, labels=(True, left))
-            draw_surface(
-                panels[2, column], view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0)
-            )
-            _title(
-                panels[2, column], f"light load, {torque_name(float(light['torque']))}", _light(light) if left else ""
-            )
-    side_by_side(panels)
-    legend_at_foot(figure, _entries(), LEGEND_HEIGHT)
-    return figure
+        left = column == 0
+        if "lines" in rows:
+            axes, shown = rows["lines"][column], (names[-1] == "lines", left)
+            draw_pattern(axes, view, pattern, labels=shown)
+            _title(axes, FLANK_NAMES[view.member], "contact lines, path of contact")
+        if "print" in rows:
+            axes, shown = rows["print"][column], (names[-1] == "print", left)
+            draw_flank(axes, view, labels=shown)
+            if region is not None and printed is not None:
+                draw_print(axes, view, printed, region)
+            said = "no unloaded contact" if region is None else size_name(region)
+            _title(axes, f"marking print, {thickness:g} µm", said if left else "")
+        if light is not None and surface is not None and "light_load" in rows:
+            axes, shown = rows["light_load"][column], (names[-1] == "light_load", left)
+            draw_flank(axes, view, labels=shown)
+            draw_surface(axes, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
+            _title(axes, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
+    side_by_side(grid)
+    if found.on_page:
+        legend_at_foot(found.figure, _entries(), LEGEND_HEIGHT)
+    return found.figure
 
 
 def draw_print(axes: Axes, view: ToothView, printed: MarkingPrint, region: FlankRegion) -> None:

@@ -9,6 +9,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...core.compiled.compiled_use import without_compiled_code
+
 #: File that matplotlib looks for in the current folder when it is loaded.
 CONFIGURATION = "matplotlibrc"
 
@@ -32,6 +34,27 @@ def default_style() -> Iterator[None]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
+        yield
+
+
+@contextlib.contextmanager
+def drawing(axes: object) -> Iterator[None]:
+    """Draw pages with matplotlib's defaults, and on the caller's axes with the settings of the caller.
+
+    Parameters
+    ----------
+    axes
+        Axes of the caller; ``None`` for a page.
+
+    Examples
+    --------
+    >>> with drawing(None):
+    ...     import matplotlib
+    ...     matplotlib.rcParams["text.usetex"]
+    False
+    """
+    style = default_style() if axes is None else contextlib.nullcontext()
+    with style, without_compiled_code():  # a drawing needs too little of it to load it for
         yield
 
 

@@ -16,9 +16,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
-from .contact_pattern import contact_pattern, draw_path, legend_below
 from .contour_labels import number_lines, outlined
-from .page import GREY, INK, VERMILION, WIDTH, page
+from .page import GREY, INK, VERMILION, WIDTH
+from .panel_grid import OwnAxes, panels
+from .pattern_lines import contact_pattern, draw_path, legend_below
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
@@ -48,13 +49,14 @@ def contour_levels(gap: Array) -> Array:
     return np.asarray(MaxNLocator(LEVEL_COUNT_LIMIT, steps=[1, 2, 2.5, 5, 10]).tick_values(smallest, largest))
 
 
-def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the ease-off map of a result."""
+def draw(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
+    """Draw the ease-off map of a result, on a page or on one Axes of the caller."""
     mapped = ease_off_map(view)
     levels = contour_levels(mapped[1][mapped[2]])
     step = levels[1] - levels[0]
-    figure = page(tree, "Ease-off, gear flank", (WIDTH - 0.8) * view.aspect + 0.63, f"contours every {step:g}\u00a0µm")
-    axes = figure.subplots()
+    height, note = (WIDTH - 0.8) * view.aspect + 0.63, f"contours every {step:g}\u00a0µm"
+    found = panels(tree, "Ease-off, gear flank", height, note, (1, 1), own)
+    axes = found.axes[0]
     draw_flank(axes, view)
     draw_map(axes, view, mapped, levels)
     pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
@@ -65,7 +67,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
     legend_below(axes, entries, columns=3)
-    return figure
+    return found.figure
 
 
 def draw_map(

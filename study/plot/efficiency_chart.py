@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 
 from ...friction.operation import named_models
 from ..report.notes.ranges import range_notes
-from .friction_maps import chosen_condition, roughness_name
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, page, plain_axes
+from .friction_map_chart import chosen_condition, roughness_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, plain_axes
+from .panel_grid import OwnAxes, chosen_parts, panels
 from .transmission_error_chart import two_cycles
 
 Array = NDArray[Any]
@@ -94,26 +96,26 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> No
     legend_beside(axes, how_many(chosen.size, torques.size, "torque"))
 
 
-def draw(tree: xr.DataTree) -> Figure:
-    """Draw the efficiency chart of a result with friction; other conditions take their middle value."""
+def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw the efficiency chart of a result with friction; arguments as of ``friction_figures.efficiency``."""
     friction = tree["friction"].to_dataset()
     at = chosen_condition(friction)
     varied = [name for name in AXES if friction.sizes[name] > 1]
-    count = 1 + len(varied)
-    rows = -(-count // 2)
+    names = chosen_parts(["cycle", *varied], parts)
+    rows, columns = -(-len(names) // 2), min(2, len(names))
     note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction))])
-    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note)
-    panels = figure.subplots(rows, 2, squeeze=False)
-    for axes in panels.flat[count:]:
-        axes.set_visible(False)
-    over_the_cycle(panels.flat[0], friction, at)
-    title(panels.flat[0], friction, at, ("torque",))
-    for axes, along in zip(panels.flat[1:], varied, strict=False):
-        by = COMPANION[along]
-        curves(axes, 100.0 * friction["efficiency"], along, by, at)
+    shape, count = (rows, columns), len(names)
+    found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
+    for axes, name in zip(found.axes, names, strict=True):
+        if name == "cycle":
+            over_the_cycle(axes, friction, at)
+            title(axes, friction, at, ("torque",))
+            continue
+        by = COMPANION[name]
+        curves(axes, 100.0 * friction["efficiency"], name, by, at)
         axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
-        title(axes, friction, at, (along, by))
-    return figure
+        title(axes, friction, at, (name, by))
+    return found.figure
 
 
 def legend_beside(axes: Axes, heading: str) -> None:

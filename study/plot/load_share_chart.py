@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,19 @@ from matplotlib.ticker import MultipleLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import ToothPassage, pairs_in_view, tooth_passage
-from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
+from .page import (
+    BLUE,
+    BODY_SIZE,
+    GREEN,
+    GREY,
+    INK,
+    PANEL_COUNT_LIMIT,
+    SMALL_SIZE,
+    VERMILION,
+    plain_axes,
+    torque_name,
+)
+from .panel_grid import OwnAxes, chosen_torques, panels
 
 Array = NDArray[Any]
 
@@ -43,25 +56,26 @@ def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
     return float(np.mean(np.sum(share > 0.0, axis=0)))
 
 
-def draw(tree: xr.DataTree) -> Figure:
-    """Draw the load share chart of a result."""
+def draw(tree: xr.DataTree, torque: float | Sequence[float] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw the load share chart of a result; arguments as of ``contact_figures.load_sharing``."""
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
-    chosen = evenly_chosen(torques)
+    chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
     columns = 1 if chosen.size <= 3 else 2
     rows = -(-chosen.size // columns)
     note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
-    figure = page(tree, "Load sharing between tooth pairs", 1.75 * rows + 0.4, note)
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    for number, index in enumerate(chosen):
-        draw_shares(panels.flat[number], loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
-    for axes in panels.flat[chosen.size :]:
-        axes.set_visible(False)
-    for axes in panels[-1]:
-        axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
-    for axes in panels[:, 0]:
-        axes.set_ylabel("share of the torque", fontsize=SMALL_SIZE + 1, color=INK)
-    return figure
+    layout = {"count": chosen.size, "sharex": True, "sharey": True}
+    heading = "Load sharing between tooth pairs"
+    found = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), own, **layout)
+    for number, (axes, index) in enumerate(zip(found.axes, chosen, strict=True)):
+        draw_shares(axes, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
+        last, first = number + columns >= chosen.size, number % columns == 0
+        if last or not found.on_page:
+            axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+            axes.tick_params(labelbottom=True)
+        if first or not found.on_page:
+            axes.set_ylabel("share of the torque", fontsize=SMALL_SIZE + 1, color=INK)
+    return found.figure
 
 
 def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
+from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colorbar import Colorbar
@@ -25,6 +25,7 @@ from ..report.departures import deviations, modification
 from ..report.model_name import model_name
 
 DPI = 160
+TRUETYPE = 42  # kind of the fonts in a PDF file: text that can be searched and edited
 WIDTH = 8.6  # [in]
 HEADER, FOOTER = 0.60, 0.40  # heights [in]
 SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
@@ -56,7 +57,9 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     note
         Further small print.
     """
-    print_ = even_lines([printable(part) for part in (*small_print(tree.attrs), *note.split(SEPARATOR)) if part])
+    on_supports = {"supports_name": ""} if "supports" in tree.children else {}
+    parts = small_print(on_supports | tree.attrs)
+    print_ = even_lines([printable(part) for part in (*parts, *note.split(SEPARATOR)) if part])
     footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
     title = textwrap.shorten(printable(str(tree.attrs.get("title", ""))), 110, placeholder=" ...")
     return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
@@ -125,7 +128,7 @@ def sheet(height: float) -> Figure:
 
 
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
-    """Small print of a result: teeth, flanks, elastic model, misalignment, departures from the design and version."""
+    """Small print of a result: teeth, flanks, misalignment, supports, departures, elastic model and version."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
     errors = [
         ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
@@ -144,8 +147,9 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
         given = f"over the torque: {attributes['deflections']}"
     told = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
     misaligned = f"misalignment {told}" if told else ""
+    held = f"on supports {attributes['supports_name']}".strip() if "supports_name" in attributes else ""
     model = model_name(attributes)
-    return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
+    return [teeth, flanks.get(name, name), misaligned, held, *departed, model, f"easeoff {version}".strip()]
 
 
 def plain_axes(axes: Axes) -> None:
@@ -193,23 +197,31 @@ def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
 
 
 def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> Path:
-    """Write a figure as a PNG file; returns its path.
+    """Write a figure as a file; returns its path. The same figure gives the same file: it bears no date.
 
     Parameters
     ----------
     figure
         The figure.
     path
-        The file.
+        The file; its suffix is ``.png``, ``.svg`` or ``.pdf``.
     marks
-        Texts by keyword, such as ``Title``, stored in the file.
+        Texts by keyword, ``Title`` and ``Source``, stored in the file.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
+    kind = path.suffix[1:]
     with whole_file(path) as temporary:
-        canvas.print_png(temporary, metadata=marks)
+        if kind == "png":
+            canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
+            canvas.print_png(temporary, metadata=marks)
+            return path
+        source = "Subject" if kind == "pdf" else "Source"
+        own: dict[str, str | None] = {"CreationDate" if kind == "pdf" else "Date": None}
+        own |= {source if key == "Source" else key: text for key, text in (marks or {}).items()}
+        with rc_context({"svg.hashsalt": "easeoff", "pdf.fonttype": TRUETYPE}):
+            figure.savefig(temporary, format=kind, metadata=own)
     return path

@@ -1,12 +1,16 @@
-"""Picture files of results: marked as such, so that those of another result are known and do not stay."""
+"""Picture files of results: their names, and marks by which those of an earlier result are known."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import re
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import xarray as xr
 
 from ...core.printable import printable
@@ -14,35 +18,91 @@ from ...core.printable import printable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+FORMATS = ("png", "svg", "pdf")
 SOURCE = "easeoff: picture of a result"
+MARK_LENGTH = 16  # [characters]
+PREFIX_LENGTH_LIMIT = 80  # of the name of a case in the names of files [characters]
+MARKED_SIZE_LIMIT = 50_000_000  # of a file that may be a picture of a result [byte]
+_MARK = re.compile(rf"{SOURCE}, ([0-9a-f]{{{MARK_LENGTH}}})")
 
 
-def save_picture(figure: Figure, path: Path, tree: xr.DataTree) -> Path:
-    """Write a picture of a result, marked with the title of its case. Returns and raises as ``page.save``."""
+def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
+    """Begin of the names of a result's pictures: case and flank; of an older result its numbers of teeth for the case.
+
+    Examples
+    --------
+    >>> file_prefix(xr.Dataset(attrs={"case_name": "my axle", "flank": "drive"}))
+    'my_axle-drive'
+    """
+    own = result.attrs
+    teeth = f"{own['pinion_teeth']}x{own['gear_teeth']}" if {"pinion_teeth", "gear_teeth"} <= own.keys() else "result"
+    name = re.sub(r"[^\w.-]+", "_", str(own.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
+    swept = result.coords.get("flank") if isinstance(result, xr.Dataset) else None
+    flank = str(own.get("flank", "") if swept is None else swept.values.item() if swept.size == 1 else "")
+    return f"{name}-{flank}" if flank in ("drive", "coast") else name
+
+
+def result_mark(result: xr.DataTree | xr.Dataset) -> str:
+    """Mark of a result: the same for the same case, options, torques and groups, whenever it was computed.
+
+    Examples
+    --------
+    >>> result_mark(xr.Dataset(attrs={"title": "one"})) == result_mark(xr.Dataset(attrs={"title": "other"}))
+    False
+    """
+    own = {str(key): np.asarray(value).tolist() for key, value in result.attrs.items() if key != "history"}
+    groups = sorted(result.children) if isinstance(result, xr.DataTree) else sorted(map(str, result.sizes.items()))
+    loads = result["loaded"]["torque"] if "loaded" in groups else result.coords.get("torque", xr.DataArray([]))
+    text = json.dumps([own, groups, np.asarray(loads).tolist()], sort_keys=True, default=str)
+    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:MARK_LENGTH]
+
+
+def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -> Path:
+    """Write a picture of a result, marked with the result and the title of its case; returns and raises as ``save``."""
     from .page import save  # loads the drawing library
 
-    return save(figure, path, {"Source": SOURCE, "Title": printable(str(tree.attrs.get("title", "")))})
+    title = printable(str(result.attrs.get("title", "")))
+    return save(figure, path, {"Source": f"{SOURCE}, {result_mark(result)}", "Title": title})
 
 
-def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, str]:
-    """Pictures of results in a folder, and the titles of their cases; other files are left out.
+def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, tuple[str, str]]:
+    """Pictures of results in a folder: the titles of their cases, known of PNG files, and the marks of the results.
 
     Examples
     --------
     >>> pictures_of_results("no such folder")
     {}
     """
+    found = {}
+    for path in sorted(Path(folder).iterdir()) if os.path.isdir(folder) else []:
+        if path.suffix[1:] not in FORMATS or not path.is_file():
+            continue
+        title, source = _png_marks(path) if path.suffix == ".png" else ("", _text_source(path))
+        mark = _MARK.fullmatch(source)
+        if mark is not None:
+            found[path] = (title, mark[1])
+    return found
+
+
+def _png_marks(path: Path) -> tuple[str, str]:
+    """Title and source of a PNG file; empty if it is none, or damaged."""
     from PIL import Image
 
-    found = {}
-    for path in sorted(Path(folder).glob("*.png")) if os.path.isdir(folder) else []:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                with Image.open(path) as image:
-                    marks = dict(image.info)
-        except Exception:  # no picture, or a damaged or hostile one
-            continue
-        if marks.get("Source") == SOURCE:
-            found[path] = str(marks.get("Title", ""))
-    return found
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as image:
+                return str(image.info.get("Title", "")), str(image.info.get("Source", ""))
+    except Exception:  # no picture, or a damaged or hostile one
+        return "", ""
+
+
+def _text_source(path: Path) -> str:
+    """Source of an SVG or PDF file, where it stands as text; empty if it has none."""
+    try:
+        if path.stat().st_size > MARKED_SIZE_LIMIT:
+            return ""
+        found = _MARK.search(path.read_text(encoding="latin-1"))
+    except OSError:
+        return ""
+    return found[0] if found else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,48 +21,55 @@ from .page import (
     BODY_SIZE,
     GREY,
     INK,
+    PANEL_COUNT_LIMIT,
     PRESSURE_MAP,
     SEPARATOR,
     SMALL_SIZE,
     WIDTH,
-    evenly_chosen,
     in_print,
-    page,
     plain_bar,
     torque_name,
 )
+from .panel_grid import OwnAxes, chosen_torques, panels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
 
 PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
 LEVEL_COUNT = 24
 
 
-def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
-    """Draw the pressure chart of a result on the flanks of gear and pinion."""
+def draw(
+    tree: xr.DataTree,
+    views: tuple[ToothView, ...],
+    torque: float | Sequence[float] | None = None,
+    own: OwnAxes = None,
+) -> Figure:
+    """Draw the pressure chart of a result on its flanks; arguments as of ``contact_figures.pressure``."""
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
-    chosen = evenly_chosen(torques)
+    chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
     note = SEPARATOR.join([note, *in_print([*edge_notes(loaded), *jump_notes(loaded)])])
     # What the axis labels and the colour bar leave of the page's width.
-    height = chosen.size * ((WIDTH - 1.6) / 2 * shared_aspect(views) + 0.27) + 0.35
-    figure = page(tree, "Contact pressure over the mesh cycle, gear and pinion flank", height, note)
-    panels = figure.subplots(chosen.size, 2, squeeze=False)
+    height = chosen.size * ((WIDTH - 1.6) / len(views) * shared_aspect(views) + 0.27) + 0.35
+    names = " and ".join(view.member for view in views)
+    heading = f"Contact pressure over the mesh cycle, {names} flank"
+    drawn_in = panels(tree, heading, height, note, (chosen.size, len(views)), own)
+    figure, grid = drawn_in.figure, drawn_in.axes.reshape(chosen.size, len(views))
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
     levels = pressure_levels(max(peaks, default=1.0))
     shading = None
     for row, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
         for column, view in enumerate(views):
-            axes = panels[row, column]
+            axes = grid[row, column]
             draw_flank(axes, view, labels=(row == chosen.size - 1, column == 0))
             drawn = draw_surface(axes, view, surface, levels)
             shading = shading or drawn
             panel_title(axes, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
-    side_by_side(panels)
+    side_by_side(grid)
     if shading is not None:
-        bar = figure.colorbar(shading, ax=list(panels.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
+        bar = figure.colorbar(shading, ax=list(grid.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
         plain_bar(bar, "greatest contact pressure [MPa]")
     return figure
 

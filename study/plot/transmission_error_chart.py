@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,29 +12,67 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
-from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes, torque_colours, torque_name
+from .page import (
+    BLUE,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    SMALL_SIZE,
+    VERMILION,
+    evenly_chosen,
+    plain_axes,
+    torque_colours,
+    torque_name,
+)
+from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
 
 Array = NDArray[Any]
 
+#: Panels, with their heights on a page [in].
+HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
+PARTS = tuple(HEIGHTS)
+ORDER_COUNT = 4  # of the orders drawn over torque
 CYCLES = 2
 STEP_POINT_COUNT = 8  # points drawn a mesh position
 NAMED_TORQUE_LIMIT = 8  # in the legend
+ORDER_COLOURS, ORDER_MARKS = (BLUE, VERMILION, GREEN, GREY), ("o", "s", "^", "D")
 NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
 FADED_STYLE: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # of the torques that are not named
 
 
-def draw(tree: xr.DataTree) -> Figure:
-    """Draw the transmission error chart of a result."""
+def draw(
+    tree: xr.DataTree,
+    torque: float | Sequence[float] | None = None,
+    parts: str | Sequence[str] | None = None,
+    own: OwnAxes = None,
+) -> Figure:
+    """Draw the transmission error chart of a result; arguments as of ``contact_figures.transmission_error``."""
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
-    figure = page(tree, "Transmission error", 7.2, "rotation of the gear, positive where the gear lags")
-    panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.1, 1.0, 1.0])
-    draw_unloaded(panels[0], unloaded)
-    draw_loaded(panels[1], loaded, about_mean=False)
-    draw_loaded(panels[2], loaded, about_mean=True)
-    panels[2].set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
-    panels[2].set_xlim(0, CYCLES)
-    figure.align_ylabels(panels)
-    return figure
+    if torque is not None:
+        loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
+    names = chosen_parts(PARTS, parts)
+    note = "rotation of the gear, positive where the gear lags"
+    heights = [HEIGHTS[name] for name in names]
+    layout: dict[str, Any] = {"height_ratios": heights}
+    found = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
+    over_time = [name for name in names if name != "orders"]
+    for axes, name in zip(found.axes, names, strict=True):
+        if name == "orders":
+            draw_orders(axes, loaded)
+            continue
+        if name == "unloaded":
+            draw_unloaded(axes, unloaded)
+        else:
+            draw_loaded(axes, loaded, about_mean=name == "about_mean")
+        axes.set_xlim(0, CYCLES)
+        if name == over_time[-1] or not found.on_page:
+            axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+        else:
+            axes.tick_params(labelbottom=False)
+    if found.on_page:
+        found.figure.align_ylabels(found.axes)
+    return found.figure
 
 
 def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
@@ -86,6 +125,30 @@ def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
         axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
     _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]", heading)
+
+
+def draw_orders(axes: Axes, loaded: xr.Dataset) -> None:
+    """Draw the amplitudes of the first orders of mesh frequency over torque, or of all orders at a single torque."""
+    orders = loaded["order"].values
+    amplitudes = loaded["harmonic"].transpose("torque", "order").values
+    torques = loaded["torque"].values
+    label = "amplitude of the orders [µrad]"
+    if torques.size == 1:
+        if np.any(np.isfinite(amplitudes)):
+            axes.bar(orders, amplitudes[0], width=0.55, color=BLUE, label=torque_name(float(torques[0])))
+            axes.set_xticks(orders)
+        _finish(axes, label)
+        axes.set_xlabel("order of the mesh frequency", fontsize=SMALL_SIZE + 1, color=INK)
+        return
+    rank = np.argsort(torques)
+    for number in range(min(ORDER_COUNT, orders.size)):
+        if np.any(np.isfinite(amplitudes[:, number])):
+            line: dict[str, Any] = {"color": ORDER_COLOURS[number], "linewidth": 1.4}
+            mark: dict[str, Any] = {"marker": ORDER_MARKS[number], "markersize": 3.5}
+            axes.plot(torques[rank], amplitudes[rank, number], label=f"order {orders[number]:g}", **line, **mark)
+    _finish(axes, label)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
 
 
 def _finish(axes: Axes, label: str, heading: str = "") -> None:

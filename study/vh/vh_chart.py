@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,36 +12,48 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH, page
+from ..plot.panel_grid import OwnAxes, chosen_parts, panels
 
 Array = NDArray[Any]
+PARTS = ("places", "grid")
 COMPOUND = "#7FB2D6"  # colour of the marking compound
 PLACE_COLOUR = VERMILION
 
 
-def draw(found: xr.Dataset) -> Figure:
-    """Draw a V-H check.
-
-    Parameters
-    ----------
-    found
-        Of ``study.vh_check``; without a grid the places alone are drawn.
-    """
+def draw(found: xr.Dataset, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw a V-H check; arguments as of ``study_figures.vh_check``."""
+    names = chosen_parts(PARTS if "v_grid" in found.sizes else PARTS[:1], parts)
     plane = found["in_plane"].values
+    count, columns = found.sizes["place"], found.sizes.get("v_grid", 0)
+    wanted = {"places": count, "grid": columns * found.sizes.get("h_grid", 0)}
+    if own is not None:
+        shape = (1, sum(wanted[name] for name in names))
+        given = panels(xr.DataTree(found), "V-H check", 0.0, "", shape, own)
+        if "places" in names:
+            _draw_places(given.axes[:count], found, plane)
+        if "grid" in names:
+            _draw_grid(given.axes[-wanted["grid"] :].reshape(-1, columns), found, plane)
+        return given.figure
     aspect = float(np.ptp(plane[1]) / np.ptp(plane[0]))
-    first = (WIDTH - 0.5) / 3 * aspect + 0.45
-    counts = (found.sizes["v_grid"], found.sizes["h_grid"]) if "v_grid" in found.sizes else (0, 0)
-    grid = counts[1] * ((WIDTH - 0.7) / max(counts[0], 1) * aspect + 0.06) + 0.75 if counts[0] else 0.0
-    note = f"print of {found.attrs['separation']:g} µm"
-    figure = page(xr.DataTree(found), "V-H check", first + grid, note)
-    parts: Any = figure.subfigures(2, 1, height_ratios=(first, grid)) if counts[0] else np.array([figure])
-    _draw_places(parts[0].subplots(1, found.sizes["place"]), found, plane)
-    if counts[0]:
-        _draw_grid(parts[1], found, plane)
+    heights = {"places": (WIDTH - 0.5) / 3 * aspect + 0.45}
+    if columns:
+        heights["grid"] = found.sizes["h_grid"] * ((WIDTH - 0.7) / columns * aspect + 0.06) + 0.75
+    ratios = [heights[name] for name in names]
+    figure = page(xr.DataTree(found), "V-H check", sum(ratios), f"print of {found.attrs['separation']:g} µm")
+    subfigures: Any = figure.subfigures(len(names), 1, height_ratios=ratios, squeeze=False)[:, 0]
+    for part, name in zip(subfigures, names, strict=True):
+        if name == "places":
+            _draw_places(part.subplots(1, count), found, plane)
+            continue
+        _draw_grid(part.subplots(found.sizes["h_grid"], columns, squeeze=False), found, plane)
+        part.supxlabel("V [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
+        part.supylabel("H [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
+        part.suptitle("prints over V and H", x=0.02, ha="left", fontsize=BODY_SIZE, color=INK, weight="bold")
     return figure
 
 
-def _draw_places(panels: Any, found: xr.Dataset, plane: Array) -> None:
-    for axes, place in zip(panels, found["place"].values, strict=True):
+def _draw_places(grid: Any, found: xr.Dataset, plane: Array) -> None:
+    for axes, place in zip(grid, found["place"].values, strict=True):
         one = found.sel(place=place)
         wanted = np.array([float(one["place_lengthwise"]), float(one["place_profile"])])
         centre = np.array([float(one["pattern_centre_lengthwise"]), float(one["pattern_centre_profile"])])
@@ -57,22 +70,18 @@ def _draw_places(panels: Any, found: xr.Dataset, plane: Array) -> None:
         axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
 
 
-def _draw_grid(part: Any, found: xr.Dataset, plane: Array) -> None:
+def _draw_grid(grid: Any, found: xr.Dataset, plane: Array) -> None:
     """Prints over V, to the right, and H, upwards."""
     v, h = found["v_grid"].values, found["h_grid"].values
-    panels = part.subplots(h.size, v.size, squeeze=False)
     prints = found["grid_print_excess"].transpose("v_grid", "h_grid", "lengthwise", "profile").values
     along = found["grid_pattern_centre_lengthwise"].transpose("v_grid", "h_grid").values
     up = found["grid_pattern_centre_profile"].transpose("v_grid", "h_grid").values
     for row, j in enumerate(reversed(range(h.size))):
         for i in range(v.size):
-            _draw_print(panels[row, i], plane, prints[i, j], found, np.array([along[i, j], up[i, j]]))
-        panels[row, 0].set_ylabel(f"{h[j]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=4)
+            _draw_print(grid[row, i], plane, prints[i, j], found, np.array([along[i, j], up[i, j]]))
+        grid[row, 0].set_ylabel(f"{h[j]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=4)
     for i in range(v.size):
-        panels[-1, i].set_xlabel(f"{v[i]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=2)
-    part.supxlabel("V [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
-    part.supylabel("H [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
-    part.suptitle("prints over V and H", x=0.02, ha="left", fontsize=BODY_SIZE, color=INK, weight="bold")
+        grid[-1, i].set_xlabel(f"{v[i]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=2)
 
 
 def _draw_print(

@@ -21,14 +21,6 @@ from scipy.optimize import brentq
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from easeoff.core.writing.output_file import whole_file
-from easeoff.study.plot.contact_pattern import (
-    ContactPattern,
-    contact_pattern,
-    draw_path,
-    draw_pattern,
-    legend_below,
-    path_beyond,
-)
 from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.page import (
     BLUE,
@@ -43,6 +35,14 @@ from easeoff.study.plot.page import (
     plain_axes,
     plain_bar,
     sheet,
+)
+from easeoff.study.plot.pattern_lines import (
+    ContactPattern,
+    contact_pattern,
+    draw_path,
+    draw_pattern,
+    legend_below,
+    path_beyond,
 )
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view

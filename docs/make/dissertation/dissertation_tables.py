@@ -17,8 +17,8 @@ from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.geometry import Misalignment
-from easeoff.study.plot.contact_pattern import ContactPattern, contact_pattern
 from easeoff.study.plot.page import torque_name
+from easeoff.study.plot.pattern_lines import ContactPattern, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 
 TOE, HEEL = 0.4, 0.6  # lengthwise fractions that are called so

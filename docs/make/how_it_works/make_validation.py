@@ -16,7 +16,8 @@ import easeoff
 from easeoff.cases import gear_pair, shipped_cases
 from easeoff.contact import MeshCycle
 from easeoff.geometry import FlankName, Misalignment, pair_geometry
-from easeoff.study import write_pictures
+from easeoff.study.plot.figures.picture_list import PICTURES
+from easeoff.study.plot.page import save
 from easeoff.verification import both_methods, line_differences, point_differences, smallest_envelope
 
 HERE = Path(__file__).parent
@@ -51,7 +52,8 @@ def harmonics(loaded: xr.Dataset, torque: float) -> str:
 def against_the_dissertation() -> str:
     """Loaded error of fm-11x41 beside the dissertation's, by its method and ours; draws the pictures of the README."""
     default = easeoff.analyze("fm-11x41", torques=TORQUES)
-    write_pictures(default, IMAGES)
+    for name, draw in PICTURES.items():
+        save(draw(default), IMAGES / f"{name}.png")
     trees = {"its": easeoff.analyze(by_its_method("fm-11x41"), torques=TORQUES), "default": default}
     rows: list[tuple[object, ...]] = []
     for method, i in itertools.product(trees, range(len(TORQUES))):

@@ -230,6 +230,19 @@ def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> l
     return names
 
 
+def names(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
+    """Names separated by commas, each once."""
+    if text is None:
+        return None
+    found = tuple(name.strip() for name in text.split(","))
+    for name in found:
+        if not name:
+            raise click.BadParameter(f"{text!r}: must be names separated by commas")
+        if found.count(name) > 1:
+            raise click.BadParameter(f"{text!r}: {name} comes twice")
+    return found
+
+
 def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Path, ...]) -> tuple[Path, ...]:
     """Files of contact problems, each once."""
     whole = [os.path.realpath(path) for path in paths]

@@ -6,11 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ....core.writing.output_file import whole_file
 from ...plot.page import save
 from ..statistics.method_statistics import by_problem, headline, methods
 from ..statistics.work_precision import has_sweep
@@ -57,10 +55,4 @@ def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
 
     The same figure gives the same files: they bear no date, and the names within the SVG file come from a fixed salt.
     """
-    paths = [save(figure, folder / f"{name}.png")]
-    with matplotlib.rc_context({"svg.hashsalt": "easeoff", "pdf.fonttype": 42}):
-        for suffix, marks in (("pdf", {"CreationDate": None}), ("svg", {"Date": None})):
-            paths.append(folder / f"{name}.{suffix}")
-            with whole_file(paths[-1]) as temporary:
-                figure.savefig(temporary, format=suffix, metadata=marks)
-    return paths
+    return [save(figure, folder / f"{name}.{suffix}") for suffix in ("png", "pdf", "svg")]

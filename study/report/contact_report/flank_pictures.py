@@ -14,7 +14,7 @@ from ....contact.evaluation.marking_print import MarkingPrint
 from ....contact.lines.contact_lines import boundary_distance
 from ....core.ordered_values import ordered
 from ....friction.surface_velocities import action_splines, axes_of, surface_velocities
-from ...plot.contact_pattern import contact_pattern
+from ...plot.pattern_lines import contact_pattern
 from ...plot.tooth_view import ToothView, fine_grid
 from .flank_raster import RASTER, gear_raster, on_lines, on_member, pressure_raster, scattered_rasters
 from .packed_array import packed, packed_exactly

@@ -90,13 +90,13 @@ def pressure_raster(at_torque: xr.Dataset, view: ToothView) -> Array:
     return np.nan_to_num(rasterised(points, found.pressure, found.triangles))
 
 
-def gear_raster(grid: Array, values: Array, view: ToothView) -> Array:
+def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, int] = RASTER) -> Array:
     """Values (nt, nh) at a grid of fractions (2, nt, nh) of the gear's flank, on the flank of a view; NaN elsewhere."""
     node = np.arange(values.size).reshape(values.shape)
     first = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:]], axis=-1).reshape(-1, 3)
     second = np.stack([node[:-1, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 3)
     points = on_member(view.fields, grid.reshape(2, -1), view.member)
-    return rasterised(points, values.ravel(), np.concatenate([first, second]))
+    return rasterised(points, values.ravel(), np.concatenate([first, second]), shape)
 
 
 def on_lines(at_torque: xr.Dataset) -> tuple[NDArray[np.bool_], Array]:

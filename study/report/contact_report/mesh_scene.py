@@ -9,13 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....cases.conversion import gear_pair
 from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
 from ....core.ordered_values import ordered
-from ....geometry.pair.assembly import Misalignment
-from ....geometry.pair.gear_pair import MEMBERS, GearPair
+from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_surface import tooth_patches
+from ...export.mesh_placement import flank_places, member_turns, pair_of_result
 from .packed_array import packed, packed_exactly
 
 Array = NDArray[Any]
@@ -37,12 +36,12 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
         Its case.
     """
     try:
-        pair = _pair(tree, case)
+        pair = pair_of_result(tree, case)
         patches = {member: tooth_patches(pair, member, FLANK_NODES) for member in MEMBERS}
     except EaseoffError:
         return None
     attributes = tree["ease_off"].attrs
-    turns = _turns(tree, pair)
+    turns = member_turns(tree, pair)
     flanks = {"pinion": ("concave", "convex"), "gear": ("convex", "concave")}
     members = {}
     for member in MEMBERS:
@@ -61,7 +60,7 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
             "teeth": int(tree.attrs[f"{member}_teeth"]),
             "flank": packed(flank),
             "outward": outward,
-            "places": packed(_places(pair, member, flank @ frame - origin @ frame)),
+            "places": packed(flank_places(pair, member, flank @ frame - origin @ frame)),
             "grid": packed(node[MEMBERS.index(member)] @ frame.T + origin),
             "others": [packed(points) for name, points in placed.items() if name != loaded],
         }
@@ -72,55 +71,6 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
         "rotation": packed_exactly(tree["loaded"].to_dataset()["pinion_rotation"].values),
         "middle": np.nanmean(middle, axis=(0, 1)).tolist(),
     }
-
-
-def _pair(tree: xr.DataTree, case: Case) -> GearPair:
-    """The pair of a case in the misalignment of the result."""
-    keys = ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")
-    misalignment = Misalignment(*(float(tree.attrs[f"misalignment_{key}"]) for key in keys))
-    return gear_pair(case, tree.attrs["flank"]).misaligned(misalignment)
-
-
-def _turns(tree: xr.DataTree, pair: GearPair) -> dict[str, float]:
-    """Rotation [rad] from the stored position of each member to that at the pinion rotation zero.
-
-    The middle of the flank, by what ``/ease_off`` says, then makes contact at its own roll angle.
-    """
-    ease_off, flanks = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset()
-    grid = ("lengthwise", "profile")
-    inside = ordered(ease_off, "inside", *grid) == 1
-    roll = ordered(ease_off, "roll_angle", *grid)[inside]
-    action = ordered(ease_off, "action_position", *grid, "space")[inside]
-    position = ordered(flanks, "position", "member", *grid, "xyz")
-    gear = position[MEMBERS.index("gear")][inside] + pair.assembly.gear_origin
-    own = np.stack([ordered(ease_off, f"pinion_{name}", *grid)[inside] for name in grid])
-    from scipy.interpolate import RegularGridInterpolator
-
-    axes = tuple(ordered(flanks, name, name) for name in grid)
-    pinion = RegularGridInterpolator(axes, position[MEMBERS.index("pinion")])(np.clip(own.T, 0.0, 1.0))
-    pinion = pinion @ pair.assembly.pinion_frame.T + pair.assembly.pinion_origin
-    turns = {}
-    for member, points, rate in (("pinion", pinion, 1.0), ("gear", gear, 1.0 / float(ease_off.attrs["ratio"]))):
-        axis = np.asarray(ease_off.attrs[f"{member}_axis"], float)
-        origin = np.asarray(ease_off.attrs[f"{member}_origin_mm"], float)
-        angle = _azimuth(action - origin, axis) - _azimuth(points - origin, axis) - rate * roll
-        known = angle[np.isfinite(angle)]
-        # A mean of angles that do not jump from one turn to the next; of the pinion all are alike.
-        turns[member] = float(np.angle(np.mean(np.exp(1j * known))))
-    return turns
-
-
-def _places(pair: GearPair, member: str, points: Array) -> Array:
-    """Lengthwise and profile fractions (2, m, n) of points (m, n, 3) in a member's frame."""
-    section = pair.pinion.section if member == "pinion" else pair.gear.section
-    return np.stack(section.fractions(points[..., 2], np.hypot(points[..., 0], points[..., 1])))
-
-
-def _azimuth(vectors: Array, axis: Array) -> Array:
-    """Angle (n) [rad] of vectors (n, 3) about an axis."""
-    first = np.cross(axis, [0.0, 1.0, 0.0])
-    first /= np.linalg.norm(first)
-    return np.asarray(np.arctan2(vectors @ np.cross(axis, first), vectors @ first))
 
 
 def _from_toe(points: Array, corner: Array) -> tuple[Array, int]:

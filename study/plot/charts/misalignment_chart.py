@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..report.deflection_report import misalignment_over_torque
-from .page import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, page, plain_axes
+from ...report.deflection_report import misalignment_over_torque
+from ..page import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, plain_axes
+from ..panel_grid import OwnAxes, panels
 
 DISPLACEMENTS = (
     ("E, offset", BLUE, "o"),
@@ -17,7 +20,7 @@ DISPLACEMENTS = (
 )
 
 
-def draw(tree: xr.DataTree) -> Figure:
+def draw(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
     """Draw the misalignment of a result over the torque; it has one that depends on it."""
     found = misalignment_over_torque(tree)
     assert found is not None
@@ -25,16 +28,17 @@ def draw(tree: xr.DataTree) -> Figure:
     in_cycle = " · bands: over the mesh cycle" if np.any(np.ptp(errors, axis=1)) else ""
     note = f"marks: without load (pattern: at light load) and at every torque{in_cycle}"
     last = float(np.asarray(tree.attrs.get("deflection_torques_N_m", (0.0, np.inf)))[1])
-    figure = page(tree, "Misalignment over the torque", 6.2, note)
-    panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.6, 1.0, 1.0])
+    layout: dict[str, Any] = {"sharex": True, "height_ratios": [1.6, 1.0, 1.0]}
+    drawn_in = panels(tree, "Misalignment over the torque", 6.2, note, (3, 1), own, **layout)
+    grid = drawn_in.axes
     for number, (label, colour, mark) in enumerate(DISPLACEMENTS):
-        _curve(panels[0], torques, 1e3 * errors[:, :, number], label, colour, mark)
-    _curve(panels[1], torques, 1e3 * errors[:, :, 3], "Σ, shaft angle", INK, "D")
+        _curve(grid[0], torques, 1e3 * errors[:, :, number], label, colour, mark)
+    _curve(grid[1], torques, 1e3 * errors[:, :, 3], "Σ, shaft angle", INK, "D")
     for fraction, label, colour, mark in (("lengthwise", "from toe", INK, "o"), ("profile", "from root", GREY, "s")):
         at, centres = _pattern_centres(tree, f"pattern_centre_{fraction}")
-        _curve(panels[2], at, centres[:, None], label, colour, mark)
+        _curve(grid[2], at, centres[:, None], label, colour, mark)
     labels = ("displacement [µm]", "angle [mrad]", "pattern centre [%]")
-    for axes, label in zip(panels, labels, strict=True):
+    for axes, label in zip(grid, labels, strict=True):
         plain_axes(axes)
         axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
         if torques[-1] > last:
@@ -43,13 +47,14 @@ def draw(tree: xr.DataTree) -> Figure:
             fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
             handlelength=1.6, borderaxespad=0.6,
         )  # fmt: skip
-    for axes in panels[:2]:
+    for axes in grid[:2]:
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    panels[2].set_ylim(0.0, 100.0)
-    panels[2].set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
-    panels[2].set_xlim(left=0.0)
-    figure.align_ylabels(panels)
-    return figure
+    grid[2].set_ylim(0.0, 100.0)
+    grid[2].set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
+    grid[2].set_xlim(left=0.0)
+    if drawn_in.on_page:
+        drawn_in.figure.align_ylabels(grid)
+    return drawn_in.figure
 
 
 def _pattern_centres(tree: xr.DataTree, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -15,10 +15,10 @@ from matplotlib.patches import Ellipse
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-from ..report.sweep_report import outcome
-from ..sweep.reductions import LOADS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
-from .page import (
+from ....core.errors import InputError
+from ...report.sweep_report import outcome
+from ...sweep.reductions import LOADS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
+from ..page import (
     BLUE,
     BODY_SIZE,
     FAINT,
@@ -28,12 +28,12 @@ from .page import (
     VERMILION,
     evenly_chosen,
     legend_at_foot,
-    page,
     plain_axes,
     plain_bar,
     torque_colours,
     torque_name,
 )
+from ..panel_grid import OwnAxes, chosen_parts, panels
 
 Array = NDArray[Any]
 #: Numbers that are drawn, where a sweep has them, with their names.
@@ -45,6 +45,8 @@ DRAWN = {
     "max_root_stress": "greatest root stress [MPa]",
     "efficiency": "efficiency",
 }
+#: Names of the pictures of a sweep; which there are depends on what is swept.
+PICTURES = ("sweep_map", "sweep_curves", "sweep_pattern", "sweep_histograms", "sweep_tornado")
 PANEL_LIMIT = 4
 CURVE_LIMIT = 5
 PATTERN_LIMIT = 7  # patterns that are outlined
@@ -56,31 +58,54 @@ PERCENT = (5.0, 50.0, 95.0)
 PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """Figures of a sweep by the names of their files.
+def pictures(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Names of the pictures that a sweep has, of ``PICTURES``.
 
     Raises
     ------
     InputError
         If no point has numbers.
     """
+    names, grids = drawn_numbers(dataset), _grids(dataset)
+    there = {
+        "sweep_map": len(grids) >= 2,
+        "sweep_curves": len(grids) == 1,
+        "sweep_pattern": all(name in dataset for name in PATTERN),
+        "sweep_histograms": dataset.sizes.get("sample", 0) > 1,
+        "sweep_tornado": len(_effects(dataset, names)) > 0,
+    }
+    return tuple(name for name in PICTURES if there[name])
+
+
+def drawn_numbers(dataset: xr.Dataset) -> list[str]:
+    """Numbers of a sweep that are drawn unless others are asked for. Raises as ``pictures``."""
     names = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())][:PANEL_LIMIT]
     if not names:
         raise InputError("the sweep has no point with numbers: there is nothing to draw")
+    return names
+
+
+def draw(dataset: xr.Dataset, picture: str, names: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw a picture of a sweep; the numbers that it shows are those of ``DRAWN`` unless ``names`` chooses.
+
+    Raises
+    ------
+    InputError
+        As ``pictures``, and if the sweep does not have the picture or a number.
+    """
+    chosen_parts(pictures(dataset), picture, "picture")
+    known = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())]
+    shown = drawn_numbers(dataset) if names is None else list(chosen_parts(known, names, "names"))
+    if picture == "sweep_pattern":
+        return _pattern(dataset, own)
+    if picture == "sweep_histograms":
+        return _histograms(dataset, shown, own)
+    if picture == "sweep_tornado":
+        return _tornado(dataset, shown, own)
     grids = _grids(dataset)
-    found: dict[str, Figure] = {}
-    if len(grids) >= 2:
-        found["sweep_map"] = _map(dataset, names, grids[0], grids[1])
-    elif grids:
-        found["sweep_curves"] = _curves(dataset, names, grids[0])
-    if all(name in dataset for name in PATTERN):
-        found["sweep_pattern"] = _pattern(dataset)
-    if dataset.sizes.get("sample", 0) > 1:
-        found["sweep_histograms"] = _histograms(dataset, names)
-    tornado = _tornado(dataset, names)
-    if tornado is not None:
-        found["sweep_tornado"] = tornado
-    return found
+    if picture == "sweep_map":
+        return _map(dataset, shown, grids[0], grids[1], own)
+    return _curves(dataset, shown, grids[0], own)
 
 
 def _grids(dataset: xr.Dataset) -> list[str]:
@@ -122,35 +147,35 @@ def _reduced(dataset: xr.Dataset, name: str, keep: tuple[str, ...]) -> tuple[xr.
     return variable.transpose(*[dim for dim in keep if dim in variable.dims]), said
 
 
-def _panels(dataset: xr.Dataset, heading: str, count: int, height: float, note: str) -> tuple[Figure, list[Axes]]:
+def _panels(
+    dataset: xr.Dataset, heading: str, count: int, height: float, note: str, own: OwnAxes
+) -> tuple[Figure, NDArray[Any]]:
     columns = 2 if count > 1 else 1
     rows = -(-count // columns)
-    figure = page(xr.DataTree(dataset), heading, height * rows, " · ".join(filter(None, (outcome(dataset), note))))
-    found = list(figure.subplots(rows, columns, squeeze=False).flat)
-    for axes in found[count:]:
-        axes.set_visible(False)
-    return figure, found[:count]
+    told = " · ".join(filter(None, (outcome(dataset), note)))
+    found = panels(xr.DataTree(dataset), heading, height * rows, told, (rows, columns), own, count=count)
+    return found.figure, found.axes
 
 
-def _map(dataset: xr.Dataset, names: list[str], along: str, up: str) -> Figure:
+def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxes) -> Figure:
     """Filled contours of numbers over two coordinates; failed points stay white."""
     said = _reduced(dataset, names[0], (up, along))[1]
-    figure, panels = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said))
+    figure, grid = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said), own)
     ordered = dataset.sortby([along, up])
-    for axes, name in zip(panels, names, strict=True):
+    for axes, name in zip(grid, names, strict=True):
         values = _reduced(ordered, name, (up, along))[0]
         if values.ndim < 2:
             axes.set_visible(False)
             continue
-        grid = np.ma.masked_invalid(values.values)
+        table = np.ma.masked_invalid(values.values)
         x, y = ordered[along].values, ordered[up].values
-        spread = float(np.ptp(grid.compressed())) if grid.count() else 0.0
-        if min(grid.shape) > 1 and not grid.mask.all() and spread > 0.0:
-            drawn: Any = axes.contourf(x, y, grid, levels=12, cmap="viridis")
-            axes.contour(x, y, grid, levels=12, colors="white", linewidths=0.3)
+        spread = float(np.ptp(table.compressed())) if table.count() else 0.0
+        if min(table.shape) > 1 and not table.mask.all() and spread > 0.0:
+            drawn: Any = axes.contourf(x, y, table, levels=12, cmap="viridis")
+            axes.contour(x, y, table, levels=12, colors="white", linewidths=0.3)
         else:
-            drawn = axes.pcolormesh(x, y, grid, cmap="viridis", shading="nearest")
-        failed = np.nonzero(np.ma.getmaskarray(grid))
+            drawn = axes.pcolormesh(x, y, table, cmap="viridis", shading="nearest")
+        failed = np.nonzero(np.ma.getmaskarray(table))
         if failed[0].size:
             axes.plot(x[failed[1]], y[failed[0]], "x", color=VERMILION, markersize=4)
         plain_axes(axes)
@@ -163,13 +188,13 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str) -> Figure:
     return figure
 
 
-def _curves(dataset: xr.Dataset, names: list[str], along: str) -> Figure:
+def _curves(dataset: xr.Dataset, names: list[str], along: str, own: OwnAxes) -> Figure:
     """Numbers over one coordinate, a curve a torque."""
     by = "torque" if "torque" in dataset.dims and along != "torque" else ""
     said = _reduced(dataset, names[0], (along, by))[1]
-    figure, panels = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said))
+    figure, grid = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said), own)
     order = np.argsort(dataset[along].values)
-    for axes, name in zip(panels, names, strict=True):
+    for axes, name in zip(grid, names, strict=True):
         values = _reduced(dataset, name, (along, by))[0]
         lines = values.values.reshape(values.sizes[along], -1)[order]
         chosen, colours = np.zeros(1, int), np.array([colormaps["viridis"](0.35)])
@@ -184,15 +209,15 @@ def _curves(dataset: xr.Dataset, names: list[str], along: str) -> Figure:
         axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
     if by:
-        panels[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+        grid[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
     return figure
 
 
-def _pattern(dataset: xr.Dataset) -> Figure:
+def _pattern(dataset: xr.Dataset, own: OwnAxes) -> Figure:
     """Centre and extent of the contact pattern on the gear flank over one coordinate, a panel a torque."""
-    own = point_dimensions(dataset)
-    grids = [dim for dim in _grids(dataset) if dim in own]
-    rows = [dim for dim in own if dim in ROWS]
+    points = point_dimensions(dataset)
+    grids = [dim for dim in _grids(dataset) if dim in points]
+    rows = [dim for dim in points if dim in ROWS]
     along = grids[0] if grids else rows[0] if rows else "torque"
     torques = evenly_chosen(dataset["torque"].values, 2) if "torque" in dataset.dims and along != "torque" else [0]
     keep = (along, "torque") if along != "torque" else (along,)
@@ -204,10 +229,10 @@ def _pattern(dataset: xr.Dataset) -> Figure:
         by = next((name for name in own_names if dataset[name].dtype.kind == "f"), along)
     else:
         said.append("dots: centre of the pattern, ellipses: its length and height")
-    figure, panels = _panels(dataset, heading, len(torques), 2.6, ", ".join(said))
+    figure, grid = _panels(dataset, heading, len(torques), 2.6, ", ".join(said), own)
     shades = dataset[by].values.astype(float)
     scale = Normalize(float(shades.min()), float(shades.max()) if np.ptp(shades) else float(shades.min()) + 1.0)
-    for axes, torque in zip(panels, torques, strict=True):
+    for axes, torque in zip(grid, torques, strict=True):
         t, h, length, height = (_at_torque(_reduced(dataset, name, keep)[0], int(torque)) for name in PATTERN)
         order = np.argsort(shades, kind="stable")
         colours = colormaps["viridis"](scale(shades))
@@ -227,7 +252,7 @@ def _pattern(dataset: xr.Dataset) -> Figure:
         if along != "torque" and "torque" in dataset.dims:
             words = torque_name(float(dataset["torque"].values[torque]))
             axes.set_title(words, fontsize=BODY_SIZE, color=INK, loc="left")
-    plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=panels, pad=0.02), _label(dataset, by))
+    plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=list(grid), pad=0.02), _label(dataset, by))
     return figure
 
 
@@ -238,12 +263,12 @@ def _at_torque(values: xr.DataArray, torque: int) -> Array:
     return np.asarray(values.values)
 
 
-def _histograms(dataset: xr.Dataset, names: list[str]) -> Figure:
+def _histograms(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
     """Histograms of the samples, one a torque, with percentiles."""
     said = _reduced(dataset, names[0], ("sample", "torque"))[1]
     heading = f"Histograms of {dataset.sizes['sample']} samples"
-    figure, panels = _panels(dataset, heading, len(names), 2.3, ", ".join([*said, "lines: 5 %, median, 95 %"]))
-    for axes, name in zip(panels, names, strict=True):
+    figure, grid = _panels(dataset, heading, len(names), 2.3, ", ".join([*said, "lines: 5 %, median, 95 %"]), own)
+    for axes, name in zip(grid, names, strict=True):
         values = _reduced(dataset, name, ("sample", "torque"))[0]
         columns = values.values.reshape(values.sizes["sample"], -1)
         by_torque = values.ndim == 2
@@ -263,12 +288,12 @@ def _histograms(dataset: xr.Dataset, names: list[str]) -> Figure:
         axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
         axes.set_ylabel("samples", fontsize=SMALL_SIZE + 1, color=INK)
     if "torque" in dataset.dims:
-        panels[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+        grid[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
     return figure
 
 
-def _tornado(dataset: xr.Dataset, names: list[str]) -> Figure | None:
-    """Change of numbers with one scale of every coordinate, the greatest on top; none without sensitivities."""
+def _effects(dataset: xr.Dataset, names: list[str]) -> list[tuple[str, xr.Dataset]]:
+    """Sensitivities of numbers by name; none of those to a single coordinate."""
     found = []
     for name in names:
         try:
@@ -276,8 +301,12 @@ def _tornado(dataset: xr.Dataset, names: list[str]) -> Figure | None:
         except InputError:
             continue
     found = [(name, one) for name, one in found if bool(one["effect"].notnull().any())]
-    if not found or found[0][1].sizes["coordinate"] < 2:
-        return None
+    return found if found and found[0][1].sizes["coordinate"] > 1 else []
+
+
+def _tornado(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
+    """Change of numbers with one scale of every coordinate, the greatest on top."""
+    found = _effects(dataset, names)
     first = found[0][1]
     at = {dim: -1 for dim in first["effect"].dims if dim != "coordinate"}
     said = [
@@ -287,8 +316,8 @@ def _tornado(dataset: xr.Dataset, names: list[str]) -> Figure | None:
     ]
     note = ", ".join([*said, "change with one standard deviation of the samples, or half the range of the grid"])
     bars = min(BAR_LIMIT, first.sizes["coordinate"])
-    figure, panels = _panels(dataset, "Sensitivities, first order", len(found), 0.9 + 0.28 * bars, note)
-    for axes, (name, one) in zip(panels, found, strict=True):
+    figure, grid = _panels(dataset, "Sensitivities, first order", len(found), 0.9 + 0.28 * bars, note, own)
+    for axes, (name, one) in zip(grid, found, strict=True):
         effect = one["effect"].isel({dim: place for dim, place in at.items() if dim in one["effect"].dims}).values
         order = np.argsort(np.abs(np.nan_to_num(effect)))[::-1][:BAR_LIMIT][::-1]
         for sign, colour, label in ((1.0, BLUE, "coordinate increased"), (-1.0, FAINT, "decreased")):
@@ -299,7 +328,8 @@ def _tornado(dataset: xr.Dataset, names: list[str]) -> Figure | None:
         axes.axvline(0.0, color=GREY, linewidth=0.8)
         plain_axes(axes)
         axes.set_title(f"change of {DRAWN[name]}", fontsize=BODY_SIZE, color=INK, loc="left")
-    legend_at_foot(figure, panels[0].get_legend_handles_labels()[0], 0.28)
+    if own is None:
+        legend_at_foot(figure, grid[0].get_legend_handles_labels()[0], 0.28)
     return figure
 
 

@@ -8,20 +8,20 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..cases.conversion import gear_pair
-from ..cases.schema.case_schema import Case
-from ..core.checks import whole
-from ..core.errors import InputError
-from ..core.processes.memory import require_memory
-from ..core.writing.output_file import check_writable
-from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
-from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
-from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
-from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES
-from ..geometry.formats.step import require_opencascade
-from ..geometry.pair.gear_pair import GearPair
-from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
-from ..geometry.tooth.tooth_surface import tooth_patches
+from ...cases.conversion import gear_pair
+from ...cases.schema.case_schema import Case
+from ...core.checks import whole
+from ...core.errors import InputError
+from ...core.processes.memory import require_memory
+from ...core.writing.output_file import check_writable
+from ...geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
+from ...geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
+from ...geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
+from ...geometry.formats.step import SUFFIXES as STEP_SUFFIXES
+from ...geometry.formats.step import require_opencascade
+from ...geometry.pair.gear_pair import GearPair
+from ...geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
+from ...geometry.tooth.tooth_surface import tooth_patches
 
 FlankChoice = Literal["concave", "convex", "both"]
 POINT_SIZE = 2.5e3  # memory of a point or node while it is found and written [byte]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.operation import named_models
 from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
@@ -31,7 +33,8 @@ from .contour_labels import (
     without_border,
     without_steep,
 )
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, in_print, page, torque_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, in_print, torque_name
+from .panel_grid import TORQUE_TOLERANCE, OwnAxes, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
@@ -56,6 +59,7 @@ QUANTITY_NAMES = {
     "flash_temperature": "flash temperature [K]",
     "pressure_velocity": "pressure × velocity [MPa m/s]",
 }
+CONDITION_UNITS = {"torque": "N m", "speed": "1/min", "temperature": "°C", "roughness": "µm"}
 GRID = (121, 61)
 LEVEL_COUNT = 7
 COLOUR_LIMIT = 0.62  # darkest part of a colour map that is used
@@ -205,10 +209,16 @@ def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
 
 
-def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the friction maps of a result at its middle operating condition."""
+def draw(
+    tree: xr.DataTree,
+    view: ToothView,
+    conditions: Mapping[str, float | None] | None = None,
+    quantities: str | Sequence[str] | None = None,
+    own: OwnAxes = None,
+) -> Figure:
+    """Draw the friction maps of a result; arguments as of ``friction_figures.friction_maps``."""
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
-    at = chosen_condition(friction)
+    at = chosen_condition(friction) | _given(friction, conditions or {})
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
     here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
     maps = velocity_maps(tree, view, at["speed"], FrictionModel(rolling_frame=friction.attrs["rolling_frame"]))
@@ -220,17 +230,31 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
             maps[name] = loaded_map(touching, here[name])
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     rough = roughness_name(friction, index["roughness"])
-    conditions = (
+    told = (
         f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
         f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
-    conditions = " · ".join([conditions, *in_print(range_notes(friction, index))])
-    rows = -(-len(maps) // 2)
-    height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)
-    figure = page(tree, "Sliding, rolling and friction, gear flank", height, conditions)
-    panels = figure.subplots(rows, 2, squeeze=False)
-    for axes in panels.flat[len(maps) :]:
-        axes.set_visible(False)
-    for axes, (name, values) in zip(panels.flat, maps.items(), strict=False):
-        panel(axes, view, name, values)
-    return figure
+    note = " · ".join([told, *in_print(range_notes(friction, index))])
+    names = chosen_parts(list(maps), quantities, "quantities")
+    rows, columns = -(-len(names) // 2), min(2, len(names))
+    height = rows * ((WIDTH - 0.4) / columns * view.aspect + 0.25)
+    heading = "Sliding, rolling and friction, gear flank"
+    found = panels(tree, heading, height, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(found.axes, names, strict=True):
+        panel(axes, view, name, maps[name])
+    return found.figure
+
+
+def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict[str, float]:
+    """Values of the result that conditions ask for, by name; those that are ``None`` are left out."""
+    found = {}
+    for name, wanted in conditions.items():
+        if wanted is None:
+            continue
+        values = friction[name].values
+        near = np.flatnonzero(np.isclose(values, wanted, rtol=TORQUE_TOLERANCE, atol=0.0))
+        if not near.size:
+            there = ", ".join(f"{value:g}" for value in np.sort(values))
+            raise InputError(f"{name} = {wanted:g}: must be one of the result's: {there} {CONDITION_UNITS[name]}")
+        found[name] = float(values[near[0]])
+    return found

@@ -1,0 +1,333 @@
+"""Figures of the contact: ease-off, pattern, pressure, transmission error, load shares, misalignment, root stress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from ....core.errors import InputError
+from ....geometry.tooth.tooth_flanks import MemberName
+from ..drawing_style import drawing
+from .drawn_result import require_result, views
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .drawn_result import AxesChoice
+
+
+def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+    """Ease-off of the gear flank with the path of contact.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    axes
+        One Axes to draw in; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.ease_off(tree)
+    >>> len(figure.axes)
+    1
+    """
+    require_result(tree)
+    with drawing(axes):
+        from ..ease_off_map import draw
+
+        return draw(tree, views(tree, "gear")[0], axes)
+
+
+def contact_pattern(
+    tree: xr.DataTree,
+    *,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    marking: float | None = None,
+    axes: AxesChoice = None,
+) -> Figure:
+    """Contact pattern without load and at light load.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    member
+        ``gear`` or ``pinion``; both, side by side, if left out.
+    parts
+        Rows of panels: ``lines`` (contact lines and path of contact), ``print`` (marking print), ``light_load``; all if
+        left out.
+    marking
+        Thickness of the marking compound [um]; that of the result if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, a name is not known, the thickness is out of range, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.contact_pattern(tree, member="gear", parts="print")
+    >>> figure.axes[0].get_title(loc="left")
+    'marking print, 6 µm'
+    """
+    from ....contact.evaluation.marking_print import checked_thickness
+
+    require_result(tree)
+    if marking is not None:
+        checked_thickness(marking)
+    with drawing(axes):
+        from ..contact_pattern_chart import draw
+
+        return draw(tree, views(tree, member), marking, parts, axes)
+
+
+def pressure(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    axes: AxesChoice = None,
+) -> Figure:
+    """Greatest contact pressure over the mesh cycle, a row a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``gear`` or ``pinion``; both, side by side, if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, the member is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0, 200.0])
+    >>> figure = easeoff.plot.pressure(tree, torque=100.0)
+    >>> [panel.get_title(loc="left") for panel in figure.axes[:2]]
+    ['100 N m, gear', '100 N m, pinion']
+    """
+    require_result(tree)
+    with drawing(axes):
+        from ..pressure_chart import draw
+
+        return draw(tree, views(tree, member), torque, axes)
+
+
+def transmission_error(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: AxesChoice = None,
+) -> Figure:
+    """Transmission error over two mesh cycles, and its orders.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; all if left out.
+    parts
+        Panels: ``unloaded``, ``loaded``, ``about_mean`` (loaded, about its mean), ``orders`` (amplitudes at multiples
+        of the mesh frequency: the first four over torque, or all at a single torque); all if left out.
+    axes
+        An Axes a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, a part is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> figure = easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
+    >>> figure is axes.figure, axes.get_ylabel()
+    (True, 'under load, about its mean [µrad]')
+    """
+    require_result(tree)
+    with drawing(axes):
+        from ..transmission_error_chart import draw
+
+        return draw(tree, torque, parts, axes)
+
+
+def load_sharing(
+    tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
+) -> Figure:
+    """Share of the torque that each tooth pair carries, a panel a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    axes
+        An Axes a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.load_sharing(tree)
+    >>> figure.axes[0].get_title(loc="left")
+    '100 N m'
+    """
+    require_result(tree)
+    with drawing(axes):
+        from ..load_share_chart import draw
+
+        return draw(tree, torque, axes)
+
+
+def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+    """Misalignment E, P, G and Sigma over the torque, and the centre of the pattern that moves with them.
+
+    Parameters
+    ----------
+    tree
+        A result on supports, or with deflections over the torque.
+    axes
+        Three Axes: displacements, angle, centre of the pattern; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, its misalignment does not depend on the torque, or there are not three ``axes``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.cases import Deflections
+    >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0, 200.0], misalignment=axle)
+    >>> len(easeoff.plot.misalignment(tree).axes)
+    3
+    """
+    from ...report.deflection_report import misalignment_over_torque
+
+    require_result(tree)
+    if misalignment_over_torque(tree) is None:
+        raise InputError(
+            "tree: its misalignment does not depend on the torque; give supports, or a table of deflections"
+        )
+    with drawing(axes):
+        from ..charts.misalignment_chart import draw
+
+        return draw(tree, axes)
+
+
+def root_stress(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: AxesChoice = None,
+) -> Figure:
+    """Greatest root stress along the face and over the mesh cycle, of results with finite-element teeth.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``pinion`` or ``gear``; both, side by side, if left out.
+    parts
+        Rows of panels: ``face``, ``cycle``; both if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result or has no root stress, a name or torque is not known, or ``axes`` are not as many as
+        the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("fm-11x41")
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> elastic = case.compliance.model_copy(update={"model": "fe", "fineness": 0.5})
+    >>> contact = case.contact.model_copy(update=coarse)
+    >>> case = case.model_copy(update={"contact": contact, "compliance": elastic})
+    >>> tree = easeoff.analyze(case, torques=[100.0])
+    >>> len(easeoff.plot.root_stress(tree).axes)
+    4
+    """
+    require_result(tree, "root_stress")
+    with drawing(axes):
+        from ..charts.root_stress_chart import draw
+
+        return draw(tree, torque, member, parts, axes)
+
+
+def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+    """What the deviations of both flanks add to the ease-off.
+
+    Parameters
+    ----------
+    tree
+        A result of deviating flanks.
+    axes
+        One Axes to draw in; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, its flanks do not deviate, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> worn = {"gear": "fm-11x41-worn-gear"}
+    >>> tree = easeoff.analyze("fm-11x41", torques=[100.0], deviations=worn)
+    >>> len(easeoff.plot.deviations(tree).axes)  # the flank and its colour bar
+    2
+    """
+    require_result(tree)
+    if "ease_off_change" not in tree["ease_off"]:
+        raise InputError("tree: its flanks have no deviations; give analyze(..., deviations=...)")
+    with drawing(axes):
+        from ..charts.flank_change_map import draw_deviations
+
+        return draw_deviations(tree, views(tree, "gear")[0], axes)

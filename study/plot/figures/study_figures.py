@@ -1,0 +1,189 @@
+"""Figures of studies: load cases, sweeps, V-H checks, wear and optimised ease-off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from ....core.errors import InputError
+from ..drawing_style import drawing
+from .drawn_result import require_result, views
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .drawn_result import AxesChoice
+
+
+def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+    """Pattern, pressure, transmission error, power loss and damage of load cases, a row each.
+
+    Parameters
+    ----------
+    tree
+        Of ``study.analyze_load_cases``.
+    axes
+        An Axes a panel: pattern, greatest pressure, peak to peak, and power loss and damage if the result has them; a
+        page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result over load cases, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.cases import LoadCase
+    >>> from easeoff.study import analyze_load_cases
+    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=300.0)])
+    >>> len(easeoff.plot.load_cases(tree).axes)
+    3
+    """
+    require_result(tree, "load_cases")
+    with drawing(axes):
+        from ...load_cases.load_case_chart import draw
+
+        return draw(tree, axes)
+
+
+def sweep(
+    dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure:
+    """A picture of a sweep.
+
+    Parameters
+    ----------
+    dataset
+        Of ``easeoff.sweep`` or ``study.sweep.read_sweep``.
+    picture
+        ``sweep_map`` over two grids, ``sweep_curves`` over one, ``sweep_pattern``, ``sweep_histograms`` of samples or
+        ``sweep_tornado`` of sensitivities; ``pictures`` says which a sweep has.
+    names
+        Numbers to draw, a panel each: ``peak_to_peak``, ``max_pressure``, ``contact_ratio``,
+        ``pattern_centre_lengthwise``, ``max_root_stress``, ``efficiency``; the first four of them if left out.
+    axes
+        An Axes a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``dataset`` is no sweep, does not have the picture or a number, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
+    >>> easeoff.plot.pictures(found)
+    ('sweep_curves', 'sweep_pattern')
+    >>> len(easeoff.plot.sweep(found, "sweep_curves", names="max_pressure").axes)
+    1
+    """
+    with drawing(axes):
+        from ..charts.sweep_chart import draw
+
+        return draw(dataset, picture, names, axes)
+
+
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+    """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
+
+    Parameters
+    ----------
+    found
+        Of ``study.vh_check``.
+    parts
+        ``places`` and, if it was asked for, ``grid``; both if left out.
+    axes
+        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its own if
+        left out.
+
+    Raises
+    ------
+    InputError
+        If ``found`` is no V-H check, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> found = easeoff.study.vh_check("fh-design-a")
+    >>> len(easeoff.plot.vh_check(found).axes)
+    3
+    """
+    if "print_excess" not in found or "in_plane" not in found:
+        raise InputError("found: must be of 'easeoff vh' or study.vh_check")
+    with drawing(axes):
+        from ...vh.vh_chart import draw
+
+        return draw(found, parts, axes)
+
+
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+    """Wear of both flanks at the end, and depth, transmission error and pressure over the revolutions.
+
+    Parameters
+    ----------
+    history
+        Of ``study.wear``.
+    parts
+        Panels: ``pinion``, ``gear``, ``largest_depth``, ``peak_to_peak``, ``max_pressure``; all if left out.
+    axes
+        An Axes a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``history`` is none of wear, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> history = easeoff.study.wear(case, easeoff.study.WearLaw(1e-12, 1e-12, 1e5), torque=100.0)
+    >>> len(easeoff.plot.wear(history, parts=["largest_depth", "max_pressure"]).axes)
+    2
+    """
+    if "wear_depth" not in history or "revolutions" not in history:
+        raise InputError("history: must be of 'easeoff wear' or study.wear")
+    with drawing(axes):
+        from ..charts.wear_chart import draw
+
+        return draw(history, parts, axes)
+
+
+def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+    """Optimised modification of the ease-off, and what it changes, in the worst assembly.
+
+    Parameters
+    ----------
+    tree
+        Of ``easeoff.optimize``.
+    parts
+        Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
+    axes
+        An Axes a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is of no optimisation, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> tree = easeoff.optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> len(easeoff.plot.optimization(tree, parts="peak_to_peak").axes)
+    1
+    """
+    require_result(tree, "loaded", "optimization", "modification")
+    with drawing(axes):
+        from ..charts.flank_change_map import draw_optimization
+
+        return draw_optimization(tree, views(tree, "gear")[0], parts, axes)

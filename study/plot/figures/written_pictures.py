@@ -1,0 +1,178 @@
+"""Pictures of a result as files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ....core.checks import whole
+from ....core.errors import InputError
+from ....core.suggestion import suggestion
+from ..drawing_style import drawing
+from ..picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
+from .picture_list import WITH_TORQUES, draw_picture, kind_of, pictures
+
+FLANKS = ("drive", "coast")
+DPI_MINIMUM, DPI_LIMIT = 30, 1200
+
+
+def write_pictures(
+    result: xr.DataTree | xr.Dataset,
+    folder: str | os.PathLike[str],
+    *,
+    names: str | Sequence[str] | None = None,
+    torque: float | Sequence[float] | None = None,
+    flank: str | None = None,
+    marking: float | None = None,
+    file_format: str = "png",
+    dpi: int | None = None,
+) -> list[Path]:
+    """Draw pictures of a result into a folder.
+
+    A file is named after case, flank and picture, as in ``fm-11x41-drive-pressure.png``. Pictures of an earlier result
+    with the same case and flank are replaced or removed: nothing stays that could be taken for a picture of this one.
+    Other files are left alone. Of load cases, each has its pictures in a folder of its name.
+
+    Parameters
+    ----------
+    result
+        Of ``analyze``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or ``study.wear``, or
+        what ``read_result`` and ``study.sweep.read_sweep`` read.
+    folder
+        The folder; made if it does not exist.
+    names
+        One or several names of pictures, see ``pictures``; all if left out.
+    torque
+        One or several torques of the result at the pinion [N m], for the pictures that show torques.
+    flank
+        ``drive`` or ``coast``, of load cases or sweeps with both; all if left out.
+    marking
+        Thickness of the marking compound of the unloaded print [um]; that of the result if left out.
+    file_format
+        ``png``, ``svg`` or ``pdf``.
+    dpi
+        Dots per inch of PNG files; 160 if left out.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If the result does not have a picture, torque or flank, a number is out of range, or the folder cannot be
+        written to.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_pictures(tree, folder, names=["ease_off", "pressure"])]
+    ['nasa-12x36-drive-ease_off.png', 'nasa-12x36-drive-pressure.png']
+    """
+    if file_format not in FORMATS:
+        raise InputError(f"format = {file_format!r}: must be one of {', '.join(FORMATS)}")
+    if dpi is not None:
+        dpi = whole("dpi", dpi, DPI_MINIMUM, DPI_LIMIT)
+    if marking is not None:
+        from ....contact.evaluation.marking_print import checked_thickness
+
+        checked_thickness(marking)
+    torques = None if torque is None else [float(one) for one in np.atleast_1d(torque)]
+    parts = list(_parts(result, Path(folder), flank))
+    chosen = _chosen([one for one, _ in parts], names, torques)
+    written: list[Path] = []
+    with drawing(None):
+        for (one, place), own in zip(parts, chosen, strict=True):
+            for name in own:
+                figure = draw_picture(one, name, torque=torques, marking=marking)
+                if dpi is not None:
+                    figure.set_dpi(dpi)
+                path = place / f"{file_prefix(one)}-{name}.{file_format}"
+                written.append(save_picture(figure, path, one))
+    for one, place in parts:
+        _remove_earlier(one, place, written)
+    return written
+
+
+def _parts(
+    result: xr.DataTree | xr.Dataset, folder: Path, flank: str | None
+) -> Iterator[tuple[xr.DataTree | xr.Dataset, Path]]:
+    """What is drawn, and where: the result, and of one over load cases each of theirs; those of a flank alone."""
+    if flank is not None and flank not in FLANKS:
+        raise InputError(f"flank = {flank!r}: must be one of {', '.join(FLANKS)}")
+    if isinstance(result, xr.Dataset) and "flank" in result.dims:
+        there = [str(name) for name in result["flank"].values]
+        yield (result if flank is None else result.isel(flank=[_number(there, flank)])), folder
+        return
+    if isinstance(result, xr.DataTree) and "load_cases" in result.children:
+        cases = result["results"].children.items() if "results" in result.children else ()
+        there = [str(tree.attrs.get("flank", "")) for _, tree in cases]
+        if flank is not None:
+            _number(there, flank)
+        else:
+            yield result, folder
+        yield from ((tree, folder / name) for name, tree in cases if flank in (None, tree.attrs.get("flank")))
+        return
+    if flank is not None:
+        _number([str(result.attrs.get("flank", ""))], flank)
+    yield result, folder
+
+
+def _number(there: Sequence[str], flank: str) -> int:
+    """Number of a flank among those that are there."""
+    if flank not in there:
+        raise InputError(f"flank = {flank!r}: must be one of the result's: {', '.join(sorted(set(there)))}")
+    return list(there).index(flank)
+
+
+def _chosen(
+    results: Sequence[xr.DataTree | xr.Dataset], names: str | Sequence[str] | None, torques: Sequence[float] | None
+) -> list[tuple[str, ...]]:
+    """Names of the pictures of each result; those that are asked for if one has them, before anything is drawn."""
+    there = [pictures(one) for one in results]
+    known = tuple(dict.fromkeys(name for own in there for name in own))
+    wanted = known if names is None else tuple(dict.fromkeys([names] if isinstance(names, str) else names))
+    for name in wanted:
+        if name not in known:
+            raise InputError(
+                f"pictures = {str(name)!r}: must be one of those of the result: {', '.join(known)}"
+                f"{suggestion(str(name), known)}"
+            )
+    if not wanted:
+        raise InputError(f"pictures: must name one at least of {', '.join(known)}")
+    if torques is not None:
+        _require_torques(results, torques)
+        if names is not None and not set(wanted) & set(WITH_TORQUES):
+            raise InputError(f"torque: must go with one of the pictures {', '.join(WITH_TORQUES)}")
+    return [tuple(name for name in wanted if name in own) for own in there]
+
+
+def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Sequence[float]) -> None:
+    """Refuse torques for what has none to choose, and those that a result does not have."""
+    from ..panel_grid import chosen_torques
+
+    trees = [one for one in results if isinstance(one, xr.DataTree) and "loaded" in one.children]
+    if len(trees) != len(results):
+        raise InputError("torque: must go with a result of 'easeoff run' without load cases")
+    for tree in trees:
+        chosen_torques(tree["loaded"].to_dataset()["torque"].values, torques, 0)
+
+
+def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Sequence[Path]) -> None:
+    """Remove the pictures of an earlier result of the same kind, case and flank."""
+    prefix, mark = f"{file_prefix(result)}-", result_mark(result)
+    kind = kind_of(pictures(result)[0])
+    for path, (_, own) in pictures_of_results(folder).items():
+        earlier = path.name.startswith(prefix) and path.stem.removeprefix(prefix) in kind and own != mark
+        if earlier and path not in written:
+            with suppress(OSError):
+                path.unlink()

@@ -1,0 +1,191 @@
+"""Contact in mesh position as a VTK file, read back by another library: values of the result on its flanks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+import easeoff
+from easeoff import InputError
+from easeoff.study.cli import main
+from easeoff.study.export.contact_mesh import export_contact
+
+Array = NDArray[Any]
+TORQUE, POSITION = 100.0, 0.25
+PINION, GEAR, BOTH = 0, 1, 2
+FLANK, OTHER, SEGMENT = 0, 1, 2
+
+
+@pytest.fixture(scope="module")
+def tree() -> xr.DataTree:
+    return easeoff.analyze("fm-11x41", torques=[60.0, TORQUE], speed=1500.0)
+
+
+class Written:
+    """A file as meshio reads it."""
+
+    def __init__(self, path: Path) -> None:
+        mesh = meshio.read(path)
+        self.points = mesh.points
+        self.quads = mesh.cells_dict["quad"]
+        self.cells: dict[str, Array] = {name: values[0] for name, values in mesh.cell_data.items()}
+        self.nodes: dict[str, Array] = mesh.point_data
+
+    def chosen(self, part: int, member: int) -> NDArray[np.bool_]:
+        return np.asarray((self.cells["part"] == part) & (self.cells["member"] == member))
+
+    def middles(self, part: int, member: int) -> Array:
+        return np.asarray(self.points[self.quads[self.chosen(part, member)]].mean(axis=1))
+
+    def area(self, part: int, member: int) -> Array:
+        corners = self.points[self.quads[self.chosen(part, member)]]
+        cross = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        return np.asarray(0.5 * np.linalg.norm(cross, axis=1))
+
+    def at_nodes(self, name: str, part: int, member: int) -> Array:
+        """Mean of the corners of each cell."""
+        return np.asarray(self.nodes[name][self.quads[self.chosen(part, member)]].mean(axis=1))
+
+
+@pytest.fixture(scope="module")
+def written(tree: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Written:
+    path = tmp_path_factory.mktemp("mesh") / "pattern.vtu"
+    said = export_contact(tree, path, torque=TORQUE, mesh_position=POSITION)
+    assert said == "3 tooth pairs in contact at 100 N m, mesh position 0.25"
+    return Written(path)
+
+
+@pytest.fixture(scope="module")
+def here(tree: xr.DataTree) -> xr.Dataset:
+    """Loaded segments of the result, in the order of the file: by pair."""
+    found = tree["loaded"].to_dataset().isel(torque=1, mesh_position=8)
+    friction = tree["friction"].to_dataset().isel(torque=1, mesh_position=8, speed=0, temperature=0, roughness=0)
+    names = ("film_thickness", "friction_coefficient", "flash_temperature", "bulk_temperature")
+    found = found.assign({name: friction[name] for name in names})
+    chosen = np.flatnonzero(found["force"].values > 0.0)
+    return found.isel(segment=chosen[np.argsort(found["tooth"].values[chosen], kind="stable")])
+
+
+def test_segments_have_the_values_of_the_result(written: Written, here: xr.Dataset) -> None:
+    on = written.chosen(SEGMENT, BOTH)
+    expected = {
+        "pair": here["tooth"],
+        "pressure [MPa]": here["pressure"],
+        "force [N]": here["force"],
+        "load per length [N/mm]": here["force"] / here["length"],
+        "film thickness [um]": here["film_thickness"],
+        "friction coefficient [1]": here["friction_coefficient"],
+        "contact temperature [degC]": here["flash_temperature"] + here["bulk_temperature"],
+    }
+    for name, values in expected.items():
+        np.testing.assert_allclose(written.cells[name][on], values.values, rtol=1e-12, err_msg=name)
+    assert np.all(np.isnan(written.cells["force [N]"][written.cells["part"] != SEGMENT]))
+    wide = here["pressure"].notnull().values
+    np.testing.assert_allclose(
+        written.area(SEGMENT, BOTH)[wide], (2.0 * here["length"] * here["half_width"]).values[wide], rtol=1e-9
+    )
+
+
+def test_segments_lie_on_the_gear_flank_of_the_result(tree: xr.DataTree, written: Written, here: xr.Dataset) -> None:
+    """Radius about the gear axis and height along it do not depend on the rotation: as of the nodes, interpolated."""
+    position = tree["flanks"].to_dataset()["position"].sel(member="gear")
+    x, y, z = (position.sel(xyz=axis, drop=True) for axis in "xyz")
+    section = xr.Dataset({"radius": np.sqrt(x**2 + y**2), "height": z}).to_dataarray("axis")
+    at = {name: xr.DataArray(here[name].values, dims="segment") for name in ("lengthwise", "profile")}
+    expected = section.interp(at, method="linear").transpose("segment", "axis").values
+    origin = np.asarray(tree["ease_off"].attrs["gear_origin_mm"])
+    middles = written.middles(SEGMENT, BOTH) - origin
+    found = np.stack([np.hypot(middles[:, 0], middles[:, 1]), middles[:, 2]], axis=1)
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("member", [PINION, GEAR])
+def test_the_members_touch_where_they_carry(written: Written, member: int) -> None:
+    """The distance of the segments from the surface of the nearest cell is as small as ease-off and elastic approach.
+
+    It would be of the order of a millimetre if a tooth stood at the rotation of another pair or mesh position.
+    """
+    middles = written.middles(SEGMENT, BOTH)
+    corners = written.points[written.quads[written.chosen(FLANK, member)]]
+    centre = corners.mean(axis=1)
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    _, nearest = cKDTree(centre).query(middles)
+    apart = np.abs(np.sum((middles - centre[nearest]) * normal[nearest], axis=1))
+    assert np.max(apart) < 0.03
+    assert np.median(apart) < 0.01
+
+
+@pytest.mark.parametrize("member", [PINION, GEAR])
+def test_pressure_on_the_nodes_carries_the_load(written: Written, here: xr.Dataset, member: int) -> None:
+    """The integral of a Hertzian pressure over its band is the normal force."""
+    force = float(here["force"].where(here["pressure"].notnull()).sum())
+    total = written.at_nodes("contact pressure [MPa]", FLANK, member) @ written.area(FLANK, member)
+    assert total == pytest.approx(force, rel=0.05)
+    assert np.nanmax(written.nodes["contact pressure [MPa]"]) <= float(here["pressure"].max()) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("member", [PINION, GEAR])
+def test_pattern_and_ease_off_are_those_of_the_result(tree: xr.DataTree, written: Written, member: int) -> None:
+    nodes = np.unique(written.quads[written.chosen(FLANK, member)])
+    pattern = written.nodes["greatest pressure over the cycle [MPa]"][nodes]
+    greatest = float(tree["loaded"].to_dataset()["max_pressure"][1])
+    assert 0.97 * greatest < pattern.max() <= greatest * (1 + 1e-12)
+    assert pattern.min() == 0.0
+    ease_off = written.nodes["ease-off [um]"][nodes]
+    inside = tree["ease_off"].to_dataset()
+    stored = inside["ease_off"].values[inside["inside"].values == 1]
+    assert np.nanmax(ease_off) == pytest.approx(stored.max(), rel=0.15)  # beyond the nodes that are inside
+    assert abs(np.nanmin(ease_off) - stored.min()) < 0.2
+    others = np.unique(written.quads[written.cells["part"] != FLANK])
+    assert np.all(np.isnan(written.nodes["ease-off [um]"][np.setdiff1d(others, nodes)])[-100:])
+
+
+def test_mistakes_name_what_there_is(tree: xr.DataTree, tmp_path: Path) -> None:
+    for given, said in (
+        ({"torque": 75.0}, "torque = 75: must be one of the result's: 60, 100 N m"),
+        (
+            {"mesh_position": 0.26},
+            "mesh_position = 0.26: must be one of the 32 of the result, K/32; the nearest is 0.2",
+        ),
+    ):
+        with pytest.raises(InputError) as caught:
+            export_contact(tree, tmp_path / "x.vtu", **given)  # type: ignore[arg-type]
+        assert said in str(caught.value)
+    with pytest.raises(InputError, match=r"must be \.vtu for the contact"):
+        export_contact(tree, tmp_path / "x.stl")
+    without = tree.copy()
+    without.attrs = {name: value for name, value in tree.attrs.items() if name != "case"}
+    with pytest.raises(InputError, match="keeps no case that can be read"):
+        export_contact(without, tmp_path / "x.vtu")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_tells_results_from_cases(tree: xr.DataTree, tmp_path: Path) -> None:
+    result = tmp_path / "x.nc"
+    easeoff.write_result(tree, result)
+
+    def call(*words: object) -> Any:
+        return CliRunner().invoke(main, ["export", *map(str, words)])
+
+    done = call(result, "-o", tmp_path / "x.vtu", "--mesh-position", "0.5", "--torque", "60", "--nodes", "31x15")
+    assert done.exit_code == 0, done.output
+    assert "tooth pairs in contact at 60 N m, mesh position 0.5" in done.output
+    assert np.unique(Written(tmp_path / "x.vtu").cells["pair"]).size >= 2
+    for words, said in (
+        ((result, "-o", tmp_path / "y.vtu", "--member", "gear"), "--member: must go with a CASE"),
+        (("nasa-12x36", "-o", tmp_path / "y.stl", "--mesh-position", "0"), "--mesh-position: must go with a RESULT"),
+        ((tmp_path / "no.nc", "-o", tmp_path / "y.vtu"), "there is no such file"),
+    ):
+        refused = call(*words)
+        assert refused.exit_code == 2
+        assert said in refused.output
+    assert not list(tmp_path.glob("y.*"))

@@ -1,0 +1,357 @@
+"""Figures as functions: panels, the caller's axes, names of files, formats, and the command that chooses among them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.patches import Rectangle
+
+import easeoff
+from easeoff import InputError, plot
+from easeoff.cases import LoadCase, with_supports
+from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
+from easeoff.study.cli import main
+from easeoff.study.plot.charts.root_stress_chart import greatest_over_pairs
+from easeoff.study.plot.figures.picture_list import FURTHER_PICTURES, PICTURES
+from easeoff.study.plot.page import small_print
+from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
+from easeoff.study.sweep import write_sweep
+
+COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 13, "profile_nodes": 9}
+
+
+def coarse(name: str = "nasa-12x36") -> easeoff.Case:
+    case = easeoff.read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
+
+
+def call(*words: object) -> Any:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture(scope="module")
+def tree() -> xr.DataTree:
+    return easeoff.analyze(coarse(), torques=[50.0, 100.0, 200.0], speed=[500.0, 1500.0])
+
+
+@pytest.fixture(scope="module")
+def stressed(tree: xr.DataTree) -> xr.DataTree:
+    """A result with root stress of known values."""
+    shape = {"torque": 3, "member": 2, "mesh_position": 6, "pair": 3}
+    history = np.arange(np.prod([*shape.values()]), dtype=float).reshape(tuple(shape.values()))
+    history[0, 0, 2] = np.nan
+    coords = {"torque": tree["loaded"]["torque"].values, "member": ["pinion", "gear"], "lengthwise": [0.0, 0.5, 1.0]}
+    data = {
+        "root_stress": (("torque", "member", "lengthwise"), np.arange(18.0).reshape(3, 2, 3)),
+        "root_stress_history": (tuple(shape), history),
+    }
+    whole = xr.DataTree.from_dict({**tree.to_dict(), "/root_stress": xr.Dataset(data, coords=coords)})
+    whole.attrs = tree.attrs
+    return whole
+
+
+@pytest.fixture(scope="module")
+def result(tree: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("result") / "out.nc"
+    easeoff.write_result(tree, path)
+    return path
+
+
+# --- functions
+
+
+def test_every_picture_of_a_result_is_a_public_function(tree: xr.DataTree) -> None:
+    assert {*PICTURES, *FURTHER_PICTURES} <= set(plot.__all__)
+    assert plot.pictures(tree) == (*PICTURES, "friction_maps", "efficiency")
+    for name in plot.pictures(tree):
+        figure = getattr(plot, name)(tree)
+        assert isinstance(figure, Figure)
+        heading, title = (text.get_text() for text in figure.texts[:2])
+        assert heading
+        assert title == tree.attrs["title"]
+
+
+def test_plot_is_loaded_at_first_use_and_loads_matplotlib_when_it_draws() -> None:
+    code = (
+        "import sys, easeoff; assert 'easeoff.study.plot' not in sys.modules; "
+        "easeoff.plot.pressure; assert 'matplotlib' not in sys.modules; "
+        "from easeoff import plot; assert plot is easeoff.plot"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "count"),
+    [
+        ("ease_off", {}, 1),
+        ("contact_pattern", {}, 6),
+        ("contact_pattern", {"member": "pinion"}, 3),
+        ("contact_pattern", {"parts": ["print", "lines"], "member": "gear"}, 2),
+        ("pressure", {}, 6),
+        ("pressure", {"torque": [50.0, 200.0]}, 4),
+        ("pressure", {"torque": 100, "member": "gear"}, 1),
+        ("transmission_error", {}, 4),
+        ("transmission_error", {"parts": "orders", "torque": 100.0}, 1),
+        ("load_sharing", {}, 3),
+        ("load_sharing", {"torque": 200.0}, 1),
+        ("friction_maps", {"quantities": ["sliding_velocity", "lambda_ratio"], "torque": 50.0, "speed": 500.0}, 2),
+        ("efficiency", {}, 3),
+        ("efficiency", {"parts": "speed"}, 1),
+        ("root_stress", {}, 4),
+        ("root_stress", {"member": "gear", "parts": "face"}, 1),
+    ],
+)
+def test_panels_come_on_a_page_or_on_axes_of_ones_own(
+    stressed: xr.DataTree, name: str, options: dict[str, Any], count: int
+) -> None:
+    draw = getattr(plot, name)
+    page = draw(stressed, **options)
+    shown = [axes for axes in page.axes if axes.get_visible() and not hasattr(axes, "_colorbar")]
+    assert len(shown) == count
+    figure = Figure()
+    grid = figure.subplots(count, 1, squeeze=False)
+    assert draw(stressed, **options, axes=grid if count > 1 else grid[0, 0]) is figure
+    assert not figure.texts  # no heading, no small print
+    for own, of_page in zip(grid[:, 0], shown, strict=True):
+        assert own.has_data()
+        assert own.get_title(loc="left") == of_page.get_title(loc="left")
+        assert len(own.lines) == len(of_page.lines)
+        assert len(own.collections) == len(of_page.collections)
+    with pytest.raises(InputError, match=rf"axes = {count + 1} of Axes: must be "):
+        draw(stressed, **options, axes=Figure().subplots(count + 1, 1))
+
+
+def test_axes_of_a_subfigure_keep_the_settings_of_the_caller(tree: xr.DataTree) -> None:
+    figure = Figure()
+    left, right = np.ravel(np.array(figure.subfigures(1, 2), dtype=object))
+    with matplotlib.rc_context({"lines.linestyle": ":"}):
+        assert plot.load_sharing(tree, torque=50.0, axes=left.subplots()) is figure
+        page = plot.load_sharing(tree, torque=50.0)
+    assert {line.get_linestyle() for line in left.axes[0].lines} == {":"}
+    assert {line.get_linestyle() for line in page.axes[0].lines} == {"-"}
+    assert right.axes == []
+
+
+def test_a_torque_draws_its_own_values(tree: xr.DataTree) -> None:
+    loaded = tree["loaded"].to_dataset().sel(torque=100.0)
+    figure = plot.transmission_error(tree, torque=100.0, parts=["loaded", "orders"])
+    (course,) = figure.axes[0].lines
+    error = loaded["transmission_error"].values
+    np.testing.assert_array_equal(course.get_ydata(), [*error, *error, error[0]])
+    heights = [bar.get_height() for bar in figure.axes[1].patches if isinstance(bar, Rectangle)]
+    np.testing.assert_allclose(heights, loaded["harmonic"].values)
+    over_torque = plot.transmission_error(tree, parts="orders").axes[0].lines
+    for number, line in enumerate(over_torque):
+        np.testing.assert_array_equal(line.get_xdata(), [50.0, 100.0, 200.0])
+        np.testing.assert_array_equal(line.get_ydata(), tree["loaded"]["harmonic"].isel(order=number).values)
+    pressure = plot.pressure(tree, torque=100.0, member="gear")
+    assert pressure.axes[0].get_title(loc="right") == f"peak {float(loaded['max_pressure']):.0f} MPa"
+
+
+def test_root_stress_over_the_cycle_is_the_greatest_of_the_pairs(stressed: xr.DataTree) -> None:
+    stress = stressed["root_stress"].to_dataset()
+    found = greatest_over_pairs(stress, 0, "pinion")
+    np.testing.assert_array_equal(found, [2.0, 5.0, np.nan, 11.0, 14.0, 17.0])
+    face, cycle = plot.root_stress(stressed, member="gear", torque=200.0).axes
+    np.testing.assert_array_equal(face.lines[0].get_ydata(), [15.0, 16.0, 17.0])
+    assert np.max(cycle.lines[0].get_ydata()) == 107.0
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("pressure", {"torque": 75.0}, "torque = 75: must be one of the result's: 50, 100, 200 N m"),
+        ("pressure", {"member": "pinio"}, "member = 'pinio': must be one of pinion, gear; did you mean 'pinion'?"),
+        (
+            "transmission_error",
+            {"parts": "load"},
+            "parts = 'load': must be one of unloaded, loaded, about_mean, orders",
+        ),
+        ("transmission_error", {"parts": []}, "parts: must name one at least of unloaded"),
+        ("contact_pattern", {"marking": -1.0}, "marking = -1"),
+        ("friction_maps", {"speed": 700.0}, "speed = 700: must be one of the result's: 500, 1500 1/min"),
+        ("friction_maps", {"quantities": "film"}, "quantities = 'film': must be one of rolling_velocity, sliding_vel"),
+        ("efficiency", {"parts": "roughness"}, "parts = 'roughness': must be one of cycle, speed, torque"),
+        ("root_stress", {}, "tree: the result has no group 'root_stress': finite-element teeth have it"),
+        ("misalignment", {}, "tree: its misalignment does not depend on the torque"),
+        ("deviations", {}, "tree: its flanks have no deviations"),
+        ("optimization", {}, "tree: the result has no group 'optimization': it must be a result of 'easeoff optimize'"),
+        ("load_cases", {}, "tree: the result has no group 'load_cases': it must be a result over load cases"),
+    ],
+)
+def test_mistakes_say_what_there_is(tree: xr.DataTree, name: str, options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        getattr(plot, name)(tree, **options)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("wrong", [xr.DataTree(), xr.Dataset(), None, "out.nc"])
+def test_what_is_no_result_is_refused(wrong: Any) -> None:
+    for draw in (plot.pressure, plot.friction_maps, plot.pictures):
+        with pytest.raises(InputError, match="must be"):
+            draw(wrong)
+
+
+# --- studies
+
+
+@pytest.mark.thorough
+def test_load_cases_of_both_flanks_are_drawn_into_their_folders(tmp_path: Path) -> None:
+    rows = [LoadCase(name="climb", torque=100.0), LoadCase(name="brake", torque=50.0, flank="coast")]
+    tree = analyze_load_cases(coarse(), rows)
+    assert plot.pictures(tree) == ("load_cases",)
+    assert len(plot.load_cases(tree, axes=Figure().subplots(1, 3)).axes) == 3
+    written = plot.write_pictures(tree, tmp_path, names=["load_cases", "pressure"])
+    assert [path.relative_to(tmp_path).as_posix() for path in written] == [
+        "nasa-12x36-load_cases.png",
+        "climb/nasa-12x36-drive-pressure.png",
+        "brake/nasa-12x36-coast-pressure.png",
+    ]
+    (only,) = plot.write_pictures(tree, tmp_path, names="load_sharing", flank="coast")
+    assert only == tmp_path / "brake" / "nasa-12x36-coast-load_sharing.png"
+    with pytest.raises(InputError, match="torque: must go with a result of 'easeoff run' without load cases"):
+        plot.write_pictures(tree, tmp_path, torque=50.0)
+
+
+@pytest.mark.thorough
+def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
+    found = easeoff.sweep(coarse(), {"E": [-0.02, 0.02], "flank": ["drive", "coast"]}, torques=[100.0])
+    write_sweep(found, tmp_path / "sweep.nc")
+    assert "sweep_curves" in plot.pictures(found)
+    figure = plot.sweep(found, "sweep_curves", names=["max_pressure"], axes=Figure().subplots())
+    assert figure.axes[0].get_title(loc="left") == "greatest pressure [MPa]"
+    with pytest.raises(InputError, match="picture = 'sweep_map': must be one of sweep_curves"):
+        plot.sweep(found, "sweep_map")
+    assert file_prefix(found) == "nasa-12x36"
+    done = call("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
+    assert done.exit_code == 0, done.output
+    history = wear(coarse(), WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
+    history.to_netcdf(tmp_path / "wear.nc", engine="netcdf4")
+    done = call("plot", tmp_path / "wear.nc", tmp_path / "p", "--format", "pdf")
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in (tmp_path / "p").iterdir()} == {
+        "nasa-12x36-coast-sweep_curves.png",
+        "nasa-12x36-drive-wear.pdf",
+    }
+    depth = plot.wear(history, parts="largest_depth").axes[0].lines
+    np.testing.assert_array_equal(depth[0].get_ydata(), history["largest_depth"].sel(member="pinion").values)
+    history.isel(member=[0, 0]).to_netcdf(tmp_path / "bad.nc", engine="netcdf4")
+    refused = call("plot", tmp_path / "bad.nc", tmp_path / "p")
+    assert refused.exit_code == 2
+    assert "bad.nc is damaged, changed by hand" in refused.output
+
+
+@pytest.mark.thorough
+def test_prints_of_a_check_come_on_axes_of_ones_own(tmp_path: Path) -> None:
+    found = vh_check("fh-design-a", grid=(2, 2))
+    figure = Figure()
+    axes = figure.subplots(1, 7)
+    assert plot.vh_check(found, axes=axes) is figure
+    page = plot.vh_check(found)
+    assert [len(one.lines) for one in axes] == [len(one.lines) for one in page.axes]
+    with pytest.raises(InputError, match="axes = 7 of Axes: must be 3 Axes"):
+        plot.vh_check(found, parts="places", axes=axes)
+
+
+# --- files
+
+
+def test_files_are_named_after_case_and_flank(tree: xr.DataTree, tmp_path: Path) -> None:
+    assert tree.attrs["case_name"] == "nasa-12x36"
+    assert file_prefix(tree) == "nasa-12x36-drive"
+    older = {key: value for key, value in tree.attrs.items() if key != "case_name"}
+    assert file_prefix(xr.DataTree(xr.Dataset(attrs=older))) == "12x36-drive"
+    for name, expected in (("../../etc/x y", "etc_x_y"), ("-.", "result"), ("Größe", "Größe"), ("a" * 200, "a" * 80)):
+        assert file_prefix(xr.Dataset(attrs={"case_name": name})) == expected
+    own = tmp_path / "my axle.toml"
+    own.write_text(easeoff.cases.case_text("nasa-12x36"), encoding="utf-8")
+    assert easeoff.read_case(own).name == "my axle"
+
+
+@pytest.mark.parametrize(("suffix", "begin"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_formats_are_marked_and_the_same_twice(tree: xr.DataTree, tmp_path: Path, suffix: str, begin: bytes) -> None:
+    for folder in ("first", "second"):
+        (path,) = plot.write_pictures(tree, tmp_path / folder, names="load_sharing", file_format=suffix)
+        assert path.name == f"nasa-12x36-drive-load_sharing.{suffix}"
+        assert path.read_bytes().startswith(begin)
+        ((_, mark),) = pictures_of_results(path.parent).values()
+        assert mark == result_mark(tree)
+    assert path.read_bytes() == (tmp_path / "first" / path.name).read_bytes()
+
+
+def test_the_mark_of_a_result_is_that_of_what_was_analysed(tree: xr.DataTree, result: Path) -> None:
+    """Not of when, nor of whether it went through a file."""
+    assert result_mark(easeoff.read_result(result)) == result_mark(tree)
+    later = tree.copy()
+    later.attrs = {**tree.attrs, "history": "another day"}
+    assert result_mark(later) == result_mark(tree)
+    moved = tree.copy()
+    moved.attrs = {**tree.attrs, "misalignment_offset_mm": 0.1}
+    assert result_mark(moved) != result_mark(tree)
+
+
+def test_the_command_chooses(result: Path, tmp_path: Path) -> None:
+    words = ["--pictures", "pressure, transmission_error", "--torque", "100", "--dpi", "80"]
+    done = call("plot", result, "-o", tmp_path / "p", *words)
+    assert done.exit_code == 0, done.output
+    names = [f"nasa-12x36-drive-{name}.png" for name in ("pressure", "transmission_error")]
+    assert done.output.splitlines() == [f"wrote {tmp_path / 'p' / name}" for name in names]
+    whole = plot.pressure(easeoff.read_result(result), torque=100.0)
+    height, width = imread(tmp_path / "p" / names[0]).shape[:2]
+    assert (width, height) == tuple(int(80 * inches) for inches in whole.get_size_inches())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--pictures", "presure"], "pictures = 'presure': must be one of those of the result: ease_off, contact_pat"),
+        (["--pictures", "presure"], "did you mean 'pressure'?"),
+        (["--pictures", "pressure,pressure"], "pressure comes twice"),
+        (["--torque", "75"], "torque = 75: must be one of the result's: 50, 100, 200 N m"),
+        (["--torque", "100", "--pictures", "ease_off"], "torque: must go with one of the pictures pressure, tran"),
+        (["--flank", "coast"], "flank = 'coast': must be one of the result's: drive"),
+        (["--format", "svg", "--dpi", "100"], "--dpi: must go with --format png"),
+        (["--format", "gif"], "--format"),
+        (["{tmp}/q"], "FOLDER: must be given once"),
+    ],
+)
+def test_wrong_choices_are_refused_before_anything_is_written(
+    result: Path, tmp_path: Path, words: list[str], said: str
+) -> None:
+    done = call("plot", result, "-o", tmp_path / "p", *(word.format(tmp=tmp_path) for word in words))
+    assert done.exit_code == 2, done.output
+    assert said in done.output
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.thorough
+def test_a_sweep_leaves_the_pictures_of_a_result(tree: xr.DataTree, tmp_path: Path) -> None:
+    kept = plot.write_pictures(tree, tmp_path, names="pressure")
+    plot.write_pictures(easeoff.sweep(coarse(), {"E": [0.0, 0.02]}, torques=[100.0]), tmp_path)
+    assert kept[0].exists()
+
+
+# --- the footer
+
+
+@pytest.mark.thorough
+def test_the_footer_names_the_supports() -> None:
+    case = with_supports(coarse("fm-11x41"), "axle-fm-11x41")
+    tree = easeoff.analyze(case, torques=[100.0])
+    assert tree.attrs["supports_name"] == "axle-fm-11x41"
+    assert "on supports axle-fm-11x41" in small_print(tree.attrs)
+    assert "on supports axle-fm-11x41" in plot.ease_off(tree).texts[-1].get_text()
+    own = case.model_copy()
+    own._supports_name = ""
+    assert own.supports_name == "of the case"
+    assert case.model_copy(update={"supports": None}).supports_name == ""
