@@ -42,14 +42,16 @@ exclude_patterns = [
 ]
 default_role = "code"
 nitpicky = True
-# Types of other packages, and names inside the package that are no part of its interface.
-nitpick_ignore_regex = [(r"py:.*", r".*")]
+# Types of other packages, and classes inside the package that are no part of its interface.
+nitpick_ignore_regex = [(r"py:.*", r"(?!easeoff\.).*"), (r"py:class", r"easeoff(\.[a-z_0-9]+){2,}\.[A-Z]\w*")]
 
 myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
 
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
+# Named as in the source, not spelt out.
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "FloatArray", "Mask", "SolverChoice")}
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autosummary_generate = True
@@ -74,6 +76,7 @@ sphinx_gallery_conf = {
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"easeoff {release}"
+templates_path = ["_templates"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False

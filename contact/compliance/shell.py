@@ -194,7 +194,7 @@ class Shell:
         Returns
         -------
         Array
-            Shape (*points, n_dof), without the summed axis if there are weights.
+            Shape (points, n_dof), without the summed axis if there are weights.
 
         Raises
         ------

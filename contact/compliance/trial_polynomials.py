@@ -38,7 +38,7 @@ def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
     Returns
     -------
     Array
-        Shape (order + 1, *shape of relative, count).
+        Shape (order + 1, shape of relative, count).
     """
     values = np.zeros((order + 1, *relative.shape, count))
     t = 2.0 * relative - 1.0
@@ -83,7 +83,7 @@ def rooted_polynomials(
     Returns
     -------
     Array
-        Shape (order + 1, *shape of relative, count).
+        Shape (order + 1, shape of relative, count).
     """
     plain = family(relative, count, order=order)
     if root_power == 0:
