@@ -131,6 +131,13 @@ def test_what_an_oil_file_says_does_not_break_bibtex() -> None:
     assert entry["note"] == r"lubricant data: data sheet \#3, 40--60 \$"
 
 
+def test_attributes_of_any_kind_and_length_are_taken() -> None:
+    odd = {"title": [1.0, 2.0], "easeoff_version": [1, 2], "compliance_model": "x" * 10_000, "film": 3, "oil": ""}
+    said = citation(xr.DataTree(xr.Dataset(attrs=odd | {"oil_source": "a\x1b[2Jb\nc" * 1000})))
+    assert max(map(len, said.splitlines())) < 1000
+    assert "\x1b" not in said
+
+
 def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None:
     runner = CliRunner()
     assert "The easeoff developers" in runner.invoke(main, ["cite"]).output
