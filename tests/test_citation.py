@@ -59,6 +59,7 @@ def test_citation_file_says_what_project_licence_and_command_say() -> None:
     assert CITATION["license"] == PROJECT["license"]
     assert set(CITATION["keywords"]) == set(PROJECT["keywords"])
     (author,) = CITATION["authors"]
+    assert PROJECT["authors"] == [author]
     assert f"the {author['name'].removeprefix('The ')}" in (ROOT / "LICENSE").read_text(encoding="utf-8")
     assert package().fields["author"] == author["name"]
     assert package().fields["title"] == CITATION["title"]
