@@ -59,6 +59,7 @@ def test_citation_file_says_what_project_licence_and_command_say() -> None:
     assert CITATION["license"] == PROJECT["license"]
     assert set(CITATION["keywords"]) == set(PROJECT["keywords"])
     (author,) = CITATION["authors"]
+    assert PROJECT["authors"] == [author]
     assert f"the {author['name'].removeprefix('The ')}" in (ROOT / "LICENSE").read_text(encoding="utf-8")
     assert package().fields["author"] == author["name"]
     assert package().fields["title"] == CITATION["title"]
@@ -129,6 +130,13 @@ def test_what_an_oil_file_says_does_not_break_bibtex() -> None:
     entry = entries(citation(tree, bibtex=True))["oil_a_b_c"]
     assert entry["title"] == r"100 \% pure \& cheap\_oil \{x\} \textbackslash{}end"
     assert entry["note"] == r"lubricant data: data sheet \#3, 40--60 \$"
+
+
+def test_attributes_of_any_kind_and_length_are_taken() -> None:
+    odd = {"title": [1.0, 2.0], "easeoff_version": [1, 2], "compliance_model": "x" * 10_000, "film": 3, "oil": ""}
+    said = citation(xr.DataTree(xr.Dataset(attrs=odd | {"oil_source": "a\x1b[2Jb\nc" * 1000})))
+    assert max(map(len, said.splitlines())) < 1000
+    assert "\x1b" not in said
 
 
 def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None:

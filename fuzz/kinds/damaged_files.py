@@ -105,7 +105,12 @@ def result(rng: random.Random, box: Box) -> Input:
     """A mutated result, shown or drawn."""
     base = rng.choice(box.bases.of("result", "result", "duty", "duty", "sweep", "wear", "problems", "table", "vh"))
     name = any_mutation(rng, box, base, "r.nc")
-    drawn = [["plot", name, "pictures"], ["report", name, "-o", "report.html"]]
+    drawn = [
+        ["plot", name, "pictures"],
+        ["report", name, "-o", "report.html"],
+        ["cite", name],
+        ["cite", name, "--bibtex"],
+    ]
     return Input("", rng.choice([*[["show", name]] * 5, *drawn]), [name])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
+from ....core.printable import shortened
 from .published_work import WORKS, package
 from .result_sources import distinct_works, result_sources
 
@@ -36,8 +37,8 @@ def citation(tree: xr.DataTree | None = None, *, bibtex: bool = False) -> str:
     ]
     if tree is None:
         return "\n".join([*lines, "'easeoff cite RESULT' names the sources that a result rests on."])
-    made = tree.attrs.get("easeoff_version")
-    lines += [f"This result was made by version {made}."] if made is not None else []
+    made = tree.attrs.get("easeoff_version", "")
+    lines += [f"This result was made by version {shortened(str(made))}."] if isinstance(made, str) and made else []
     listed = distinct_works(sources)
     numbers = {work.key: number for number, work in enumerate(listed, start=1)}
     lines += ["", "The result rests on"]

@@ -9,6 +9,7 @@ from typing import Any
 
 import xarray as xr
 
+from ....core.printable import printable, shortened
 from ..model_name import MODEL_NAMES
 from .published_work import WORKS, PublishedWork
 
@@ -26,6 +27,7 @@ MODELS: dict[str, dict[str, tuple[str, ...]]] = {
         "gupta_cheng": ("gupta_1992",),
     },
 }
+TEXT_LENGTH_LIMIT = 400  # of an attribute
 WORDS = {
     "friction_coefficient": "friction coefficient",
     "film": "film thickness",
@@ -85,7 +87,7 @@ def _of_node(node: xr.DataTree) -> Iterator[ResultSource]:
     if node.parent is None:
         yield ResultSource("ease-off and load distribution", "", _works("kolivand_2009"))
         yield from _pair(attributes)
-        model = str(attributes.get("compliance_model", ""))
+        model = _text(attributes, "compliance_model")
         if model:
             known = _works("kolivand_2009") if model == "shell" else ()
             yield ResultSource("elastic teeth", MODEL_NAMES.get(model, model), known, OWN.get(model, ""))
@@ -94,13 +96,18 @@ def _of_node(node: xr.DataTree) -> Iterator[ResultSource]:
     if "wear_depth" in node.dataset:
         yield ResultSource("wear", "Archard's law", _works("archard_1953"))
     for name, models in MODELS.items():
-        model = str(attributes.get(name, "none"))
-        if model != "none":
+        model = _text(attributes, name)
+        if model not in ("", "none"):
             yield ResultSource(WORDS[name], model, _works(*models.get(model, ())), OWN.get(model, ""))
     if "max_flash_temperature" in node.dataset:
         yield ResultSource("flash temperature", "", _works("blok_1937", "jaeger_1942"))
     if "oil" in attributes:
         yield _oil(attributes)
+
+
+def _text(attributes: Mapping[Any, Any], name: str) -> str:
+    """An attribute in one line of bounded length; empty if there is none."""
+    return shortened(printable(str(attributes.get(name, ""))), TEXT_LENGTH_LIMIT)
 
 
 def _works(*keys: str) -> tuple[PublishedWork, ...]:
@@ -111,7 +118,7 @@ def _pair(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
     """The source of a shipped pair, known by its title."""
     from ....cases import shipped_cases
 
-    title = attributes.get("title")
+    title = _text(attributes, "title")
     for name, shipped in shipped_cases().items():
         if title == shipped:
             yield ResultSource(
@@ -121,13 +128,13 @@ def _pair(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
 
 def _oil(attributes: Mapping[Any, Any]) -> ResultSource:
     """An oil with the source that its file names."""
-    name, source = str(attributes["oil"]), str(attributes.get("oil_source", ""))
+    name, source = _text(attributes, "oil"), _text(attributes, "oil_source")
     if source.startswith("M. Kolivand, dissertation"):
         return ResultSource("oil", name, _works("kolivand_2009"))
     if not source:
         return ResultSource("oil", name)
     key = "oil_" + re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
-    fields = {"title": str(attributes.get("oil_title", name)), "note": f"lubricant data: {source}"}
+    fields = {"title": _text(attributes, "oil_title") or name, "note": f"lubricant data: {source}"}
     return ResultSource("oil", name, (PublishedWork(key, "misc", fields),))
 
 
