@@ -204,10 +204,10 @@ def faults(tree: xr.DataTree) -> list[str]:
     sizes: dict[str, int] = {}
     for name, variables in layout.items():
         group = tree[name].to_dataset()
-        found += [f"{name}: {fault}" for fault in _variable_faults(group, variables)]
+        found += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
         for together in OPTIONAL_VARIABLES.get(name, ()):
             if any(variable in group.variables for names in together.values() for variable in names):
-                found += [f"{name}: {fault}" for fault in _variable_faults(group, together)]
+                found += [f"{name}: {fault}" for fault in variable_faults(group, together)]
         for dimension in {dimension for dimensions in variables for dimension in dimensions} & set(group.sizes):
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
             shared = {} if alone else sizes
@@ -267,7 +267,7 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     numbers = tree["load_cases"].to_dataset()
     if not numbers.sizes.get("load_case"):
         return ["load_cases: no load cases"]
-    found = [f"load_cases: {fault}" for fault in _variable_faults(numbers, LOAD_CASES)]
+    found = [f"load_cases: {fault}" for fault in variable_faults(numbers, LOAD_CASES)]
     found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
     if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
         found.append("root: no text in the attribute 'title'")
@@ -275,7 +275,7 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
         return found
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset()
-        found += [f"duty: {fault}" for fault in _variable_faults(duty, DUTY)]
+        found += [f"duty: {fault}" for fault in variable_faults(duty, DUTY)]
         found += [] if _is_text(duty, "flank") else ["duty: no text 'flank'"]
     results = tree["results"].children if "results" in tree.children else {}
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
@@ -326,7 +326,21 @@ def _rises(values: Any) -> bool:
     return bool(np.all(np.abs(values - 0.5) <= 0.5 + 1e-9) and np.all(np.diff(values) > 0.0))
 
 
-def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
+def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
+    """Variables that are missing, over other dimensions, no numbers, or beyond all bounds.
+
+    Parameters
+    ----------
+    group
+        A group of a result.
+    variables
+        Names by dimensions.
+
+    Examples
+    --------
+    >>> list(variable_faults(xr.Dataset({"force": 1.0}), {("torque",): ("force",)}))
+    ["no numbers 'force' over torque"]
+    """
     for dimensions, names in variables.items():
         for name in names:
             if (
