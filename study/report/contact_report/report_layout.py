@@ -27,6 +27,9 @@ LAYOUTS: dict[str, Layout] = {
         ("step", "member", *GRID): ("wear_depth",),
         ("member", *GRID, "xyz"): ("position",),
         ("step",): ("revolutions",),
+        ("torque",): ("torque",),
+        ("lengthwise",): ("lengthwise",),
+        ("profile",): ("profile",),
         ("step", "member"): ("largest_depth",),
         ("step", "torque"): ("peak_to_peak", "max_pressure"),
     },
@@ -45,8 +48,9 @@ COUNTED = {
     "xyz": ["x", "y", "z"],
 }
 TEXTS = {"title": "text", "flank": "text"}
-#: Variables of groups that not every result has, by their dimensions.
+#: Variables of pictures and of groups that not every result has, by their dimensions.
 GROUPS: dict[str, Layout] = {
+    "ease_off": {GRID: ("blade_distance", "separation_skew")},
     "modification": {("term",): ("coefficient",), GRID: ("modification",)},
     "optimization": {
         ("stage", "assembly", "torque"): ("max_line_load", "max_pressure", "max_end_load", "peak_to_peak"),
@@ -60,6 +64,8 @@ GROUPS: dict[str, Layout] = {
         ("lengthwise",): ("lengthwise",),
     },
 }
+LEAST_SIZES = {"lengthwise": 2, "profile": 2, "space": 3}
+KNOWN_SHARE = 0.5  # of the nodes of a worn flank, at least
 DAMAGED = "is damaged, changed by hand or made by another version of easeoff"
 FAULT_COUNT_LIMIT = 3  # that a message names
 
@@ -93,11 +99,11 @@ def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
         names = COUNTED.get(str(dimension))
         if names is not None and [str(one) for one in found[dimension].values] != names:
             faults.append(f"{dimension!r} must be {', '.join(names)}")
-        if size < (2 if dimension in GRID else 1):
+        if size < LEAST_SIZES.get(str(dimension), 1):
             faults.append(f"{size} values along {dimension}, expected more")
-    if kind == "V-H check" and not faults:
-        known = np.isfinite(found["in_plane"].values)
-        faults += [] if np.all(known) else ["'in_plane' must hold finite numbers"]
+    place, least = {"V-H check": ("in_plane", 1.0), "wear": ("position", KNOWN_SHARE)}[kind]
+    if not faults and np.isfinite(found[place].values).mean() < least:
+        faults.append(f"{place!r} must hold finite numbers")
     if faults:
         raise InputError(
             f"{name} {DAMAGED}: {'; '.join(faults[:FAULT_COUNT_LIMIT])}; make it anew with 'easeoff {COMMANDS[kind]}'"
@@ -129,7 +135,10 @@ def require_groups(name: str, tree: xr.DataTree) -> None:
         if group in tree.children:
             own = tree[group].to_dataset()
             faults += [f"{group}: {fault}" for fault in (*variable_faults(own, layout), *index_faults(own))]
-            faults += [f"{group}: no values along {one}" for one, size in own.sizes.items() if not size]
+            least = {str(one): 2 if one in GRID else 1 for one in own.sizes}
+            faults += [
+                f"{group}: {own.sizes[one]} values along {one}" for one, n in least.items() if own.sizes[one] < n
+            ]
     if "root_stress" in tree.children:
         for dimension in ("torque", "mesh_position"):
             sizes = [tree[group].to_dataset().sizes.get(dimension) for group in ("loaded", "root_stress")]
