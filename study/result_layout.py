@@ -328,13 +328,20 @@ def _rises(values: Any) -> bool:
     return bool(np.all(np.abs(values - 0.5) <= 0.5 + 1e-9) and np.all(np.diff(values) > 0.0))
 
 
-def variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
-    """Variables that are missing, have other dimensions, or hold no numbers or huge ones.
+def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
+    """Variables that are missing, over other dimensions, no numbers, or beyond all bounds.
+
+    Parameters
+    ----------
+    group
+        A group of a result.
+    variables
+        Names by dimensions.
 
     Examples
     --------
-    >>> list(variable_faults(xr.Dataset(), {("torque",): ("rms",)}))
-    ["no numbers 'rms' over torque"]
+    >>> list(variable_faults(xr.Dataset({"force": 1.0}), {("torque",): ("force",)}))
+    ["no numbers 'force' over torque"]
     """
     for dimensions, names in variables.items():
         for name in names:

@@ -277,6 +277,10 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
         report_page({"check": check.drop_vars("v")})
     with pytest.raises(InputError, match="no numbers 'in_plane' over"):
         report_page({"check": check.assign(in_plane=check["v"])})
+    with pytest.raises(InputError, match="'place' must be toe, middle, heel"):
+        report_page({"check": check.isel(place=[1, 0, 2])})
+    with pytest.raises(InputError, match="no text in the attribute 'title'"):
+        report_page({"check": check.assign_attrs(title=3)})
     with pytest.raises(InputError, match="nothing: must be a result of 'easeoff run', 'optimize', 'wear' or 'vh'"):
         report_page({"nothing": xr.Dataset({"other": 1.0})})
     path = tmp_path / "sweep.nc"
@@ -285,6 +289,20 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
     assert done.exit_code == 2
     assert "is of 'easeoff sweep', which keeps numbers and no pictures" in done.stderr
     assert not (tmp_path / "r.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("group", "change", "message"),
+    [
+        ("root_stress", "max_root_stress", "root_stress: no numbers 'max_root_stress' over torque, member"),
+        ("ease_off", "blade_distance", "ease_off: no numbers 'blade_distance' over lengthwise, profile"),
+    ],
+)
+def test_a_damaged_result_is_one_message(strength: xr.DataTree, group: str, change: str, message: str) -> None:
+    tree = strength.copy()
+    tree[group] = xr.DataTree(tree[group].to_dataset().drop_vars(change))
+    with pytest.raises(InputError, match=f"one is damaged, .*: {message}"):
+        report_page({"one": tree})
 
 
 # --- numbers

@@ -14,31 +14,10 @@ from ....core.printable import printable
 from ....core.reading.netcdf_file import read_dataset
 from ...result import read_result
 from ...sweep.sweep_file import MARK
+from .report_layout import require_groups, require_layout
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
 ACCEPTED = "'easeoff run', 'optimize', 'wear' or 'vh'"
-GRID = ("lengthwise", "profile")
-COMMANDS = {"V-H check": "vh", "wear": "wear"}
-
-#: Variables of a V-H check and of wear, with their dimensions.
-LAYOUTS: dict[str, dict[str, tuple[str, ...]]] = {
-    "V-H check": {
-        "print_excess": ("place", *GRID),
-        "in_plane": ("plane_axis", *GRID),
-        **dict.fromkeys(("v", "h", "place_lengthwise", "place_profile", "status"), ("place",)),
-        **{f"pattern_{name}": ("place",) for name in ("centre_lengthwise", "centre_profile", "from", "to", "height")},
-        "peak_to_peak": ("place",),
-        **dict.fromkeys(("total_v", "total_h", "h_over_v"), ()),
-    },
-    "wear": {
-        "wear_depth": ("step", "member", *GRID),
-        "position": ("member", *GRID, "xyz"),
-        "revolutions": ("step",),
-        "largest_depth": ("step", "member"),
-        "removed_volume": ("step", "member"),
-        **dict.fromkeys(("peak_to_peak", "max_pressure"), ("step", "torque")),
-    },
-}
 
 
 @dataclass(frozen=True)
@@ -88,11 +67,13 @@ class GivenResults:
                 if "load_cases" in one.children:
                     found.load_cases[printable(name)] = joined[name] = one
                 elif "loaded" in one.children:
+                    require_groups(name, one)
                     found.results[printable(name)] = one
                 else:
                     raise InputError(f"{name}: must be a result of {ACCEPTED}")
             else:
-                _require_layout(name, one, kind)
+                _require_kind(name, kind)
+                require_layout(name, one, kind)
                 (found.checks if kind == "V-H check" else found.wear)[printable(name)] = one
         if not len(found.results) <= RESULT_COUNT_LIMIT or not given:
             raise InputError(
@@ -110,6 +91,8 @@ class GivenResults:
         peaks = {
             case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()
         }
+        for case, one in cases.items():
+            require_groups(f"{name}, {case}", one)
         chosen = sorted(cases, key=lambda case: -peaks[case])[:room]
         for case in cases:
             if case in chosen:
@@ -149,11 +132,10 @@ def read_given(path: Path) -> xr.DataTree | xr.Dataset:
     except InputError:
         return read_result(path)
     kind = kind_of(found)
-    if kind == "sweep":
-        raise InputError(_sweep_refused(str(path)))
     if kind == "other":
         return read_result(path)
-    _require_layout(str(path), found, kind)
+    _require_kind(str(path), kind)
+    require_layout(str(path), found, kind)
     return found
 
 
@@ -172,23 +154,12 @@ def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTre
     return dict(zip(names, results, strict=True))
 
 
-def _require_layout(name: str, found: xr.Dataset, kind: str) -> None:
-    """Refuse a V-H check or wear that lacks what the report shows."""
+def _require_kind(name: str, kind: str) -> None:
+    """Refuse what has no pictures."""
     if kind == "sweep":
-        raise InputError(_sweep_refused(name))
-    if kind not in LAYOUTS:
+        raise InputError(
+            f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
+            "'easeoff show' and 'easeoff plot' show a sweep"
+        )
+    if kind == "other":
         raise InputError(f"{name}: must be a result of {ACCEPTED}")
-    for variable, dimensions in LAYOUTS[kind].items():
-        there = variable in found.variables and set(found[variable].dims) == set(dimensions)
-        if not there or found[variable].dtype.kind not in "fiu" or 0 in found[variable].shape:
-            raise InputError(
-                f"{name} is damaged or of another version: no numbers {variable!r} over "
-                f"{', '.join(dimensions) or 'no dimension'}; make it anew with 'easeoff {COMMANDS[kind]}'"
-            )
-
-
-def _sweep_refused(name: str) -> str:
-    return (
-        f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
-        "'easeoff show' and 'easeoff plot' show a sweep"
-    )

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.writing.output_file import whole_file
 from ....friction.operation import named_models
@@ -99,8 +100,11 @@ def report_page(results: Mapping[str, Given]) -> str:
     title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
     data |= {"title": printable(title), "version": printable(str(version))}
-    # "<" would end the element that holds the data, or open a comment.
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    try:  # "<" would end the element that holds the data, or open a comment
+        text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    except ValueError as error:
+        words = "a number that every result has is not finite; make it anew with 'easeoff run'"
+        raise InputError(f"{', '.join(results)}: {words}") from error
     folder = resources.files(__package__) / "web"
     style = folder.joinpath("page.css").read_text(encoding="utf-8")
     script = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in PARTS)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from ....core.ordered_values import ordered
+
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
 EASE_OFF_LIMIT = 1000.0
 #: [MPa] Greatest pressure. Case-hardened steel yields below the surface at 3 to 4 GPa: no contact is elastic beyond.
@@ -35,8 +37,9 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     []
     """
     ease_off = tree["ease_off"].to_dataset()
-    inside = ease_off["inside"].values == 1
-    widest = float(np.max(np.abs(ease_off["ease_off"].values[inside]), initial=0.0))
+    distance, inside = (ordered(ease_off, name, "lengthwise", "profile") for name in ("ease_off", "inside"))
+    inside = inside == 1
+    widest = float(np.max(np.abs(distance[inside]), initial=0.0))
     greatest = float(np.nan_to_num(tree["loaded"].to_dataset()["max_pressure"].values).max(initial=0.0))
     common = float(inside.mean())
     notes = []
