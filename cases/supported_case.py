@@ -9,7 +9,6 @@ from .reading import read_supports, stem
 from .schema.case_schema import Case
 from .schema.supports_table import SupportsTable
 from .support_conversion import support_system
-from .writing import case_toml
 
 
 def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
@@ -40,6 +39,5 @@ def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
     except InputError as error:
         origin = "" if isinstance(supports, SupportsTable) else f"{supports}: "
         raise InputError(f"{origin}{error}") from error
-    found._text = case_toml(found)
     found._supports_name = "" if isinstance(supports, SupportsTable) else stem(supports)
     return found

@@ -21,6 +21,7 @@ from ..cases.deflections import Deflections, misalignment_at
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
 from ..cases.schema.misalignment_table import MisalignmentTable
+from ..cases.writing import case_toml
 from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..contact.mesh_cycle import MeshCycle
 from ..geometry.deviation.deviation import Deviation, Method
@@ -60,7 +61,7 @@ def case_attributes(case: Case, what: str) -> dict[str, Any]:
         **{key: name for key, name in names.items() if name},
         "history": f"{now} easeoff {own} {what}",
         "easeoff_version": own,
-        "case": case.text or case.model_dump_json(),
+        "case": case.text or case_toml(case),
     }
 
 

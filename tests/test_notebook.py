@@ -151,6 +151,13 @@ def test_the_case_is_that_of_the_analysis(tree: xr.DataTree) -> None:
     assert tree.easeoff.case.text == tree.attrs["case"] == coarse().text
 
 
+def test_a_result_keeps_the_case_as_it_was_changed_in_python() -> None:
+    changed = coarse().model_copy(update={"title": "Changed"})
+    assert changed.text == ""
+    assert coarse().model_copy().text
+    assert easeoff.analyze(changed, torques=[100.0]).easeoff.case.model_dump() == changed.model_dump()
+
+
 def test_a_case_whose_oil_is_elsewhere_comes_without_friction_and_says_so(tree: xr.DataTree) -> None:
     moved = tree.copy()
     moved.attrs["case"] = read_case("nasa-12x36").text + '\n[friction]\nspeed = 1000.0\noil = "oils/ours.toml"\n'

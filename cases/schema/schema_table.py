@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 
@@ -21,8 +22,15 @@ class InputFile(Table):
 
     @property
     def text(self) -> str:
-        """The file as it was read; empty if it was built in Python."""
+        """The file as it was read; empty if it was built or changed in Python."""
         return self._text
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, with other values for some keys; the text of the file is then no longer its own."""
+        copy = super().model_copy(update=update, deep=deep)
+        if update:
+            copy._text = ""
+        return copy
 
     @property
     def name(self) -> str:

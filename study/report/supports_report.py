@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from dataclasses import dataclass
 from typing import Any
@@ -163,7 +162,7 @@ def _stored_table(tree: xr.DataTree) -> dict[str, Any]:
     """Table of the supports in the text of the case that a result keeps; empty if there is none."""
     text = str(tree.attrs.get("case", ""))
     try:
-        data = json.loads(text) if text.startswith("{") else tomllib.loads(text)
+        data = tomllib.loads(text)
         table = data.get("supports", {})
     except (ValueError, AttributeError):
         return {}

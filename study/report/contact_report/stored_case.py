@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from typing import Any
 
@@ -16,7 +15,7 @@ from ....core.errors import EaseoffError
 LEFT_OUT = ("friction", "load_cases")
 
 
-def stored_case(tree: xr.DataTree, left_out: tuple[str, ...] = LEFT_OUT) -> Case | None:
+def stored_case(tree: xr.DataTree) -> Case | None:
     """Case of a result without some of its tables; ``None`` if the result keeps none that can be read.
 
     Examples
@@ -27,7 +26,7 @@ def stored_case(tree: xr.DataTree, left_out: tuple[str, ...] = LEFT_OUT) -> Case
     """
     text = str(tree.attrs.get("case", ""))
     try:
-        data: dict[str, Any] = json.loads(text) if text.startswith("{") else tomllib.loads(text)
-        return CASE.check({key: value for key, value in data.items() if key not in left_out and value}, "the case")
+        data: dict[str, Any] = tomllib.loads(text)
+        return CASE.check({key: value for key, value in data.items() if key not in LEFT_OUT and value}, "the case")
     except (ValueError, EaseoffError, AttributeError):
         return None

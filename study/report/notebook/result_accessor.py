@@ -225,14 +225,10 @@ class ResultAccessor:
         from ..contact_report.stored_case import stored_case
 
         tree = self._result()
-        text, reason = str(tree.attrs.get("case", "")), "a file that they name is not found from the working folder"
-        if not text.startswith("{"):
-            try:
-                return parse_case(text, "the case of the result")
-            except InputError as error:
-                reason = " ".join(str(error).split())
-        elif (whole := stored_case(tree, left_out=())) is not None:
-            return whole
+        try:
+            return parse_case(str(tree.attrs.get("case", "")), "the case of the result")
+        except InputError as error:
+            reason = " ".join(str(error).split())
         found = stored_case(tree)
         if found is None:
             raise InputError(f"case of the result: {reason}")
