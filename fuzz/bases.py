@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
+import tomli_w
+from mutations.support_keys import SUPPORTS
 from processes import command_line, forked
 
 #: Small enough that an analysis takes a tenth of a second.
@@ -26,6 +28,7 @@ COMMANDS = {
     "--torque 50 --speed 500,1500 --workers 1",
     "rows.nc": "sweep nasa.toml -o rows.nc --load-cases duty.csv --temperature 60 --workers 1",
     "axle.nc": "run nasa.toml -o axle.nc --misalignment axle.csv --torque 50,100 --speed 500",
+    "held.nc": "run nasa.toml -o held.nc --supports gearbox-nasa-12x36 --torque 50,100",
     "duty.nc": "run nasa.toml -o duty.nc --load-cases duty.csv --temperature 60",
     "vh.nc": "vh nasa.toml -o vh.nc --grid 2x2",
     "fm.rexs": "convert fm-11x41 -o fm.rexs",
@@ -49,7 +52,7 @@ torque,E,P,G,Sigma,flank
 #: Files by what they are.
 KINDS: dict[str, tuple[str, ...]] = {
     "case": tuple(CASES),
-    "result": ("nasa.nc", "fm.nc", "best.nc", "axle.nc"),
+    "result": ("nasa.nc", "fm.nc", "best.nc", "axle.nc", "held.nc"),
     "problems": ("problems.nc",),
     "wear": ("wear.nc",),
     "grid": ("grid.csv", "grid.nc", "grid.dmi", "matrix.csv"),
@@ -96,7 +99,7 @@ class Bases:
 
     def of(self, *kinds: str) -> list[str]:
         """Names of the files of some kinds; of all, if none is named."""
-        return [name for kind in kinds or (*KINDS, "design", "oil") for name in self._of(kind)]
+        return [name for kind in kinds or (*KINDS, "design", "oil", "supports") for name in self._of(kind)]
 
     def _of(self, kind: str) -> Sequence[str]:
         return KINDS.get(kind) or sorted(path.name for path in self.folder.glob(f"{kind}-*.toml"))
@@ -120,6 +123,9 @@ class Bases:
         self._put("fe.toml", small(case_text("nasa-12x36")) + '\n[compliance]\nmodel = "fe"\nfineness = 0.5\n')
         for design in shipped_designs():
             self._put(f"design-{design}.toml", design_text(design))
+        head = 'easeoff_support = 1\ntitle = "Supports"\n\n'
+        for number, supports in enumerate(SUPPORTS):
+            self._put(f"supports-{number}.toml", head + tomli_w.dumps({"supports": supports}))
         for oil in resources.files("easeoff.friction").joinpath("lubricants").iterdir():
             if oil.name.endswith(".toml"):
                 self._put(f"oil-{oil.name}", oil.read_text(encoding="utf-8"))

@@ -50,6 +50,7 @@ RUNS = (
     WritingRun("run nasa.toml -o out.nc --torque 50,150 --speed 500,1500", ("nasa.toml",), ("out.nc",)),
     WritingRun("run nasa.toml -o out.nc --torque 50 --plots pictures", ("nasa.toml",), ("out.nc", "pictures")),
     WritingRun("plot nasa.nc pictures", ("nasa.nc",), ("pictures",)),
+    WritingRun("report nasa.nc held.nc -o report.html", ("nasa.nc", "held.nc"), ("report.html",)),
     WritingRun(
         "run nasa.toml -o out.nc --load-cases duty.csv --temperature 60", ("nasa.toml", "duty.csv"), ("out.nc",)
     ),

@@ -8,10 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from solver_choice import LIFTING
 from test_mirror import mirrored
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact import MeshCycle, solve
+from easeoff.contact import MeshCycle, available_solvers, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus, Update
 from easeoff.contact.supports.mesh_wrench import MeshWrenches
@@ -242,8 +243,8 @@ def test_every_position_is_certified_and_by_solvers_of_the_lifted_form(name: str
     for entry in entries:
         assert np.abs(result.loaded[entry].values).max() < 1e-9
     case = result.cases[1]
-    for solver in ("native", "clarabel", "piqp", "qpalm"):
-        again = solve(case.problem, solver)
+    for solver in sorted({"native", *LIFTING} & set(available_solvers())):
+        again = solve(case.problem, solver, form="auto" if solver == "native" else "lifted")
         assert again.certified, solver
         np.testing.assert_allclose(again.force, case.solution.force, atol=1e-7 * case.solution.force.max())
         assert again.rotation == pytest.approx(case.solution.rotation, rel=1e-8)

@@ -105,7 +105,8 @@ def result(rng: random.Random, box: Box) -> Input:
     """A mutated result, shown or drawn."""
     base = rng.choice(box.bases.of("result", "result", "duty", "duty", "sweep", "wear", "problems", "table", "vh"))
     name = any_mutation(rng, box, base, "r.nc")
-    return Input("", rng.choice([*[["show", name]] * 5, ["plot", name, "pictures"]]), [name])
+    drawn = [["plot", name, "pictures"], ["report", name, "-o", "report.html"]]
+    return Input("", rng.choice([*[["show", name]] * 5, *drawn]), [name])
 
 
 def sweep(rng: random.Random, box: Box) -> Input:
@@ -140,6 +141,21 @@ def deflections(rng: random.Random, box: Box) -> Input:
         ]
     )
     return Input("", words, [pair, name, duty])
+
+
+def supports(rng: random.Random, box: Box) -> Input:
+    """A mutated file of supports, for one of the commands that take it."""
+    name = any_mutation(rng, box, rng.choice(box.bases.of("supports")), "supports.toml")
+    pair = box.copy("nasa.toml", "case.toml")
+    given = [pair, "-o", "out.nc", "--supports", name, "--flank", rng.choice(["drive", "coast"])]
+    words = rng.choice(
+        [
+            *[["run", *given, *rng.choice([[], ["--speed", "500"], ["--torque", "40,500"]])]] * 3,
+            ["sweep", *given, "--over", "E=0,0.1", "--workers", "1"],
+            ["problems", *given],
+        ]
+    )
+    return Input("", words, [pair, name])
 
 
 def batches(rng: random.Random, box: Box) -> Input:

@@ -20,6 +20,7 @@ KINDS: dict[str, tuple[float, Callable[[random.Random, Box], Input]]] = {
     "sweep": (3.0, damaged_files.sweep),
     "load_cases": (2.0, damaged_files.load_cases),
     "deflections": (2.0, damaged_files.deflections),
+    "supports": (2.0, damaged_files.supports),
     "batches": (1.5, damaged_files.batches),
     "problems": (0.25, damaged_files.problems),
     "study": (0.25, damaged_files.study),

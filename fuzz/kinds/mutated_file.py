@@ -17,6 +17,7 @@ from mutations import (
     toml_mutations,
 )
 from mutations.case_keys import CASE_KEYS, COMPLIANCE, DESIGN_KEYS, FRICTION, LOAD_CASES, MISALIGNMENT
+from mutations.support_keys import SUPPORTS, SUPPORT_KEYS
 
 from .box import Box
 
@@ -34,11 +35,11 @@ def any_mutation(rng: random.Random, box: Box, base: str, name: str = "") -> str
         return name
     text = source.read_text(encoding="utf-8")
     if suffix == ".toml":
-        keys = DESIGN_KEYS if base.startswith("design-") else None if base.startswith("oil-") else CASE_KEYS
+        keys = _keys(base)
         if keys and rng.random() < 0.25:
             text = number_changes.disturbed(rng, text)
         else:
-            text = toml_mutations.mutated(rng, _with_tables(rng, text) if keys else text, keys)
+            text = toml_mutations.mutated(rng, _with_tables(rng, text) if keys is CASE_KEYS else text, keys)
     elif suffix in (".csv", ".dmi"):
         text = table_mutations.mutated(rng, text)
     elif suffix in (".rexs", ".xml"):
@@ -50,6 +51,12 @@ def any_mutation(rng: random.Random, box: Box, base: str, name: str = "") -> str
     return box.put(name, text_mutations.encoded(rng, text))
 
 
+def _keys(base: str) -> dict[str, tuple[Any, ...]] | None:
+    """Keys of the kind of a TOML file."""
+    kinds = {"design": DESIGN_KEYS, "supports": SUPPORT_KEYS, "oil": None}
+    return kinds.get(base.partition("-")[0], CASE_KEYS)
+
+
 def _with_tables(rng: random.Random, text: str) -> str:
     """Text of a case with optional tables, in which mutations find more to change."""
     tables: tuple[tuple[str, Any, float], ...] = (
@@ -57,6 +64,7 @@ def _with_tables(rng: random.Random, text: str) -> str:
         ("compliance", COMPLIANCE, 0.3),
         ("misalignment", MISALIGNMENT, 0.3),
         ("load_cases", LOAD_CASES, 0.3),
+        ("supports", rng.choice(SUPPORTS), 0.2),
     )
     for name, table, chance in tables:
         if f"[{name}]" not in text and rng.random() < chance:

@@ -43,6 +43,9 @@ def options(rng: random.Random, box: Box) -> Input:
     if command in ("show", "plot"):
         name = box.copy(rng.choice(box.bases.of("result", "wear", "sweep", "duty", "vh")), "r.nc")
         words[command] = [command, name, "pictures"][: 2 + (command == "plot")]
+    elif command == "report":
+        names = [box.copy(rng.choice(box.bases.of("result", "duty", "vh")), f"r{number}.nc") for number in range(2)]
+        words[command] = ["report", *names[: rng.choice([1, 1, 2])], "-o", rng.choice(["report.html", output])]
     elif command == "compare":
         name = box.copy("problems.nc")
         words[command] = [
@@ -63,6 +66,8 @@ def options(rng: random.Random, box: Box) -> Input:
     made = option_values.spoilt(rng, command, words[command])
     if "--load-cases" in made:
         box.copy("duty.csv")
+    if "supports.toml" in made:
+        box.copy("supports-1.toml", "supports.toml")
     return Input("", made, ["case.toml"])
 
 
@@ -86,6 +91,8 @@ def mistaken(rng: random.Random, box: Box) -> Input:
             ["vh", pair, "-o", "out.nc", "--deviation", f"gear={name}"],
             ["show", name],
             ["plot", name, "pictures"],
+            ["report", name, "-o", "report.html"],
+            ["run", pair, "-o", "out.nc", "--torque", "50", "--supports", name],
             ["compare", name, "-o", "study", "--solvers", "native", "--repetitions", "1"],
             ["compare", name, "-o", name, "--solvers", "native"],
             ["convert", name, "-o", "o.toml"],

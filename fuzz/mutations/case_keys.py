@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from .support_keys import SUPPORT_KEYS
+
 NAN = float("nan")
 FRICTION: dict[str, Any] = {
     "speed": [500.0, 1500.0], "temperature": 60.0, "roughness": [[0.8, 0.4], 0.2], "oil": "pao-vg100",
@@ -22,6 +24,10 @@ LOAD_CASES: list[dict[str, Any]] = [
 CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "compliance.model": ("fe", "solid_shell", "shell", "FE", 1),
     "compliance.plate": ("fitted", "tapered", "x"),
+    "compliance.neighbours": (True, False, 1, "all"),
+    "compliance.gear_web": ({"thickness": 12.0}, {"bore_diameter": 80.0}, {}, {"thickness": 1e-9}, {"thickness": NAN},
+    {"thickness": 12.0, "bore_diameter": 80.0}, {"bore_diameter": 1e9}, {"bore_diameter": -1.0}, {"width": 3.0}, []),
+    "compliance.pinion_web": ({"thickness": 25.0}, {"bore_diameter": 25.0}, {"bore_diameter": 0.0}, "solid"),
     "compliance.rim_depth": ([3.0, 5.0], 4, [1.0, 2.0, 3.0], [], 0, -1.0, 1e9, [NAN, 1.0]),
     "compliance.fineness": (0.3, 1e9, "fine", 0, -1, 1e-9, NAN),
     "compliance.root": ("odonnell", "clamped", "weber", ""),
@@ -74,7 +80,9 @@ CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "title": ("\x1b[2J\x1b]0;owned\x07", "x" * 5000, "", 3, "a\nb", "\u202eelif"),
     "notes.a": (1,),
 }  # fmt: skip
-CASE_KEYS: dict[str, tuple[Any, ...]] = CONTACT_KEYS | {
+CASE_KEYS: dict[str, tuple[Any, ...]] = {
+    **CONTACT_KEYS,
+    **SUPPORT_KEYS,
     "pinion.number_of_teeth": (1, 2, 3, 0, -5, 10**9, 10_000, 11.0, "11"),
     "gear.number_of_teeth": (1, 12, 10**9, 1000, 41.5),
     "pinion.hand_of_spiral": ("right", "left", "Left", ""),

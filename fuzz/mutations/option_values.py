@@ -31,6 +31,8 @@ TORQUE = ("50", "50,150", "1e6", "1e-6", "50;150", "-5", "fifty", "", "nan", "50
 MISALIGNMENT = ("E=0.1", "E=0.1,P=-0.1", "E=5", "P=3", "Sigma=1", "G=-2", "E=0.1,P=", "=", "e=0.1", "E:0.1",
     "E=0.1;P=0.2", "sigma=1", "E=1e-300", "E=9.99", "Sigma=-5", "", "E=,", "E==1", "E=0.1mm", "E=nan", "E=1e300",
     "E=0.1,E=0.2", "Sigma=180", "E=" + "9" * 500, "axle.csv", "case.toml", ".", "/dev/zero")  # fmt: skip
+SUPPORTED = ("gearbox-nasa-12x36", "axle-fm-11x41", "supports.toml", "Axle", "", ".", "/dev/null", "/dev/zero",
+    "case.toml", "../../secret.toml", "\x1b[2J", "x" * 300)  # fmt: skip
 FLANK = ("drive", "coast", "convex", "Drive", "")
 SOLVER = ("native", "auto", "clarabel", "osqp", "Native", "magic", "", "piqp", "quadprog", "os:path", "../x", "\x1b[2J")
 DEVIATION = ("gear=fm-11x41-worn-gear", "pinion=fm-11x41-worn-pinion", "gear=fm-11x41-worn-pinion", "wheel=x",
@@ -51,6 +53,7 @@ PAIR: Options = {
 ANALYSIS: Options = {
     **PAIR,
     "--torque": TORQUE,
+    "--supports": SUPPORTED,
     "--deviated": ("ease_off", "surface", "x"),
     "--edge-contact": None,
     "--lines-only": None,
@@ -186,6 +189,7 @@ OPTIONS: dict[str, Options] = {
         "my sheet", '"""', "\\", "\x07"),
     },
     "plot": MARKING,
+    "report": {"-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
     "design": {"--force": None, "--report": None, "--allow-outside": None},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},

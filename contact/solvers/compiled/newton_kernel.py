@@ -395,34 +395,6 @@ def _factor(matrix: Any, size: int) -> None:
 
 
 @_sums
-def _solve(factor: Any, size: int, right: Any, c0: int) -> None:
-    """Solve with the factor, in place."""
-    for i in range(0, size, 4):
-        s0, s1, s2, s3 = right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3]
-        for t in range(i):
-            v = right[c0 + t]
-            s0 -= factor[i, t] * v
-            s1 -= factor[i + 1, t] * v
-            s2 -= factor[i + 2, t] * v
-            s3 -= factor[i + 3, t] * v
-        s0 *= factor[i, i]
-        s1 = (s1 - s0 * factor[i + 1, i]) * factor[i + 1, i + 1]
-        s2 = (s2 - s0 * factor[i + 2, i] - s1 * factor[i + 2, i + 1]) * factor[i + 2, i + 2]
-        s3 -= s0 * factor[i + 3, i] + s1 * factor[i + 3, i + 1] + s2 * factor[i + 3, i + 2]
-        s3 *= factor[i + 3, i + 3]
-        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
-    for i in range(size - 4, -1, -4):
-        s3 = right[c0 + i + 3] * factor[i + 3, i + 3]
-        s2 = (right[c0 + i + 2] - s3 * factor[i + 3, i + 2]) * factor[i + 2, i + 2]
-        s1 = (right[c0 + i + 1] - s3 * factor[i + 3, i + 1] - s2 * factor[i + 2, i + 1]) * factor[i + 1, i + 1]
-        s0 = right[c0 + i] - s3 * factor[i + 3, i] - s2 * factor[i + 2, i] - s1 * factor[i + 1, i]
-        s0 *= factor[i, i]
-        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
-        for t in range(i):
-            right[c0 + t] -= s0 * factor[i, t] + s1 * factor[i + 1, t] + s2 * factor[i + 2, t] + s3 * factor[i + 3, t]
-
-
-@_sums
 def _reduce(matrix: Any, size: int, whole: int) -> None:
     """Rows below a factored block: L^-1 of their part beside it, and the Schur complement behind; lower triangle."""
     for i in range(size, whole, 4):
@@ -505,6 +477,13 @@ def _backward(factor: Any, size: int, right: Any, c0: int) -> None:
         right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
         for t in range(i):
             right[c0 + t] -= s0 * factor[i, t] + s1 * factor[i + 1, t] + s2 * factor[i + 2, t] + s3 * factor[i + 3, t]
+
+
+@_sums
+def _solve(factor: Any, size: int, right: Any, c0: int) -> None:
+    """Solve with the factor, in place."""
+    _forward(factor, size, right, c0)
+    _backward(factor, size, right, c0)
 
 
 @_sums
