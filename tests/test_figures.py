@@ -264,6 +264,11 @@ def test_prints_of_a_check_come_on_axes_of_ones_own(tmp_path: Path) -> None:
     assert [len(one.lines) for one in axes] == [len(one.lines) for one in page.axes]
     with pytest.raises(InputError, match="axes = 7 of Axes: must be 3 Axes"):
         plot.vh_check(found, parts="places", axes=axes)
+    for number, broken in enumerate((found.drop_vars("v"), found.assign(in_plane=found["in_plane"] * np.nan))):
+        broken.to_netcdf(tmp_path / f"{number}.nc", engine="netcdf4")
+        refused = call("plot", tmp_path / f"{number}.nc", tmp_path / "p")
+        assert refused.exit_code == 2
+        assert "is damaged, changed by hand" in refused.output
 
 
 # --- files

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
 import xarray as xr
 
 from ....core.errors import InputError
@@ -37,6 +38,7 @@ WEAR: dict[tuple[str, ...], tuple[str, ...]] = {
     ("lengthwise",): ("lengthwise",),
     ("profile",): ("profile",),
 }
+FLANK_SIZE_MINIMUM = 1e-3  # length and height of a flank that can be drawn [mm]
 SIZES = {"print_excess": {"plane_axis": 2, "place": 3}, "wear_depth": {"member": 2}}
 LEAST = {"lengthwise": 2, "profile": 2, "step": 1, "torque": 1, "v_grid": 1, "h_grid": 1}
 
@@ -95,6 +97,10 @@ def study_faults(found: xr.Dataset, sign: str, layout: dict[tuple[str, ...], tup
     members = [str(value) for value in found["member"].values] if "member" in found.coords else []
     if sign == "wear_depth" and sorted(members) != ["gear", "pinion"]:
         faults.append("members must be 'pinion' and 'gear'")
+    if sign == "print_excess":
+        plane = found["in_plane"].transpose("plane_axis", ...).values
+        if not np.all(np.isfinite(plane)) or not np.all(np.ptp(plane.reshape(2, -1), axis=1) > FLANK_SIZE_MINIMUM):
+            faults.append("'in_plane' must hold the flank's points")
     if sign == "print_excess" and not isinstance(found.attrs.get("separation"), float):
         faults.append("no number in the attribute 'separation'")
     return faults
