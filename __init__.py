@@ -12,6 +12,9 @@ raise is an ``EaseoffError``. The sub-packages hold the steps and can be used al
 ``contact`` (unloaded and loaded contact, the contact problem and its solvers), ``friction`` (friction coefficient and
 efficiency), ``cases`` (case files), ``study`` (reports, wear, comparison of solvers), ``plot`` (figures) and
 ``verification`` (independent checks). All are imported on first use.
+
+Every ``xarray.DataTree`` has the accessor ``easeoff``: ``tree.easeoff.summary()`` and so on, see
+``easeoff.study.ResultAccessor``.
 """
 
 from __future__ import annotations
@@ -19,7 +22,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .core.checkout import fence
+from .core.imports.after_import import after_import
+from .core.imports.checkout import fence
+from .core.imports.notebook_figures import show_figures_in_notebooks
 
 if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
@@ -28,6 +33,7 @@ if TYPE_CHECKING:
     from .study import plot
     from .study.analysis.case_analysis import analyze
     from .study.design.optimization import optimize
+    from .study.report.notebook.result_accessor import ResultAccessor
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
 
@@ -69,7 +75,22 @@ _MODULES = {
     "write_result": ".study.result",
 }
 
+
+def _register_accessor() -> None:
+    """Give every ``xarray.DataTree`` the attribute ``easeoff``, which imports the accessor on first use."""
+    import xarray as xr
+
+    def accessor(tree: xr.DataTree) -> ResultAccessor:
+        from .study.report.notebook.result_accessor import ResultAccessor
+
+        return ResultAccessor(tree)
+
+    xr.register_datatree_accessor("easeoff")(accessor)  # type: ignore[no-untyped-call]
+
+
 fence()
+after_import("xarray", _register_accessor)
+show_figures_in_notebooks()
 
 
 def __dir__() -> list[str]:

@@ -214,6 +214,18 @@ def shipped_supports() -> dict[str, str]:
     return SUPPORT.shipped()
 
 
+def shipped_deviations() -> list[str]:
+    """Names of the measured grids that come with the package.
+
+    Examples
+    --------
+    >>> shipped_deviations()[-1]
+    'fm-11x41-worn-pinion'
+    """
+    folder = SHIPPED.joinpath("deviations")
+    return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
+
+
 def case_text(name_or_path: str | Path) -> str:
     """Text of a shipped case (by name) or of a case file (by path).
 

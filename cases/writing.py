@@ -48,12 +48,38 @@ def case_toml(case: Case, comment: str = "") -> str:
 
 
 def _sealed(text: str) -> str:
-    """Text of a case file with a last line by which ``require_replaceable`` knows that nobody edited it."""
+    """Text of an input file with a last line by which ``require_replaceable`` knows that nobody edited it."""
     return f"{text}{SEAL} {hashlib.sha256(text.encode()).hexdigest()[:SEAL_LENGTH]}\n"
 
 
+def write_sealed(text: str, path: str | os.PathLike[str]) -> None:
+    r"""Write an input file, whole or not at all, with a last line by which it is known that nobody edited it.
+
+    Parameters
+    ----------
+    text
+        The text, which ends with a line feed.
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_sealed("easeoff_case = 1\n", f"{folder}/mine.toml")
+    ...     require_replaceable(f"{folder}/mine.toml")
+    """
+    with whole_file(path) as temporary:
+        temporary.write_text(_sealed(text), encoding="utf-8", newline="\n")
+
+
 def require_replaceable(path: str | os.PathLike[str], force: bool = False) -> None:
-    """Refuse to replace a case file that somebody edited after ``write_case``, or wrote by hand.
+    """Refuse to replace an input file that somebody edited after easeoff wrote it, or wrote by hand.
 
     Parameters
     ----------
@@ -107,5 +133,4 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
     if case.friction is not None:
         check_writable(path, case.friction.oil_file)
         case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})
-    with whole_file(path) as temporary:
-        temporary.write_text(_sealed(case_toml(case, comment)), encoding="utf-8", newline="\n")
+    write_sealed(case_toml(case, comment), path)

@@ -82,7 +82,8 @@ def keep(verdict: Verdict, bases: Bases, folder: Path, kind: str | None = None) 
 
 def run(made: Input, box: Box) -> Outcome:
     """Run an input in its box."""
-    environment = {"EASEOFF_CACHE": str(box.bases.cache), "TMPDIR": str(box.temporary), **made.environment}
+    own = {"EASEOFF_CACHE": str(box.bases.cache), "EASEOFF_PROGRESS": "off", "TMPDIR": str(box.temporary)}
+    environment = {**own, **made.environment}
     if any("\0" in word for word in made.args):
         return Outcome(2, "", "Error: no argument of a process can hold this", 0.0, 0.0)
     if made.fresh:

@@ -9,13 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ..cases.reading import shipped_deviations
     from . import compare, library, plot, sweep
     from .analysis.contact_analysis import contact_analysis
     from .analysis.joined_analysis import Analysis
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
-    from .deviation_source import flank_deviations, measured_file, shipped_deviations
+    from .deviation_source import flank_deviations, measured_file
     from .export.contact_mesh import export_contact
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from .plot import write_pictures
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
+    from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
     from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
@@ -32,6 +34,9 @@ __all__ = [
     "Analysis",
     "CaseInMesh",
     "DesignReport",
+    "ResultAccessor",
+    "ResultPlots",
+    "ResultSummary",
     "WearLaw",
     "analyze_load_cases",
     "compare",
@@ -61,6 +66,9 @@ _MODULES = {
     "Analysis": ".analysis.joined_analysis",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
+    "ResultAccessor": ".report.notebook.result_accessor",
+    "ResultPlots": ".report.notebook.result_accessor",
+    "ResultSummary": ".report.notebook.result_accessor",
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
@@ -75,7 +83,7 @@ _MODULES = {
     "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
-    "shipped_deviations": ".deviation_source",
+    "shipped_deviations": "..cases.reading",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
     "write_pictures": ".plot",

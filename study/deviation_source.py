@@ -12,6 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
+from ..cases.reading import shipped_deviations
 from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
 from ..core.printable import printable, shortened
@@ -27,18 +28,6 @@ from ..geometry.tooth.tooth_flanks import MemberName, named_member
 Source = Deviation | xr.Dataset | str | Path
 Deviated = Literal["ease_off", "surface"]
 LOST_CONTACT_LIMIT = 0.002  # of the points of the contact lines; with less, update and surfaces agree to a percent
-
-
-def shipped_deviations() -> list[str]:
-    """Names of the measured grids that come with the package.
-
-    Examples
-    --------
-    >>> shipped_deviations()[-1]
-    'fm-11x41-worn-pinion'
-    """
-    folder = resources.files("easeoff.cases").joinpath("deviations")
-    return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
 
 
 def measured_file(name_or_path: str | Path, member: Member | None = None) -> xr.Dataset:

@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, settings
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
+os.environ["EASEOFF_PROGRESS"] = "off"  # lines of progress come by the clock
 # Condensed teeth of the tests are not the user's.
 if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker takes the folder of the process that started it
     CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")

@@ -15,8 +15,10 @@ from click.testing import CliRunner, Result
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import case_text, design_text
+from easeoff.cases import case_text, design_text, shipped_cases, shipped_designs, shipped_supports
 from easeoff.contact import read_labels, read_problems
+from easeoff.friction import available_lubricants
+from easeoff.study import shipped_deviations
 from easeoff.study.cli import main
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
@@ -49,6 +51,16 @@ def test_cases_lists_names_and_titles() -> None:
     found = call("cases")
     assert found.exit_code == 0
     assert "nasa-12x36" in found.output
+
+
+def test_cases_lists_everything_shipped_by_kind_and_how_it_is_given() -> None:
+    groups = [group.splitlines() for group in call("cases").output.split("\n\n")]
+    heads = ["run CASE", "design DESIGN", "--supports NAME", "--oil NAME", "--deviation MEMBER=NAME"]
+    assert [head in lines[0] for head, lines in zip(heads, groups, strict=True)] == [True] * 5
+    names = [[line.split()[0] for line in lines[1:]] for lines in groups]
+    known = [shipped_cases(), shipped_designs(), shipped_supports(), available_lubricants(), shipped_deviations()]
+    assert names == [list(kind) for kind in known]
+    assert all(len(line.split()) > 1 for lines in groups for line in lines)
 
 
 def test_edges_touch_if_asked_and_show_says_what_they_carry(case: Path, tmp_path: Path) -> None:

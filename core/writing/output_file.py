@@ -15,7 +15,7 @@ from .permissions import take_over_permissions
 from .private_folder import private_folder
 
 #: Format of a suffix, in messages.
-FORMATS = {".nc": "netCDF", ".toml": "TOML", ".html": "HTML"}
+FORMATS = {".nc": "netCDF", ".toml": "TOML", ".html": "HTML", ".csv": "text in columns"}
 SUFFIX_LENGTH_LIMIT = 10  # of a name under which a file is written
 
 

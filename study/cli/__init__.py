@@ -17,16 +17,18 @@ import click
 from ...core import printable
 from ...core.compiled.compiled_use import compilation_told
 from ...core.errors import EaseoffError
-from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
-from .oil_command import oil
+from .inputs.case_commands import cases, convert, design
+from .inputs.new_command import new
+from .inputs.oil_command import oil
 from .optimize_command import optimize
 from .options.shared_options import echo
 from .result_commands import plot, report, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
+from .terminal.completion_command import completion
 from .verify_command import verify
 from .vh_command import vh
 from .wear_command import wear
@@ -144,5 +146,7 @@ for _command in (
     correct,
     wear,
     oil,
+    new,
+    completion,
 ):
     main.add_command(_command)

@@ -20,6 +20,8 @@ from .options.shared_options import (
     outside_allowed,
     teeth,
 )
+from .terminal.terminal_bar import working
+from .terminal.word_completion import case_names
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
@@ -27,7 +29,7 @@ GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="CASE|RESULT")
+@click.argument("source", metavar="CASE|RESULT", shell_complete=case_names)
 @allow_outside_option
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
@@ -108,7 +110,9 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
     check_writable(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
-    echo(f"wrote {output}: {export_contact(read_result(source), output, **chosen)}")
+    with working("contact on the teeth"):
+        written = export_contact(read_result(source), output, **chosen)
+    echo(f"wrote {output}: {written}")
 
 
 def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: dict[str, Any]) -> None:
@@ -123,12 +127,14 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
         given["margins"] = EdgeMargins(**given["margins"])
     if given.get("teeth") == "all":
         given["teeth"] = None
-    written = write(read_case(case, allow_outside=outside_allowed()), output, member, flank, given)
+    checked = read_case(case, allow_outside=outside_allowed())
+    with working(f"teeth of the {member}"):
+        written = write(checked, output, member, flank, given)
     echo(f"wrote {output}: {written}")
 
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @flank_option
 @deviation_option(
@@ -145,8 +151,9 @@ def correct(case: str, flank: Any, deviations: Any) -> None:
     from ..report.correction_report import correction_report
 
     pair = gear_pair(read_case(case, allow_outside=outside_allowed()), flank)
-    reports = [
-        correction_report(name, named_member(pair, name), deviation)
-        for name, deviation in flank_deviations(pair, deviations).items()
-    ]
+    with working("settings fitted to the measured flanks"):
+        reports = [
+            correction_report(name, named_member(pair, name), deviation)
+            for name, deviation in flank_deviations(pair, deviations).items()
+        ]
     echo("\n\n".join(reports))

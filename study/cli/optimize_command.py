@@ -10,7 +10,7 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import show_stage
+from .options.analysis_options import chosen_case, show_stage, supports_option
 from .options.shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
@@ -21,10 +21,10 @@ from .options.shared_options import (
     misalignment,
     next_commands,
     output_option,
-    outside_allowed,
     torques,
 )
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar, working
+from .terminal.word_completion import case_names, solver_names
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
@@ -32,7 +32,7 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @output_option("netCDF file to write.")
 @flank_option
@@ -53,6 +53,7 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "
     "repeated.",
 )
+@supports_option
 @click.option(
     "--objective",
     type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
@@ -81,7 +82,12 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
 )
 @click.option(
-    "--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver; MODULE:FUNCTION for your own."
+    "--solver",
+    metavar="NAME",
+    default="auto",
+    show_default=True,
+    shell_complete=solver_names,
+    help="Contact solver; MODULE:FUNCTION for your own.",
 )
 @click.option(
     "--fitted-case",
@@ -90,13 +96,15 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     help="Case file to write, with pinion settings fitted to the modified ease-off.",
 )
 @force_option
-def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **options: Any) -> None:
+def optimize(
+    case: str, output: Path, fitted_case: Path | None, force: bool, supports: str | None, **options: Any
+) -> None:
     """Optimise the ease-off of CASE under load.
 
     The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
     without tooth edges.
     """
-    from ...cases import read_case, write_case
+    from ...cases import write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
     from ..design.fitted_settings import fit_modification, recorded_modification
@@ -105,19 +113,20 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     from ..report.result_summary import uncertified
     from ..result import write_result
 
-    check_writable(output, case, suffix=".nc")
+    check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
     if fitted_case is not None:
-        check_writable(fitted_case, case, suffix=".toml")
+        check_writable(fitted_case, case, *([] if supports is None else [supports]), suffix=".toml")
         require_replaceable(fitted_case, force)
-    checked = read_case(case, allow_outside=outside_allowed())
+    checked = chosen_case(case, supports)
     bar: Any
-    with terminal_bar(desc="convex programmes") as bar:
+    with terminal_bar(desc="convex programmes", unit="programme") as bar:
         tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
     echo(optimization_report(tree))
     echo(f"\nwrote {output}")
     if fitted_case is not None:
-        fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
+        with working("fitting the pinion's settings"):
+            fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
         write_case(
             fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
         )

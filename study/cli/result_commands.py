@@ -10,6 +10,7 @@ import click
 from ...core.printable import printable
 from .command import Command
 from .options.shared_options import echo, names, torques
+from .terminal.terminal_bar import working
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -127,8 +128,10 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
-    write_report(dict(zip(names, map(read_result, results), strict=True)), output)
+    with working("drawing the report"):
+        write_report(dict(zip(names, map(read_result, results), strict=True)), output)
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
+    echo("next: open it in a browser, which also prints it")
 
 
 def _sweep(path: Path) -> xr.Dataset | None:
@@ -158,7 +161,8 @@ def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None
     from ..plot.picture_files import file_prefix, pictures_of_results
 
     before = pictures_of_results(folder)
-    written = write_pictures(result, folder, **options)
+    with working("drawing the pictures"):
+        written = write_pictures(result, folder, **options)
     for picture in written:
         echo(f"wrote {picture}")
     own = printable(str(result.attrs.get("title", "")))

@@ -21,7 +21,8 @@ from .options.shared_options import (
     solvers,
     tolerances,
 )
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar
+from .terminal.word_completion import solver_list
 
 
 @click.command(cls=Command)
@@ -104,6 +105,7 @@ def library(output: Path, parts: str | None) -> None:
             f"wrote {one.path}: {one.problems} contact problems, worst certificate {one.worst_certificate:.1e}, "
             f"rotations as the reference within {one.worst_difference:.1e}"
         )
+    next_commands(("compare", *(one.path for one in written)))
     faults = [fault for one in written for fault in one.faults]
     if faults:
         echo("\n".join(faults), err=True)
@@ -116,6 +118,7 @@ def library(output: Path, parts: str | None) -> None:
 @click.option(
     "--solvers",
     callback=solvers,
+    shell_complete=solver_list,
     metavar="A,B,...",
     show_default="all installed ones",
     help="Solvers to compare; MODULE:FUNCTION for one of your own.",
@@ -182,3 +185,4 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
 
         for path in write_test_set(joined([import_problems(file) for file in problems]), output / "test_set"):
             echo(f"wrote {path}")
+    echo(f"next: read {output / 'report.md'}")

@@ -19,7 +19,7 @@ from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, 
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .result_commands import draw
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar, working
 
 if TYPE_CHECKING:
     from ..sweep.sweep_plan import SweepPlan
@@ -244,7 +244,8 @@ def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]
                 continue
             path = output.with_name(f"{output.stem}-points") / f"{row:06d}.nc"
             try:
-                write_result(point_tree(plan.setup, plan.table.values(row)), path)
+                with working(f"analysing point {row}"):
+                    write_result(point_tree(plan.setup, plan.table.values(row)), path)
             except EaseoffError as error:
                 echo(f"point {row}: {error}", err=True)
                 continue

@@ -10,6 +10,7 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
+from .options.analysis_options import chosen_case, supports_option
 from .options.shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
@@ -17,10 +18,10 @@ from .options.shared_options import (
     echo,
     flank_option,
     misalignment,
-    outside_allowed,
     torques,
 )
-from .terminal_bar import terminal_bar
+from .terminal.terminal_bar import terminal_bar
+from .terminal.word_completion import case_names
 
 if TYPE_CHECKING:
     from ...cases.deflections import Deflections
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @click.command(cls=Command)
-@click.argument("case")
+@click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @flank_option
 @click.option(
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     show_default="from the case",
     help="Torques at the pinion in N m.",
 )
+@supports_option
 @click.option(
     "--without-split",
     is_flag=True,
@@ -60,6 +62,7 @@ def verify(
     flank: Any,
     errors: Misalignment | Deflections | None,
     loads: Any,
+    supports: str | None,
     without_split: bool,
     output: Path | None,
 ) -> None:
@@ -68,13 +71,12 @@ def verify(
     A row of the table is a comparison: what was compared, the difference, and whether it is within the limit. The exit
     code is 1 if a difference is outside its limit.
     """
-    from ...cases import read_case
     from ...core.writing.output_file import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
 
     if output is not None:
-        check_writable(output, case, suffix=".nc")
-    checked = read_case(case, allow_outside=outside_allowed())
+        check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
+    checked = chosen_case(case, supports)
     with terminal_bar(desc="verification", unit="step") as bar:
 
         def progress(done: int, total: int, name: str) -> None:
@@ -91,11 +93,13 @@ def verify(
             progress=progress,
         )
     echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
+    if found.passed:
+        echo("every comparison that applies is within its limit")
+    else:
+        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
     if output is not None:
         with whole_file(output) as temporary:
             found.dataset().to_netcdf(temporary, engine="netcdf4")
-        echo(f"wrote {output}")
+        echo(f"wrote {output}: the table, for xarray.open_dataset")
     if not found.passed:
-        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
         sys.exit(EXIT_UNCERTIFIED)
-    echo("every comparison that applies is within its limit")

@@ -11,8 +11,9 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
-from .options.shared_options import echo, output_option, outside_allowed, refuse_name_of_output
+from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .result_commands import draw
+from .terminal.terminal_bar import terminal_bar
 
 GRID_OF_PICTURES = (5, 5)
 
@@ -99,13 +100,24 @@ def vh(
     if plots is not None:
         check_folder(plots, "pictures")
         grid = grid or GRID_OF_PICTURES
-    found = vh_check(
-        checked, marking=marking, share=share, height=height, largest=largest, grid=grid, **with_defaults(options)
-    )
+    options = with_defaults(options)
+    with terminal_bar(desc="V-H check", unit="pattern") as bar:
+        found = vh_check(
+            checked,
+            marking=marking,
+            share=share,
+            height=height,
+            largest=largest,
+            grid=grid,
+            progress=lambda: bar.update(1),
+            **options,
+        )
     write_vh_check(found, output)
     echo(vh_table(found))
     echo(f"wrote {output}")
     if plots is not None:
         draw(found, plots)
+    else:
+        next_commands(("plot", output, "FOLDER"))
     if found["status"].values.any():
         sys.exit(EXIT_UNCERTIFIED)

@@ -10,13 +10,14 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import pair_options, show_stage, with_defaults
-from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option, outside_allowed
-from .terminal_bar import terminal_bar
+from .options.analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
+from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option
+from .terminal.terminal_bar import terminal_bar
 
 
 @click.command(cls=Command)
 @pair_options
+@supports_option
 @click.option(
     "--torque",
     callback=duty_cycle,
@@ -64,6 +65,7 @@ def wear(
     largest_depth: float | None,
     most_steps: int,
     output: Path,
+    supports: str | None,
     **options: Any,
 ) -> None:
     """Wear the flanks of CASE step by step.
@@ -72,16 +74,16 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from ...cases import read_case
     from ...core.writing.output_file import check_writable, whole_file
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
 
-    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
-    checked = read_case(case, allow_outside=outside_allowed())
+    held = [] if supports is None else [supports]
+    check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")
+    checked = chosen_case(case, supports)
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
-    with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:
+    with terminal_bar(total=revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
         history = worn(
             checked,
             law,
@@ -104,7 +106,8 @@ def wear(
         echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
     echo(f"wrote {output}")
     worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
-    next_commands(("run", case, *worn_flanks, "-o", "RESULT.nc"))
+    on_supports = [] if supports is None else ["--supports", supports]
+    next_commands(("run", case, *on_supports, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
         echo(
             f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "

@@ -47,14 +47,22 @@ def load_case_summary(tree: xr.DataTree) -> str:
     """
     numbers = tree["load_cases"].to_dataset()
     title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(map(len, title)), "", _inputs(numbers), "", _results(numbers)]
+    parts = [
+        "\n".join(title),
+        "=" * max(map(len, title)),
+        "",
+        _table(input_columns(numbers)),
+        "",
+        _table(result_columns(numbers)),
+    ]
     if "duty" in tree.children:
         parts += ["", duty_lines(tree["duty"].to_dataset())]
     notes = load_case_notes(tree)
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
 
 
-def _inputs(numbers: xr.Dataset) -> str:
+def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of what the load cases are: flank, torque, misalignment, speed and share."""
     columns: dict[str, list[str]] = {
         "load case": [str(name) for name in numbers["load_case"].values],
         "flank": [str(name) for name in numbers["flank"].values],
@@ -64,17 +72,18 @@ def _inputs(numbers: xr.Dataset) -> str:
     for head, name, factor in (("speed\n1/min", "speed", 1.0), ("share\n%", "share", 100.0)):
         if name in numbers:
             columns[head] = [f"{factor * value:.4g}" for value in numbers[name].values]
-    return _table(columns)
+    return columns
 
 
-def _results(numbers: xr.Dataset) -> str:
+def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of the main numbers of the load cases."""
     columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
     for head, (name, words, factor) in RESULTS.items():
         if name in numbers and not np.all(np.isnan(numbers[name].values)):
             columns[head] = [
                 "-" if np.isnan(value) else words.format(factor * value) for value in _greatest(numbers[name])
             ]
-    return _table(columns)
+    return columns
 
 
 def _greatest(variable: xr.DataArray) -> Any:

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ...cases.reading import shipped_deviations
 from ...cases.table_rows import read_table_rows
 from ...core.checks import shown
 from ...core.errors import InputError
 from ...core.reading.regular_file import leads_outside
 from ...core.reading.text_file import TABLE_SIZE_LIMIT
 from ...friction.lubricants.lubricant import is_shipped
-from ..deviation_source import shipped_deviations
 from .axis import Axis, column
 from .swept_quantity import Stage, swept_quantity
 

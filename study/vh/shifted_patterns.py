@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -37,6 +37,8 @@ class ShiftedPatterns:
         Of the marking compound [um].
     shape
         Points of the print along the face and the profile.
+    progress
+        Called after every pattern that is computed.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class ShiftedPatterns:
     state: CaseInMesh
     thickness: float
     shape: tuple[int, int] = PRINT_GRID
+    progress: Callable[[], None] | None = None
     known: dict[tuple[float, float], UnloadedPattern | None] = field(default_factory=dict, init=False)
 
     @property
@@ -71,6 +74,8 @@ class ShiftedPatterns:
         v, h = map(float, displacement)
         if (v, h) not in self.known:
             self.known[v, h] = self._computed(v, h)
+            if self.progress is not None:
+                self.progress()
         return self.known[v, h]
 
     def _computed(self, v: float, h: float) -> UnloadedPattern | None:

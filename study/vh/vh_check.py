@@ -6,7 +6,7 @@ V is a displacement along the offset, added to E of the misalignment; H one of t
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +54,7 @@ def vh_check(
     height: float = 0.5,
     largest: float | None = None,
     grid: tuple[int, int] | None = None,
+    progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
     """Shift V and H until the unloaded pattern is centred at toe, middle and heel, at one height of the flank.
 
@@ -71,6 +72,8 @@ def vh_check(
         Greatest size of V and of H that is tried [mm]; a tenth of the gear's face width if left out.
     grid
         Numbers of values of V and H at which the pattern is computed besides, around those found; none if left out.
+    progress
+        Called after every pattern that is computed.
 
     Returns
     -------
@@ -109,14 +112,17 @@ def vh_check(
     }
     fine = CaseInMesh.of(_unloaded(case, NODES, case.contact.mesh_positions), **given)
     coarse = CaseInMesh.of(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), **given)
-    exact, estimate = ShiftedPatterns(fine, thickness), ShiftedPatterns(coarse, thickness, ESTIMATE_GRID)
+    exact = ShiftedPatterns(fine, thickness, progress=progress)
+    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, progress)
     size = exact.size
     reach = RANGE_SHARE * size[0] if largest is None else number("largest", largest, "mm", above=0.0, most=RANGE_LIMIT)
     places = np.array([[share, height], [0.5, height], [1.0 - share, height]])
     found = _searched(dict(zip(PLACES, places * size, strict=True)), exact, estimate, min(float(reach), RANGE_LIMIT))
     dataset = found_dataset(found, places, exact)
     if counts is not None:
-        dataset = dataset.merge(grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID)))
+        dataset = dataset.merge(
+            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, progress))
+        )
     origin = case_attributes(case, "vh_check") | fine.attributes
     units = {"separation": thickness, "attribute_units": "separation: um"}
     return labelled(dataset).assign_attrs(origin | units | dataset.attrs)

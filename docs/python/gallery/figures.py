@@ -16,8 +16,3 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained
 easeoff.plot.contact_pattern(tree, member="gear", parts="print", axes=left)
 easeoff.plot.transmission_error(tree, parts="orders", axes=right)
 plt.show()
-
-# %%
-# Without axes a function makes a page with heading and small print.
-
-page = easeoff.plot.pressure(tree, torque=150.0)

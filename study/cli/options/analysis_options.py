@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from ....core.magnitude import time_in_words
-from ..terminal_bar import terminal_bar
+from ..terminal.terminal_bar import terminal_bar
+from ..terminal.word_completion import case_names, solver_names, support_names
 from .shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from ....cases.analysis_size import AnalysisSize
 
 _PAIR = (
-    click.argument("case"),
+    click.argument("case", shell_complete=case_names),
     allow_outside_option,
     flank_option,
     click.option(
@@ -51,6 +52,7 @@ _PAIR = (
 _SOLVER = click.option(
     "--solver",
     metavar="NAME",
+    shell_complete=solver_names,
     default="auto",
     show_default=True,
     help="Contact solver; MODULE:FUNCTION for one of your own.",
@@ -60,6 +62,13 @@ _DEVIATED = click.option(
     type=click.Choice(["ease_off", "surface"]),
     show_default="ease_off",
     help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
+)
+supports_option = click.option(
+    "--supports",
+    metavar="NAME|FILE",
+    show_default="from the case",
+    shell_complete=support_names,
+    help="Shafts, bearings and housing that hold pinion and gear: a file, or the name of shipped ones.",
 )
 _ANALYSIS = (
     click.option(
@@ -77,12 +86,7 @@ _ANALYSIS = (
         show_default="from the case",
         help="Torques at the pinion in N m.",
     ),
-    click.option(
-        "--supports",
-        metavar="NAME|FILE",
-        show_default="from the case",
-        help="Shafts, bearings and housing that hold pinion and gear: a file, or the name of shipped ones.",
-    ),
+    supports_option,
     _DEVIATED,
 )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..terminal.word_completion import friction_models, oil_names
 from .shared_options import numbers, roughnesses
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
@@ -23,7 +24,11 @@ _FRICTION = (
         "[friction] of the case replaces the defaults of this and the following options.",
     ),
     click.option(
-        "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
+        "--oil",
+        metavar="OIL",
+        show_default="75w90",
+        shell_complete=oil_names,
+        help="Lubricant: the name of a shipped one, or a TOML file.",
     ),
     click.option(
         "--temperature",
@@ -42,6 +47,7 @@ _FRICTION = (
     click.option(
         "--friction-model",
         metavar="MODEL",
+        shell_complete=friction_models,
         show_default="kolivand_blended",
         help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, "
         "benedict_kelly), or a number from 0 to 1.",

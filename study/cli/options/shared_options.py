@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ....core.printable import printable_lines
+from ..terminal.word_completion import deviation_names
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
@@ -87,6 +88,7 @@ def deviation_option(text: str, *, required: bool = False) -> Callable[[Command]
         multiple=True,
         required=required,
         callback=deviations,
+        shell_complete=deviation_names,
         metavar="MEMBER=FILE",
         help=text,
     )

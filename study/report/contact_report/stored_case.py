@@ -16,8 +16,8 @@ from ....core.errors import EaseoffError
 LEFT_OUT = ("friction", "load_cases")
 
 
-def stored_case(tree: xr.DataTree) -> Case | None:
-    """Case of a result without friction and load cases; ``None`` if the result keeps none that can be read.
+def stored_case(tree: xr.DataTree, left_out: tuple[str, ...] = LEFT_OUT) -> Case | None:
+    """Case of a result without some of its tables; ``None`` if the result keeps none that can be read.
 
     Examples
     --------
@@ -28,6 +28,6 @@ def stored_case(tree: xr.DataTree) -> Case | None:
     text = str(tree.attrs.get("case", ""))
     try:
         data: dict[str, Any] = json.loads(text) if text.startswith("{") else tomllib.loads(text)
-        return CASE.check({key: value for key, value in data.items() if key not in LEFT_OUT and value}, "the case")
+        return CASE.check({key: value for key, value in data.items() if key not in left_out and value}, "the case")
     except (ValueError, EaseoffError, AttributeError):
         return None

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from ...core.errors import InputError
-from .command import Command
-from .options.shared_options import (
+from ....core.errors import InputError
+from ..command import Command
+from ..options.shared_options import (
     allow_outside_option,
     echo,
     force_option,
@@ -17,21 +17,42 @@ from .options.shared_options import (
     outside_allowed,
     problem_format_options,
 )
+from ..terminal.terminal_bar import working
+from ..terminal.word_completion import case_names, design_names
 
 
 @click.command(cls=Command)
 def cases() -> None:
-    """List the shipped cases."""
-    from ...cases import shipped_cases
+    """List what is shipped: cases, designs, supports, lubricants and measured flanks.
 
-    shipped = shipped_cases()
-    width = max(len(name) for name in shipped)
-    for name, title in shipped.items():
-        echo(f"{name:<{width}}  {title}")
+    Each is given by its name, in place of a file.
+    """
+    from ....cases.reading import shipped_cases, shipped_designs, shipped_deviations, shipped_supports
+    from ....friction import available_lubricants, lubricant
+
+    groups = {
+        "cases: easeoff run CASE -o RESULT.nc": shipped_cases(),
+        "designs: easeoff design DESIGN -o CASE.toml": shipped_designs(),
+        "supports: --supports NAME": shipped_supports(),
+        "lubricants: --oil NAME": {name: lubricant(name).title for name in available_lubricants()},
+        "measured flanks: --deviation MEMBER=NAME": {name: _measured_title(name) for name in shipped_deviations()},
+    }
+    width = max(len(name) for group in groups.values() for name in group)
+    parts = [
+        "\n".join([head, *(f"  {name:<{width}}  {title}" for name, title in group.items())])
+        for head, group in groups.items()
+    ]
+    echo("\n\n".join(parts))
+
+
+def _measured_title(name: str) -> str:
+    """What a shipped file of measured flanks holds, from its name: CASE-STATE-MEMBER."""
+    case, state, member = name.rsplit("-", 2)
+    return f"{state} {member} flank of the case {case}"
 
 
 @click.command(cls=Command)
-@click.argument("design")
+@click.argument("design", shell_complete=design_names)
 @allow_outside_option
 @output_option("Case file to write, .toml.")
 @force_option
@@ -42,15 +63,17 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
     DESIGN is the name of a shipped design or the path of a design file: basic data and the wanted ease-off. The blanks
     follow from the basic data; the pinion is fitted to the ease-off.
     """
-    from ...cases import read_design, write_case
-    from ...cases.writing import require_replaceable
-    from ...core.writing.output_file import check_writable
-    from ..design.case_design import design_case
-    from ..report.design_report import design_report, summary_lines
+    from ....cases import read_design, write_case
+    from ....cases.writing import require_replaceable
+    from ....core.writing.output_file import check_writable
+    from ...design.case_design import design_case
+    from ...report.design_report import design_report, summary_lines
 
     check_writable(output, design, suffix=".toml")
     require_replaceable(output, force)
-    case, found = design_case(read_design(design, allow_outside=outside_allowed()))
+    checked = read_design(design, allow_outside=outside_allowed())
+    with working("blanks, gear, and a pinion fitted to the ease-off"):
+        case, found = design_case(checked)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")
     echo(design_report(found) if report else "\n".join(summary_lines(found)))
@@ -60,7 +83,7 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="INPUT")
+@click.argument("source", metavar="INPUT", shell_complete=case_names)
 @allow_outside_option
 @output_option(
     "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
@@ -74,11 +97,11 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed. Or it is a file of contact
     problems (.nc, .mat, .npz, .qps, .mps, .hdf5), or a folder of such files with one problem each.
     """
-    from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
-    from ...cases.writing import require_replaceable
-    from ...core.writing.output_file import check_writable
-    from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
-    from ..compare.problem_export import convert_problems
+    from ....cases import read_case, read_rexs, read_session_script, write_case, write_rexs
+    from ....cases.writing import require_replaceable
+    from ....core.writing.output_file import check_writable
+    from ...compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
+    from ...compare.problem_export import convert_problems
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
     if suffix in PROBLEM_SUFFIXES or Path(source).is_dir():

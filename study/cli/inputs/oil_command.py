@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from .command import Command
-from .options.shared_options import echo, next_commands, output_option
+from ..command import Command
+from ..options.shared_options import echo, next_commands, output_option
 
 
 @click.command(cls=Command)
@@ -36,9 +36,9 @@ def oil(
     The pressure-viscosity coefficient is estimated from viscosity and base oil; if you have measured values, write them
     into the file.
     """
-    from ...core.errors import InputError
-    from ...core.writing.output_file import check_writable
-    from ...friction import data_sheet_lubricant, write_lubricant
+    from ....core.errors import InputError
+    from ....core.writing.output_file import check_writable
+    from ....friction import data_sheet_lubricant, write_lubricant
 
     check_writable(output)
     if output.suffix.lower() != ".toml":

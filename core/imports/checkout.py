@@ -22,5 +22,5 @@ class CheckoutFinder:
 
 def fence() -> None:
     """Install the finder if the package is that of a checkout."""
-    if (Path(__file__).parents[1] / "pyproject.toml").is_file():
+    if (Path(__file__).parents[2] / "pyproject.toml").is_file():
         sys.meta_path.insert(0, CheckoutFinder)

@@ -1,0 +1,1 @@
+"""Commented templates of input files, made from the schemas that check them."""

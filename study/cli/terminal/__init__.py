@@ -1,0 +1,1 @@
+"""What commands show on a terminal while they run, and the completion of their words in a shell."""

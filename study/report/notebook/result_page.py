@@ -1,0 +1,124 @@
+"""Short summary of a result as HTML, for a notebook."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from ....core.printable import printable
+from ..contact_report.report_tables import loaded_numbers
+from ..load_case_summary import input_columns, load_case_notes, result_columns
+from ..result_summary import head_rows, result_notes
+
+TORQUE_COUNT_LIMIT = 8  # side by side
+ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
+#: Numbers of the loaded contact that are shown, by the variable that the report names; the rest are in the text.
+SHOWN_NUMBERS = (
+    "loaded/mean_level",
+    "loaded/peak_to_peak",
+    "loaded/contact_ratio",
+    "loaded/max_load_share",
+    "loaded/edge_share",
+    "loaded/max_pressure",
+    "root_stress/max_root_stress",
+    "loaded/status",
+)
+
+#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and format.
+CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
+FRICTION = {
+    "friction coefficient": ("mean_friction_coefficient", 1.0, ".4f"),
+    "power loss [W]": ("mean_power_loss", 1.0, ".1f"),
+    "efficiency [%]": ("efficiency", 100.0, ".2f"),
+    "least film [µm]": ("min_film_thickness", 1.0, ".3f"),
+    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, ".0f"),
+}
+
+
+def result_page(tree: xr.DataTree) -> str:
+    """Short summary of a result: pair, contact under load, friction and notes, in HTML without a style of its own.
+
+    Parameters
+    ----------
+    tree
+        A result.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> "greatest pressure [MPa]" in result_page(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    True
+    """
+    parts = [f"<h4>{_shown(tree.attrs['title'])}</h4>"]
+    if "load_cases" in tree.children:
+        numbers = tree["load_cases"].to_dataset()
+        for columns in (input_columns(numbers), result_columns(numbers)):
+            rows = list(zip(*columns.values(), strict=True))
+            parts += [_table([head.replace("\n", " ") for head in columns], rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
+        notes = load_case_notes(tree)
+    else:
+        parts.append(_table([], [list(row) for row in head_rows(tree)]))
+        parts += [_loaded(tree), *_friction(tree)]
+        notes = result_notes(tree)
+    if notes:
+        told = "".join(f"<li>{_shown(note.removeprefix('Note: '))}</li>" for note in notes)
+        word = "note" if len(notes) == 1 else "notes"
+        parts.append(f"<details open><summary>{len(notes)} {word}</summary><ul>{told}</ul></details>")
+    return "<div>\n" + "\n".join(part for part in parts if part) + "\n</div>"
+
+
+def _loaded(tree: xr.DataTree) -> str:
+    """Table of the contact under load, a column a torque."""
+    numbers = loaded_numbers(tree)
+    torques = numbers["torques"][:TORQUE_COUNT_LIMIT]
+    rows = [
+        [f"{name} [{unit}]" if unit else name, *values[:TORQUE_COUNT_LIMIT]]
+        for name, unit, variable, *values in numbers["rows"]
+        if variable in SHOWN_NUMBERS
+    ]
+    left = len(numbers["torques"]) - len(torques)
+    return _table(["torque at the pinion [N m]", *torques], rows) + (f"<p>and {left} more torques</p>" if left else "")
+
+
+def _friction(tree: xr.DataTree) -> list[str]:
+    """Table of friction and efficiency, a row an operating condition, if the result has it."""
+    if "friction" not in tree.children:
+        return []
+    friction = tree["friction"].to_dataset()
+    names = tuple(CONDITIONS)
+    shown = {head: row for head, row in FRICTION.items() if row[0] in friction}
+    values = {head: factor * friction[name].transpose(*names).values for head, (name, factor, _) in shown.items()}
+    conditions = list(np.ndindex(*(friction.sizes[name] for name in names)))
+    rows = [
+        [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        + [format(values[head][at], form) for head, (_, _, form) in shown.items()]
+        for at in conditions[:ROW_COUNT_LIMIT]
+    ]
+    return [_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions))]
+
+
+def _left(count: int) -> str:
+    """How many rows of a table are not shown."""
+    return f"<p>and {count - ROW_COUNT_LIMIT} more</p>" if count > ROW_COUNT_LIMIT else ""
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table; the first column names the rows."""
+    head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
+    body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
+    lines = "".join(f"<tr>{cells}</tr>" for cells in body)
+    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{lines}</tbody></table>"
+
+
+def _cell(kind: str, text: str, *, left: bool) -> str:
+    """A cell: the names of rows are on the left, numbers on the right, whatever the notebook's own style."""
+    return f'<{kind} style="text-align:{"left" if left else "right"}">{_shown(text)}</{kind}>'
+
+
+def _shown(text: object) -> str:
+    """A text in HTML, with the signs of its units, which terminals may lack."""
+    words = printable(str(text)).replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
+    return html.escape(words.replace(" deg", " °"))

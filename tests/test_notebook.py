@@ -1,0 +1,251 @@
+"""The accessor of a tree in a notebook: summary, report, pictures, case, and what it says of other trees."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import easeoff
+from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
+from easeoff.core.errors import InputError
+from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
+from easeoff.geometry import Misalignment
+from easeoff.study import analyze_load_cases, key_numbers, result_summary
+
+COARSE = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+
+
+def coarse() -> Case:
+    case = read_case("nasa-12x36")
+    return parse_case(case_toml(case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})))
+
+
+@pytest.fixture(scope="module")
+def tree() -> xr.DataTree:
+    errors = Misalignment(offset=0.02, shaft_angle=math.radians(0.05))
+    return easeoff.analyze(coarse(), torques=[100.0, 200.0], misalignment=errors, speed=1000.0)
+
+
+@pytest.fixture(scope="module")
+def duty() -> xr.DataTree:
+    return analyze_load_cases(coarse(), [LoadCase(torque=100.0, name="climb", Sigma=0.1), LoadCase(torque=200.0)])
+
+
+class Cells(HTMLParser):
+    """Texts of the cells of the tables of a page, and its tags."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.tags: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        self.tags.append(tag)
+        if tag == "tr":
+            self.rows.append([])
+        elif tag in ("td", "th"):
+            self.rows[-1].append("")
+
+    def handle_data(self, data: str) -> None:
+        if self.tags and self.tags[-1] in ("td", "th") and self.rows:
+            self.rows[-1][-1] += data
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import easeoff, xarray",
+        "import xarray, easeoff",
+        "import easeoff\nfrom xarray.core import dtypes\nimport xarray",
+        "import easeoff, importlib; xarray = importlib.import_module('xarray')",
+    ],
+)
+def test_every_tree_has_it_whichever_is_imported_first(code: str) -> None:
+    code += "\nimport sys; print(xarray.DataTree().easeoff, [m for m in sys.meta_path if 'AfterImport' in repr(m)])"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    assert "must be a result of easeoff.analyze" in done.stdout
+    assert done.stdout.strip().endswith("[]")  # the finder is gone
+
+
+def test_the_package_alone_imports_neither_xarray_nor_pandas() -> None:
+    code = "import easeoff, sys; print({'xarray', 'pandas', 'numpy'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
+
+
+def test_the_summary_is_that_of_show(tree: xr.DataTree) -> None:
+    summary = tree.easeoff.summary()
+    assert str(summary) == repr(summary) == repr(tree.easeoff) == result_summary(tree)
+
+
+def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree, duty: xr.DataTree) -> None:
+    tables = tree.easeoff.summary().tables
+    numbers = key_numbers(tree)
+    loaded = tables["loaded"]
+    assert loaded.index.name == "torque [N m]"
+    assert loaded.index.tolist() == [100.0, 200.0]
+    np.testing.assert_array_equal(loaded["max_pressure [MPa]"], numbers["max_pressure"])
+    np.testing.assert_array_equal(loaded["harmonic 2 [urad]"], numbers["harmonic"].sel(order=2))
+    assert tables["unloaded"]["unloaded_peak_to_peak [urad]"].item() == numbers["unloaded_peak_to_peak"].item()
+    friction = tables["friction"]
+    assert friction.index.names == ["torque [N m]", "speed [rpm]", "temperature [degC]", "roughness [um]"]
+    np.testing.assert_array_equal(friction["efficiency"], numbers["efficiency"].values.ravel())
+    assert {name for table in tables.values() for name in table if "[rad" in name or "[N mm" in name} == set()
+    assert sum(map(len, (table.columns for table in tables.values()))) >= len(numbers.data_vars)
+    cases = duty.easeoff.summary().tables["load_cases"]
+    assert cases.index.tolist() == ["climb", "2"]
+    assert cases["misalignment_shaft_angle [deg]"].tolist() == pytest.approx([0.1, 0.0])
+    kept = duty["load_cases"].to_dataset()["misalignment_shaft_angle"]
+    assert kept.attrs["units"] == "rad"
+    assert kept.values.tolist() == pytest.approx([math.radians(0.1), 0.0])
+
+
+def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
+    page = tree.easeoff.summary()._repr_html_()
+    assert page == tree.easeoff._repr_html_()
+    rows = {row[0]: row[1:] for row in Cells(page).rows}
+    numbers = key_numbers(tree)
+    assert rows["torque at the pinion [N m]"] == ["100", "200"]
+    assert rows["greatest pressure [MPa]"] == [f"{value:.0f}" for value in numbers["max_pressure"].values]
+    friction = tree["friction"].to_dataset()
+    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    assert [row[:4] for row in conditions] == [["100", "1000", "90", "0.8"], ["200", "1000", "90", "0.8"]]
+    assert [row[6] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
+    assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
+    assert "script" not in Cells(page).tags
+    assert len(page) < 20_000
+
+
+def test_the_page_of_load_cases_has_a_row_each(duty: xr.DataTree) -> None:
+    rows = {row[0]: row[1:] for row in Cells(duty.easeoff._repr_html_()).rows[:3]}
+    assert rows["climb"][-1] == "+0.1"
+    assert rows["load case"][-1] == "Sigma °"
+
+
+def test_foreign_text_is_shown_and_does_nothing(tree: xr.DataTree) -> None:
+    foreign = tree.copy()
+    foreign.attrs["title"] = "<script>alert(1)</script> & co"
+    page = foreign.easeoff._repr_html_()
+    assert "<script" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in page
+
+
+def test_result_and_report_are_written(tree: xr.DataTree, tmp_path: Path) -> None:
+    assert easeoff.read_result(tree.easeoff.save(tmp_path / "here" / "out.nc")).identical(tree)
+    assert tree.easeoff.report(tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_the_case_is_that_of_the_analysis(tree: xr.DataTree) -> None:
+    assert tree.easeoff.case.model_dump() == coarse().model_dump()
+    assert tree.easeoff.case.text == tree.attrs["case"] == coarse().text
+
+
+def test_a_case_whose_oil_is_elsewhere_comes_without_friction_and_says_so(tree: xr.DataTree) -> None:
+    moved = tree.copy()
+    moved.attrs["case"] = read_case("nasa-12x36").text + '\n[friction]\nspeed = 1000.0\noil = "oils/ours.toml"\n'
+    with pytest.warns(UserWarning, match=r"friction and load cases of the case are left out: .*oils/ours\.toml"):
+        assert moved.easeoff.case.friction is None
+    moved.attrs["case"] = "no case"
+    with pytest.raises(InputError, match="the case of the result"):
+        _ = moved.easeoff.case
+
+
+def test_of_another_tree_every_method_says_what_is_wanted(tree: xr.DataTree, tmp_path: Path) -> None:
+    other = xr.DataTree.from_dict({"/a": xr.Dataset({"x": 1})}, name="mine")
+    group = tree["loaded"]
+    damaged = tree.copy()
+    del damaged["loaded"]["pressure"]
+    for found, said in (
+        (other, "tree = 'mine': must be a result of easeoff.analyze"),
+        (group, "tree = '/loaded': must be a whole result; this is a group of one: take tree.root"),
+        (damaged, "tree: damaged or changed: .*pressure"),
+    ):
+        accessor = found.easeoff
+        for use in (
+            accessor.summary,
+            lambda accessor=accessor: accessor.report(tmp_path / "r.html"),
+            lambda accessor=accessor: accessor.save(tmp_path / "r.nc"),
+            lambda accessor=accessor: accessor.plot,
+            lambda accessor=accessor: accessor.case,
+        ):
+            with pytest.raises(InputError, match=said):
+                use()
+        assert accessor._repr_html_() is None
+        assert "must be" in repr(accessor) or "damaged" in repr(accessor)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_result_within_load_cases_is_one(duty: xr.DataTree) -> None:
+    assert "12 x 36" in str(duty["results/climb"].easeoff.summary())
+
+
+def test_pictures_are_the_functions_of_the_package(tree: xr.DataTree, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    def pressure(tree: xr.DataTree, torque: float | None = None, *, title: str = "p") -> str:
+        """Draw the pressure."""
+        calls.append((tree, torque, title))
+        return "figure"
+
+    stand_in = SimpleNamespace(__all__=["NAMES", "pressure", "write"], NAMES=(), pressure=pressure, write=lambda f: f)
+    monkeypatch.setattr(easeoff, "plot", stand_in, raising=False)
+    plot = tree.easeoff.plot
+    assert dir(plot) == ["pressure"]
+    assert plot.pressure(100.0, title="q") == "figure"
+    assert calls == [(tree, 100.0, "q")]
+    assert plot.pressure.__doc__ == "Draw the pressure."
+    assert str(inspect.signature(plot.pressure)).startswith("(torque: ")
+    with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure"):
+        plot.presure()
+
+
+def test_pictures_of_a_result_are_drawn(tree: xr.DataTree) -> None:
+    plot = tree.easeoff.plot
+    assert {"pressure", "ease_off", "transmission_error"} <= set(dir(plot))
+    assert "vh_check" not in dir(plot)  # of a dataset
+    assert set(plot.pictures()) <= set(dir(plot))
+    figure = plot.pressure(torque=200.0)
+    assert len(figure.axes) >= 1
+
+
+class Formatter:
+    """A formatter of IPython as far as it is used."""
+
+    def __init__(self, *known: str) -> None:
+        self.known: dict[str, Any] = dict.fromkeys(known)
+
+    def lookup_by_type(self, name: str) -> Any:
+        return self.known[name]
+
+    def for_type_by_name(self, module: str, name: str, call: Any) -> None:
+        self.known[f"{module}.{name}"] = call
+
+
+@pytest.mark.parametrize("known", [(), ("matplotlib.figure.Figure",)])
+def test_a_notebook_shows_figures_unless_it_does_already(
+    known: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    formatter = Formatter(*known)
+    shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"image/png": formatter}))
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    show_figures_in_notebooks()
+    assert list(formatter.known) == ["matplotlib.figure.Figure"]
+    assert (formatter.known["matplotlib.figure.Figure"] is None) == bool(known)
+
+
+def test_without_a_notebook_figures_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "IPython", raising=False)
+    show_figures_in_notebooks()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    show_figures_in_notebooks()

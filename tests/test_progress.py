@@ -1,0 +1,154 @@
+"""Progress: lines where there is no terminal, by a clock of the test, and what the end says."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from easeoff.cases import read_case, write_case
+from easeoff.study.cli import main
+from easeoff.study.cli.terminal import terminal_bar as progress
+from easeoff.study.cli.terminal.terminal_bar import ProgressLines, terminal_bar, working
+
+
+class Clock:
+    """A clock that goes when it is told to."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    found = Clock()
+    monkeypatch.setattr("easeoff.study.cli.terminal.terminal_bar.time.perf_counter", found)
+    monkeypatch.delenv("EASEOFF_PROGRESS", raising=False)
+    return found
+
+
+def lines(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    out, err = capsys.readouterr()
+    assert out == ""
+    return err.splitlines()
+
+
+def test_what_is_quick_says_nothing(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    with terminal_bar(total=100, desc="loaded contact", unit="solve") as bar:
+        for _ in range(100):
+            clock.now += 0.019
+            bar.update(1)
+    assert lines(capsys) == []
+
+
+def test_the_first_line_comes_after_two_seconds_and_then_ever_fewer(
+    clock: Clock, capsys: pytest.CaptureFixture[str]
+) -> None:
+    at = []
+    with terminal_bar(total=1000, desc="loaded contact", unit="solve") as bar:
+        for step in range(1000):
+            clock.now += 0.5
+            bar.update(1)
+            if found := lines(capsys):
+                at.append(0.5 * (step + 1))
+                if len(at) == 2:
+                    assert found == ["loaded contact: 14 of 1000 solves, 7 s"]
+                if at[-1] > 15.0:
+                    left = float(found[0].split("about ")[1].split()[0])
+                    assert "s left" in found[0] or "min left" in found[0]
+                    assert left > 0.0
+    assert at[0] == 2.0
+    gaps = [later - earlier for earlier, later in pairwise(at)]
+    assert gaps[0] == progress.LEAST_INTERVAL
+    assert gaps == sorted(gaps)
+    assert len(at) < 20
+
+
+def test_a_stage_after_two_seconds_is_named_at_once_and_its_time_is_its_own(
+    clock: Clock, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bar = ProgressLines("elastic teeth", total=10, unit="solve")
+    bar.set_description_str("geometry")
+    assert lines(capsys) == []
+    clock.now += 30.0
+    bar.reset()
+    bar.set_description_str("loaded contact")
+    assert lines(capsys) == ["loaded contact: 10 solves ..."]
+    clock.now += 20.0
+    bar.update(5)
+    assert lines(capsys) == ["loaded contact: 5 of 10 solves, 20 s, about 20 s left"]
+    bar.total = None
+    bar.set_postfix_str("speed 3")
+    clock.now += 100.0
+    bar.update(1)
+    assert lines(capsys) == ["loaded contact, speed 3: 6 solves, 120 s"]
+
+
+def test_what_has_no_steps_is_said_at_once(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    with working("drawing the pictures"):
+        assert lines(capsys) == ["drawing the pictures ..."]
+    assert lines(capsys) == []
+
+
+def test_lines_are_switched_off(
+    clock: Clock, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("EASEOFF_PROGRESS", "off")
+    with working("drawing"), terminal_bar(total=2) as bar:
+        clock.now += 1e3
+        bar.update(1)
+    assert lines(capsys) == []
+
+
+def test_a_full_disk_behind_the_lines_stops_nothing(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Full:
+        def isatty(self) -> bool:
+            return False
+
+        def write(self, text: str) -> int:
+            raise OSError(28, "No space left on device")
+
+        def flush(self) -> None:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(sys, "stderr", Full())
+    with working("drawing"):
+        pass
+    monkeypatch.setattr(sys, "stderr", None)
+    with working("drawing"), terminal_bar(total=1) as bar:
+        bar.update(1)
+
+
+@pytest.mark.thorough
+def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    case = read_case("nasa-12x36")
+    small = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+    write_case(case.model_copy(update={"contact": case.contact.model_copy(update=small)}), "small.toml")
+    environment = {**os.environ, "EASEOFF_PROGRESS": ""}
+    words = ["export", "small.toml", "-o", "teeth.csv"]
+    command = [sys.executable, "-c", "from easeoff.study.cli import main; main()", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert done.stderr.splitlines() == ["teeth of the pinion ..."]
+    assert done.stdout.startswith("wrote teeth.csv")
+    ends = {
+        ("run", "small.toml", "-o", "out.nc", "--torque", "100"): "next: easeoff show out.nc, or easeoff plot out.nc",
+        ("problems", "small.toml", "-o", "p.nc", "--torque", "100"): "next: easeoff compare p.nc",
+        ("report", "out.nc", "-o", "r.html"): "next: open it in a browser",
+        ("vh", "small.toml", "-o", "vh.nc"): "next: easeoff plot vh.nc FOLDER",
+        ("wear", "small.toml", "--torque", "100", "--revolutions", "10", "-o", "w.nc"): "next: easeoff run small.toml",
+    }
+    for words_of, end in ends.items():
+        made = CliRunner().invoke(main, list(words_of))
+        assert made.exit_code in (0, 1), made.output
+        assert made.stdout.splitlines()[-1].startswith(end), made.output
