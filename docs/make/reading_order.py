@@ -60,6 +60,7 @@ READING_ORDER = {
 #: Examples of the gallery; others come behind these.
 EXAMPLES = (
     "contact_pattern",
+    "figures",
     "transmission_error_over_torque",
     "load_sharing",
     "ease_off_map",

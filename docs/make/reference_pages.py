@@ -21,11 +21,11 @@ PACKAGES = {
     "easeoff.friction.ehl": "Mixed lubrication",
     "easeoff.friction.ehl.study": "Parameter study of mixed lubrication",
     "easeoff.cases": "Case files",
+    "easeoff.study.plot": "Figures, the same as easeoff.plot",
     "easeoff.study": "Studies, reports, pictures",
     "easeoff.study.sweep": "Sweeps",
     "easeoff.study.compare": "Comparison of solvers",
     "easeoff.study.library": "Problem library",
-    "easeoff.study.plot": "Pictures of results",
 }
 
 

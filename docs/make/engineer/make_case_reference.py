@@ -46,9 +46,14 @@ def updated_design(page: str) -> str:
     return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{design_tables()}\n\n{end}", page, flags=re.DOTALL)
 
 
+def linked(tables: str) -> str:
+    """Tables whose links to guides lead there: descriptions of keys name the page alone."""
+    return re.sub(r"\]\((finite_elements|supports)\.md", r"](../guides/\1.md", tables)
+
+
 def case_tables() -> str:
     """The tables of a case file and of all its sub-tables, as Markdown."""
-    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections())
+    return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections()))
 
 
 def design_tables() -> str:
@@ -58,7 +63,7 @@ def design_tables() -> str:
         ("### `[pinion]`", design_model.DesignedPinion),
         ("### `[gear]`", design_model.DesignedGear),
     )
-    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own)
+    return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own))
 
 
 def sections() -> Iterator[tuple[str, type[BaseModel]]]:
