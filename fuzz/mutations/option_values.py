@@ -190,6 +190,7 @@ OPTIONS: dict[str, Options] = {
     },
     "plot": MARKING,
     "report": {"-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
+    "cite": {"--bibtex": None},
     "design": {"--force": None, "--report": None, "--allow-outside": None},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
