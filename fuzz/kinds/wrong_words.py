@@ -40,7 +40,7 @@ def options(rng: random.Random, box: Box) -> Input:
         "cases": ["cases"],
         "library": ["library", "-o", "parts", "--parts", "x"],
     }  # fmt: skip
-    if command in ("show", "plot"):
+    if command in ("show", "plot", "cite"):
         name = box.copy(rng.choice(box.bases.of("result", "wear", "sweep", "duty", "vh")), "r.nc")
         words[command] = [command, name, "pictures"][: 2 + (command == "plot")]
     elif command == "report":
@@ -90,6 +90,7 @@ def mistaken(rng: random.Random, box: Box) -> Input:
             ["sweep", pair, "-o", "out.nc", "--over", "E=0,0.05", "--store", name, "--workers", "1"],
             ["vh", pair, "-o", "out.nc", "--deviation", f"gear={name}"],
             ["show", name],
+            ["cite", name],
             ["plot", name, "pictures"],
             ["report", name, "-o", "report.html"],
             ["run", pair, "-o", "out.nc", "--torque", "50", "--supports", name],

@@ -199,6 +199,7 @@ OPTIONS: dict[str, Options] = {
         "--dpi": ("30", "72", "200", "0", "-1", "29", "1201", "x", "1.5", "9" * 400, ""),
     },
     "report": {"-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
+    "cite": {"--bibtex": None},
     "design": {"--force": None, "--report": None, "--allow-outside": None},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
