@@ -35,7 +35,7 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
     from easeoff.contact.problem.certificate import certify
     from easeoff.core.errors import EaseoffError
     from easeoff.study import CaseInMesh, contact_analysis, result_summary
-    from easeoff.study.report.result_summary import uncertified
+    from easeoff.study.report.summary.result_summary import uncertified
 
     torques = arguments.get("torques")
     edges = arguments.get("edge_contact")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .report.key_numbers import key_numbers
     from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
     from .report.notes.plausibility import plausibility
-    from .report.result_summary import result_summary
+    from .report.summary.result_summary import result_summary
     from .vh.vh_check import vh_check
 
 __all__ = [
@@ -82,7 +82,7 @@ _MODULES = {
     "measured_file": ".deviation_source",
     "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
-    "result_summary": ".report.result_summary",
+    "result_summary": ".report.summary.result_summary",
     "shipped_deviations": "..cases.reading",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",

@@ -43,7 +43,7 @@ from easeoff.friction.contact_temperature.greatest_temperature import (
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import key_numbers
-from easeoff.study.report.result_summary import result_summary
+from easeoff.study.report.summary.result_summary import result_summary
 
 Array = NDArray[Any]
 STEEL = ThermalMaterial()

@@ -30,7 +30,7 @@ from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh, contact_analysis, result_summary
 from easeoff.study.analysis.friction_analysis import operation_of
 from easeoff.study.cli import main
-from easeoff.study.report.result_summary import uncertified
+from easeoff.study.report.summary.result_summary import uncertified
 
 POSITIONS = 6
 CONTACT = ContactTable(

@@ -32,7 +32,7 @@ from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.study import CaseInMesh, key_numbers, result_summary, write_pictures
 from easeoff.study.cli import main
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report.contact_tables import loaded_table, unloaded_table
+from easeoff.study.report.summary.contact_tables import loaded_table, unloaded_table
 from easeoff.verification import flank_gap
 
 Array = NDArray[np.float64]

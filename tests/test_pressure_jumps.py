@@ -17,7 +17,7 @@ from easeoff.study import result_summary
 from easeoff.study.plot import pressure_chart
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.notes.pressure_jumps import JUMP_LIMIT, MESH_POSITION_MINIMUM, jump_notes, pressure_jumps
-from easeoff.study.report.result_summary import doubts
+from easeoff.study.report.summary.result_summary import doubts
 
 
 @cache

@@ -24,7 +24,7 @@ from easeoff.study.cli import main
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults
 from easeoff.study.report.contact_report.report_file import report_page
 from easeoff.study.report.contact_report.report_tables import load_case_rows
-from easeoff.study.report.supports_report import bearing_loads, supports_tables, supports_words
+from easeoff.study.report.summary.supports_report import bearing_loads, supports_tables, supports_words
 from easeoff.study.vh.vh_check import write_vh_check
 
 Array = NDArray[Any]

@@ -110,7 +110,7 @@ def optimize(
     from ..design.fitted_settings import fit_modification, recorded_modification
     from ..design.optimization import optimize as optimized
     from ..report.optimization_report import optimization_report
-    from ..report.result_summary import uncertified
+    from ..report.summary.result_summary import uncertified
     from ..result import write_result
 
     check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")

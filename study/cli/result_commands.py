@@ -23,8 +23,8 @@ def show(result: Path) -> None:
 
     RESULT is a file of 'easeoff run' or 'easeoff sweep'.
     """
-    from ..report.load_case_summary import load_case_summary
-    from ..report.result_summary import result_summary
+    from ..report.summary.load_case_summary import load_case_summary
+    from ..report.summary.result_summary import result_summary
     from ..result import read_result
 
     dataset = _sweep(result)

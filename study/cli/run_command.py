@@ -67,7 +67,7 @@ def run(
     from ..analysis.case_analysis import analyze
     from ..analysis.contact_analysis import case_torques
     from ..analysis.friction_analysis import operation_of
-    from ..report.result_summary import doubts, outcome, uncertified
+    from ..report.summary.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 
     checked = chosen_case(case, supports)

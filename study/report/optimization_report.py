@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
-from .deflection_report import deflection_notes
+from .summary.deflection_report import deflection_notes
 
 ROWS = (
     ("greatest line load [N/mm]", "max_line_load", 0),

@@ -14,7 +14,7 @@ from ...core.errors import InputError
 from ...core.printable import printable
 from ..sweep.batch_analysis import PointStatus
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
-from .contact_tables import WIDTH
+from .summary.contact_tables import WIDTH
 
 #: Numbers that are shown, where a sweep has them.
 MAIN_NUMBERS = (

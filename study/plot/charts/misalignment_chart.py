@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...report.deflection_report import misalignment_over_torque
+from ...report.summary.deflection_report import misalignment_over_torque
 from ..page import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, plain_axes
 from ..panel_grid import OwnAxes, panels
 

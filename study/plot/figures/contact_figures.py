@@ -240,7 +240,7 @@ def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     >>> len(easeoff.plot.misalignment(tree).axes)
     3
     """
-    from ...report.deflection_report import misalignment_over_torque
+    from ...report.summary.deflection_report import misalignment_over_torque
 
     require_result(tree)
     if misalignment_over_torque(tree) is None:

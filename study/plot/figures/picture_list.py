@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
-from ...report.deflection_report import misalignment_over_torque
+from ...report.summary.deflection_report import misalignment_over_torque
 from . import contact_figures, friction_figures, study_figures
 
 if TYPE_CHECKING:

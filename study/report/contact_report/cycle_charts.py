@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....core.ordered_values import ordered
 from ...plot.transmission_error_chart import unloaded_curves
-from ..supports_report import SHARES, bearing_loads
+from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
 Array = NDArray[Any]

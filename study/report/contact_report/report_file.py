@@ -17,7 +17,7 @@ from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.writing.output_file import whole_file
 from ....friction.operation import named_models
-from ..result_summary import head_rows, result_notes
+from ..summary.result_summary import head_rows, result_notes
 from .given_results import GivenResults, by_name
 from .report_tables import (
     case_tables,

@@ -13,11 +13,11 @@ from pydantic import BaseModel
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.ordered_values import ordered
-from ..contact_tables import end_name
-from ..deflection_report import misalignment_over_torque
 from ..key_numbers import key_numbers
-from ..load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
-from ..supports_report import supports_tables
+from ..summary.contact_tables import end_name
+from ..summary.deflection_report import misalignment_over_torque
+from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
+from ..summary.supports_report import supports_tables
 
 NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies

@@ -49,10 +49,10 @@ class ResultSummary:
     def text(self) -> str:
         """The text of ``easeoff show``."""
         if "load_cases" in self._tree.children:
-            from ..load_case_summary import load_case_summary
+            from ..summary.load_case_summary import load_case_summary
 
             return load_case_summary(self._tree)
-        from ..result_summary import result_summary
+        from ..summary.result_summary import result_summary
 
         return result_summary(self._tree)
 

@@ -10,8 +10,8 @@ import xarray as xr
 
 from ....core.printable import printable
 from ..contact_report.report_tables import loaded_numbers
-from ..load_case_summary import input_columns, load_case_notes, result_columns
-from ..result_summary import head_rows, result_notes
+from ..summary.load_case_summary import input_columns, load_case_notes, result_columns
+from ..summary.result_summary import head_rows, result_notes
 
 TORQUE_COUNT_LIMIT = 8  # side by side
 ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases

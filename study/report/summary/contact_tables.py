@@ -8,8 +8,8 @@ import textwrap
 import xarray as xr
 from tabulate import tabulate
 
-from ...contact.evaluation.pressure_place import LineEnd
-from .key_numbers import PATTERN
+from ....contact.evaluation.pressure_place import LineEnd
+from ..key_numbers import PATTERN
 
 WIDTH = 100  # [characters] of the text
 COLUMN_COUNT_LIMIT = 5  # torques side by side

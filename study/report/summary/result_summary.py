@@ -9,17 +9,17 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
-from ...contact.solvers import Status
-from ...friction.operation import named_models
+from ....contact.solvers import Status
+from ....friction.operation import named_models
+from ..departures import deviations, modification
+from ..key_numbers import key_numbers
+from ..model_name import model_name
+from ..notes.edge_load import edge_notes
+from ..notes.plausibility import plausibility
+from ..notes.pressure_jumps import jump_notes
+from ..notes.ranges import range_notes
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
-from .departures import deviations, modification
-from .key_numbers import key_numbers
-from .model_name import model_name
-from .notes.edge_load import edge_notes
-from .notes.plausibility import plausibility
-from .notes.pressure_jumps import jump_notes
-from .notes.ranges import range_notes
 from .supports_report import supports_tables, supports_words
 
 #: Rows of the table of efficiencies; more are counted.

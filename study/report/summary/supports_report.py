@@ -11,8 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from tabulate import tabulate
 
-from ...core.ordered_values import ordered
-from ...geometry.pair.gear_pair import MEMBERS
+from ....core.ordered_values import ordered
+from ....geometry.pair.gear_pair import MEMBERS
 
 Array = NDArray[Any]
 

@@ -1,0 +1,1 @@
+"""Summary of a result, as text: what `easeoff show` prints."""
