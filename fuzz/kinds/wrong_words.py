@@ -38,6 +38,10 @@ def options(rng: random.Random, box: Box) -> Input:
         "convert": ["convert", rng.choice(["fm-11x41", pair]), "-o", rng.choice(["o.toml", "o.rexs", "case.toml",
         output])],
         "cases": ["cases"],
+        "completion": ["completion", rng.choice(["bash", "zsh", "fish", "sh", ""])],
+        "new": ["new", rng.choice(["case", "design", "supports", "oil", "load-cases", "cases"]),
+        *rng.choice([[], ["face-hobbed"], ["fm-11x41"], ["nothing"], ["../x"]]), "-o",
+        rng.choice(["new.toml", "new.csv", "case.toml", output])],
         "library": ["library", "-o", "parts", "--parts", "x"],
     }  # fmt: skip
     if command in ("show", "plot", "cite"):

@@ -145,6 +145,7 @@ OPTIONS: dict[str, Options] = {
     "problems": {**ANALYSIS, **PROBLEM_FORMATS},
     "wear": {
         **PAIR,
+        "--supports": SUPPORTED,
         "--torque": ("50", "100=0.5,200=0.5", "0", "-5", "x", "100=1", "nan", "100=0", "1e9", "100=0.5,200=0.4", "=",
         "100=", "100=nan", "100=1e308"),
         "--revolutions": ("1e5", "0", "-1", "nan", "inf", "1e30", "x", "1", "1e9"),
@@ -154,13 +155,14 @@ OPTIONS: dict[str, Options] = {
         "--most-steps": ("5", "0", "-1", "x", "1.5", "9" * 400, "1"),
     },
     "optimize": {
-        "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "--solver": SOLVER,
+        "--torque": TORQUE, "--supports": SUPPORTED, "--misalignment": MISALIGNMENT, "--flank": FLANK,
+        "--solver": SOLVER,
         "--objective": ("peak_load", "peak_pressure", "even_load", "x"), "--order": ("2", "3", "4", "5", "x", "2.0"),
         "--transmission-error": ("10", *LARGEST), "--end-load": ("10", *LARGEST), "--largest": ("10", *LARGEST),
         "--allow-outside": None,
         "--fitted-case": ("fit.toml", "fit.nc", *PATHS), "--force": None,
     },
-    "verify": {"--allow-outside": None, "--torque": TORQUE, "--misalignment": MISALIGNMENT,
+    "verify": {"--allow-outside": None, "--torque": TORQUE, "--supports": SUPPORTED, "--misalignment": MISALIGNMENT,
         "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
     "export": {
         "--member": ("pinion", "gear", "wheel"), "--flank": ("concave", "convex", "both", "drive"), "--rows": ("5",
@@ -200,10 +202,11 @@ OPTIONS: dict[str, Options] = {
     },
     "report": {"-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
     "cite": {"--bibtex": None},
+    "new": {"--force": None, "-o": ("new.toml", "new.csv", "case.toml", "new.txt", *PATHS)},
     "design": {"--force": None, "--report": None, "--allow-outside": None},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
-    "show": {}, "cases": {},
+    "show": {}, "cases": {}, "completion": {},
 }  # fmt: skip
 STRAY_WORDS = (
     "extra",
