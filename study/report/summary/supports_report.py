@@ -139,10 +139,16 @@ def supports_words(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> supports_words(easeoff.analyze("nasa-12x36", torques=[100.0], supports="gearbox-nasa-12x36")).partition(";")[0]
-    'pinion on bearings head, tail'
+    'gearbox-nasa-12x36: pinion on bearings head, tail'
     """
     if "supports" not in tree.children:
         return ""
+    name = str(tree.attrs.get("supports_name", ""))
+    return f"{name}: {_held(tree)}" if name and name != "of the case" else _held(tree)
+
+
+def _held(tree: xr.DataTree) -> str:
+    """What holds each member."""
     table = _stored_table(tree)
     if "housing" in table:
         return "both members by one matrix, with the housing"
