@@ -125,7 +125,8 @@ class ProgressLines:
         """The line of now, which is a time [s] after the begin of the stage."""
         name = f"{self.description}, {self._postfix}" if self._postfix else self.description
         if not self.total:
-            return f"{name}: {self.n:.5g} {self.unit}s, {seconds:.0f} s" if self.n else f"{name} ..."
+            units = self.unit if self.n == 1 else f"{self.unit}s"
+            return f"{name}: {self.n:.5g} {units}, {seconds:.0f} s" if self.n and seconds >= 1.0 else f"{name} ..."
         if not self.n:
             return f"{name}: {self.total:.5g} {self.unit}s ..."
         left = seconds * (self.total - self.n) / self.n if self.n >= FORETOLD_SHARE * self.total else 0.0
