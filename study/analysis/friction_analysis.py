@@ -12,6 +12,7 @@ import xarray as xr
 from ...cases.analysis_size import KEPT_VALUES_LIMIT
 from ...cases.schema.case_schema import Case
 from ...contact.solvers import SolverChoice
+from ...core.checks import instance
 from ...core.errors import InputError
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis
 
@@ -85,7 +86,7 @@ def friction_settings(
     Raises
     ------
     InputError
-        If they are given without operating conditions, or the oil has no data for a temperature.
+        If they are given without operating conditions, the model is none, or the oil has no data for a temperature.
 
     Examples
     --------
@@ -100,6 +101,7 @@ def friction_settings(
         from ...friction import FrictionModel
 
         model = model or FrictionModel()
+        instance("friction_model", model, FrictionModel)
         model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif model is not None or feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
