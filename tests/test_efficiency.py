@@ -678,7 +678,7 @@ def test_conditions_need_a_speed() -> None:
     with pytest.raises(InputError, match="speed = None: must be given"):
         easeoff.analyze(small_case("fh-design-a").model_copy(update={"friction": None}), friction_feedback=True)
     with pytest.raises(InputError, match="friction_model = 'kolivand': must be a FrictionModel"):
-        easeoff.analyze(small_case("fh-design-a"), speed=1000.0, friction_model="kolivand")
+        easeoff.analyze(small_case("fh-design-a"), speed=1000.0, friction_model="kolivand")  # type: ignore[arg-type]
 
 
 def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.DataTree) -> None:
