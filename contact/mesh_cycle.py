@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.checks import array
+from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
@@ -25,7 +26,7 @@ from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
 from .supports.assembly_rounds import AssemblyRounds
 from .supports.held_members import HeldMembers
-from .supports.support import LoadedSupports
+from .supports.support import LoadedSupports, Supports
 from .supports.supported_contact import SupportedContact
 from .supports.supported_pair import SupportedPair
 from .unloaded import unloaded_contact
@@ -210,6 +211,7 @@ class MeshCycle:
         edge_contact: bool = True,
         solver: SolverChoice = "auto",
         progress: Callable[[], None] | None = None,
+        greater: Sequence[LoadedCase] = (),
         **options: Any,
     ) -> SupportedContact:
         """Loaded contact on shafts, bearings and housing, with the motion of the members under load.
@@ -225,6 +227,8 @@ class MeshCycle:
             the mesh cycle, until it changes gaps by less than 10 nm.
         assembled
             The pair in another assembly, with its deviations and modification; ``misaligned`` if left out.
+        greater
+            As of ``loaded``; cases on these supports, for constant ones and contact to first order.
 
         Returns
         -------
@@ -250,11 +254,14 @@ class MeshCycle:
         """
 
         def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
-            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, held=held)
+            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, greater=greater, held=held)
 
+        rounds = rounds or AssemblyRounds()
+        if greater and not (isinstance(supports, Supports) and rounds.update == "none"):
+            raise InputError("greater: must go with constant supports and rounds = 'none', whose segments stay")
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
         pair = SupportedPair(self, supports, assembled or self.misaligned, solve, progress)
-        return SupportedContact.of(pair, load, rounds or AssemblyRounds())
+        return SupportedContact.of(pair, load, rounds)
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -126,6 +126,13 @@ class Round:
     rotation: Array
     first_contact: Array
     supports: tuple[Supports, ...]
+
+    def at(self, torque: int) -> Round:
+        """The round at one of its torques alone, by its number."""
+        one = slice(torque, torque + 1)
+        arrays = {name: getattr(self, name)[one] for name in ("wrench", "parts", "rotation", "first_contact")}
+        cases = [replace(case, torque=0) for case in self.cases if case.torque == torque]
+        return replace(self, cases=cases, **arrays)
 
 
 @dataclass(frozen=True, eq=False)

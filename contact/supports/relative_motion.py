@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class RelativeMotion:
     assembly: Assembly
     pinion_sense: float
 
-    @property
+    @cached_property
     def twists(self) -> Array:
         """The twist (6, 6) of a unit of each part, one a column."""
         pinion, gear = member_axes(self.assembly)

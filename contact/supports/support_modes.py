@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class SupportModes:
     compliance: Array
     absorbed: Array
 
-    @property
+    @cached_property
     def mixing(self) -> Array:
         """L (6, s) with L L' the compliance, of as few columns as it has directions."""
         scale = np.repeat([1.0, ROTATION_LENGTH], 3)

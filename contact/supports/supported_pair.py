@@ -68,22 +68,27 @@ class SupportedPair:
 
     def solved(self, torques: Array, rounds: AssemblyRounds) -> list[FoundRound]:
         """The last rounds at torques (t) [N m]: of all together where nothing is updated, else of each alone."""
-        constant = isinstance(self.supports, Supports)
-        together = rounds.update == "none" and constant
-        groups = [tuple(range(torques.size))] if together else [(number,) for number in range(torques.size)]
-        found = []
-        for numbers in groups:
-            found.append(self._ended(numbers, torques[list(numbers)], rounds))
-            if self.progress is not None:
-                for _ in found[-1].found.cases:
-                    self.progress()
-        return found
-
-    def _ended(self, numbers: tuple[int, ...], torques: Array, rounds: AssemblyRounds) -> FoundRound:
-        """The last round at torques (t)."""
+        every = tuple(range(torques.size))
+        alone = [torques[i : i + 1] for i in every]
+        if not isinstance(self.supports, Supports):
+            return [self._ended((i,), alone[i], self._first(alone[i]), rounds) for i in every]
         positions = self.cycle.lines.rotations.size
-        absorbed, held = np.zeros((positions, 6)), self._first(torques, positions)
-        found = self._round(torques, absorbed, held, rounds.update)
+        together = self._round(torques, np.zeros((positions, 6)), (self.supports,) * positions, "none")
+        if rounds.update == "none":
+            return [self._ended(every, torques, together, rounds)]
+        return [self._ended((i,), alone[i], together.at(i), rounds) for i in every]
+
+    def _ended(self, numbers: tuple[int, ...], torques: Array, first: Round, rounds: AssemblyRounds) -> FoundRound:
+        """The last round at torques (t), counted by the progress."""
+        ended = self._rounds(numbers, torques, first, rounds)
+        if self.progress is not None:
+            for _ in ended.found.cases:
+                self.progress()
+        return ended
+
+    def _rounds(self, numbers: tuple[int, ...], torques: Array, found: Round, rounds: AssemblyRounds) -> FoundRound:
+        """The last round at torques (t), from the first."""
+        absorbed, held = np.zeros((len(found.supports), 6)), found.supports
         for count in range(1, rounds.most + 1):
             now, following = self._next(found, absorbed, rounds.update)
             change = self._change(found, now - absorbed, following) if rounds.update != "none" or following else 0.0
@@ -104,14 +109,13 @@ class SupportedPair:
         reason = f"after {rounds.most} rounds the assembly still changes gaps by {change:.3g} um"
         return replace(ended, status=RoundsStatus.ROUND_LIMIT, reason=reason)
 
-    def _first(self, torques: Array, positions: int) -> tuple[Supports, ...]:
-        """The supports at the first round: where they depend on the load, under that of the pair on rigid ones."""
-        if isinstance(self.supports, Supports):
-            return (self.supports,) * positions
-        rigid = (Supports.rigid(),) * positions
-        wrench = self._round(torques, np.zeros((positions, 6)), rigid, "none").wrench
+    def _first(self, torque: Array) -> Round:
+        """The first round at a torque (1) on supports that depend on the load: under that of the pair on rigid ones."""
+        assert not isinstance(self.supports, Supports)
+        absorbed = np.zeros((self.cycle.lines.rotations.size, 6))
+        wrench = self._round(torque, absorbed, (Supports.rigid(),) * len(absorbed), "none").wrench
         mean = np.nan_to_num(np.nanmean(wrench[0], axis=0)) if np.isfinite(wrench).any() else np.zeros(6)
-        return (self.supports.at(mean, -mean),) * positions
+        return self._round(torque, absorbed, (self.supports.at(mean, -mean),) * len(absorbed), "none")
 
     def _next(self, found: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
         """What the geometry of the next round absorbs (k, 6), and its supports; none if they stay."""
@@ -156,7 +160,14 @@ class SupportedPair:
         in_mean = MeshWrenches.of(mean.geometry)
         for own, cycle in groups:
             motion, wrenches = self.motion(cycle), in_mean if cycle is mean else MeshWrenches.of(cycle.geometry)
-            modes = [SupportModes(compliances[supports[k]], motion.twist(absorbed[k])) for k in own]
+            kinds: dict[tuple[Supports, tuple[float, ...]], SupportModes] = {}  # the modes of equal ones are found once
+            modes = [
+                kinds.setdefault(
+                    (supports[k], tuple(absorbed[k])),
+                    SupportModes(compliances[supports[k]], motion.twist(absorbed[k])),
+                )
+                for k in own
+            ]
             there, solved = self.solve(
                 replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
             )

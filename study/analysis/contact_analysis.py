@@ -17,7 +17,7 @@ from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unload
 from ...contact.load_capacity.tooth_root_stress import root_stress
 from ...contact.solvers import SolverChoice, require_solver
 from ...contact.supports.assembly_rounds import AssemblyRounds
-from ...contact.supports.support import LoadedSupports
+from ...contact.supports.support import LoadedSupports, Supports
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
@@ -163,10 +163,12 @@ def _light_load(
 ) -> xr.Dataset:
     """The group ``light_load``, in the assembly at its torque [N m]; segments of a greater torque there are taken."""
     ((places, own),) = state.assemblies([torque])
-    if held is not None:
-        (one,) = supported_parts(own, places, np.array([torque]), held, rounds, edge_contact=edges)
-        return with_loaded_numbers(one.state.cycle, one.loaded, one.cases)
     greater = next((one.cases for one in parts if _same_assembly(one.state, own)), [])
+    if held is not None:
+        first_order = isinstance(held, Supports) and rounds is not None and rounds.update == "none"
+        how: dict[str, Any] = {"edge_contact": edges, "greater": greater if first_order else ()}
+        (one,) = supported_parts(own, places, np.array([torque]), held, rounds, **how)
+        return with_loaded_numbers(one.state.cycle, one.loaded, one.cases)
     return with_loaded_numbers(own.cycle, *own.cycle.loaded([torque], edge_contact=edges, greater=greater))
 
 
