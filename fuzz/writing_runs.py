@@ -18,7 +18,7 @@ from processes import Outcome, command_line, forked
 
 OLDER = b"older\n"
 #: What two runs on the same input do not have in common.
-CHANGING_ATTRIBUTES = ("history",)
+CHANGING_ATTRIBUTES = ("history", "case_name")  # with the time, and with the name of the file of the case
 CHANGING_TEXT = re.compile(rb'(?<= date=)"[^"]*"')
 
 

@@ -555,7 +555,7 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
     assert set(read_table(out / "results.nc")["message"].values) == {"its process ended with code 3"}
     folders = [f"{out / name}: {len(list((out / name).iterdir()))} files" for name in ("tables", "figures")]
     expected = [*(str(out / name) for name in names), *folders, str(out / "test_set" / "contact_qpbenchmark.py")]
-    assert said.output == "".join(f"wrote {path}\n" for path in expected)
+    assert said.output.startswith("".join(f"wrote {path}\n" for path in expected))
     assert sorted(p.name for p in out.iterdir()) == sorted([*names, CHECKPOINT, "tables", "figures", "test_set"])
 
 

@@ -289,7 +289,7 @@ def test_the_command_names_results_by_their_files(drive: xr.DataTree, coast: xr.
     files = [str(tmp_path / name) for name in ("before.nc", "after.nc")]
     done = CliRunner().invoke(main, ["report", *files, "-o", str(output)])
     assert done.exit_code == 0, done.output
-    assert re.fullmatch(r"wrote .*r\.html: \d\.\d MB\n", done.output)
+    assert re.match(r"wrote .*r\.html: \d\.\d MB\nnext: ", done.output)
     assert [result["name"] for result in content(output.read_text(encoding="utf-8"))["results"]] == ["before", "after"]
 
 

@@ -50,7 +50,7 @@ def harmonics(loaded: xr.Dataset, torque: float) -> str:
 
 
 def against_the_dissertation() -> str:
-    """Loaded error of fm-11x41 beside the dissertation's, by its method and ours; draws the pictures of README and tutorial."""
+    """Loaded error of fm-11x41 beside the dissertation's, by its method and ours; draws two pictures."""
     default = easeoff.analyze("fm-11x41", torques=TORQUES)
     for name in ("contact_pattern", "pressure"):
         save(PICTURES[name](default), IMAGES / f"{name}.png")
