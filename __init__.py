@@ -91,8 +91,9 @@ def _register_accessor() -> None:
 
 
 fence()
-after_import("xarray", _register_accessor)
-show_figures_in_notebooks()
+if __name__ == "easeoff":  # test runners import the root of a checkout under the name of its folder, too
+    after_import("xarray", _register_accessor)
+    show_figures_in_notebooks()
 
 
 def __dir__() -> list[str]:

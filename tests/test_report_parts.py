@@ -115,7 +115,7 @@ def test_the_axial_thrust_of_a_left_hand_pinion_that_drives_points_to_its_heel(s
 
 def test_the_summary_names_the_supports_and_has_a_line_a_torque(supported: xr.DataTree) -> None:
     text = result_summary(supported)
-    assert "supports      pinion on bearings head, tail; gear on bearings flange side, far side" in text
+    assert "supports      axle-fm-11x41: pinion on bearings head, tail; gear on bearings flange side, far side" in text
     shares, loads = supports_tables(supported)
     for table in (shares, loads):
         assert table.title in text
@@ -135,7 +135,7 @@ def test_members_without_bearings_are_named_by_how_the_case_holds_them(supported
         ("no toml", "by matrices"),
     ):
         tree.attrs["case"] = text
-        assert supports_words(tree) == words
+        assert supports_words(tree) == f"axle-fm-11x41: {words}"
     assert len(supports_tables(tree)) == 1
 
 
