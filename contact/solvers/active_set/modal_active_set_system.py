@@ -175,6 +175,7 @@ class _BlockSystem:
 
     def solve(self, separation: Array, torque: float) -> tuple[Array, float]:
         """Return forces (a) and rotation for separations (a) of the active segments and a torque."""
+        assert self._factor is not None  # a system without one is not regular, and not solved
         rigid = dpotrs(self._factor, separation, lower=1)[0]
         rotation = (torque + float(self._arm @ rigid)) / self._pivot
         return rotation * self._unit - rigid, rotation
