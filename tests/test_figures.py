@@ -164,9 +164,9 @@ def test_root_stress_over_the_cycle_is_the_greatest_of_the_pairs(stressed: xr.Da
     np.testing.assert_array_equal(found, [2.0, 5.0, np.nan, 11.0, 14.0, 17.0])
     face, cycle = plot.root_stress(stressed, member="gear", torque=200.0).axes
     np.testing.assert_array_equal(face.lines[0].get_ydata(), [15.0, 16.0, 17.0])
-    assert np.max(cycle.lines[0].get_ydata()) == 107.0
+    assert np.max(np.asarray(cycle.lines[0].get_ydata())) == 107.0
     for axes in plot.root_stress(stressed).axes:  # no line runs out of its panel
-        greatest = max(np.nanmax(line.get_ydata()) for line in axes.lines)
+        greatest = max(np.nanmax(np.asarray(line.get_ydata())) for line in axes.lines)
         assert axes.get_ylim()[0] <= 0.0 < greatest < axes.get_ylim()[1]
 
 
