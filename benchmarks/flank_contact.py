@@ -36,7 +36,7 @@ SPOT = (1.0, 0.3)  # half sides of the loaded spot along the face and up the fla
 
 def steps(fine: float, count: int, end: float, ratio: float) -> np.ndarray:
     """Places from zero, even up to ``fine``, then growing."""
-    places, step = list(np.linspace(0.0, fine, count + 1)), fine / count
+    places, step = np.linspace(0.0, fine, count + 1).tolist(), fine / count
     while places[-1] < end:
         step *= ratio
         places.append(places[-1] + step if places[-1] + 1.6 * step < end else end)
