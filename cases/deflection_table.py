@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,15 +16,16 @@ from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT
 from ..core.suggestion import suggestion
 from ..geometry.pair.assembly import Misalignment
-from .deflections import Deflections
+from .deflections import SYMBOLS, Deflections
 from .mistakes import mistakes
 from .schema.misalignment_table import DEFLECTION_ROW_COUNT_LIMIT, DeflectionRow, deflections_of
 from .table_rows import read_table_rows
 
 COLUMNS = tuple(DeflectionRow.model_fields)
+ALLOWED = 'a mapping such as {"E": 0.05, "Sigma": 0.1}, a Misalignment, Deflections, or the path of a table of them'
 
-#: Misalignment as a user may give it: constant, over the torque, or the path of a table of deflections.
-MisalignmentSource = Misalignment | Deflections | str | Path
+#: Misalignment as a user may give it: constant, by letter, over the torque, or the path of a table of deflections.
+MisalignmentSource = Misalignment | Deflections | Mapping[str, float] | str | Path
 
 
 def read_deflections(path: str | os.PathLike[str]) -> Deflections:
@@ -73,6 +75,12 @@ def read_deflections(path: str | os.PathLike[str]) -> Deflections:
 def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
     """Misalignment from what a user gave.
 
+    Parameters
+    ----------
+    source
+        Such an object; a mapping of E, P, G [mm] and Sigma [degrees], where one that is left out is zero; or the path
+        of a table of deflections.
+
     Raises
     ------
     InputError
@@ -80,16 +88,33 @@ def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
 
     Examples
     --------
-    >>> misalignment_of(Misalignment(offset=0.1)).offset
-    0.1
+    >>> misalignment_of({"E": 0.1, "P": -0.05})
+    Misalignment(offset=0.1, pinion_axial=-0.05, gear_axial=0.0, shaft_angle=0.0)
     """
     if isinstance(source, Misalignment | Deflections):
         return source
+    if isinstance(source, Mapping):
+        return _constant(source)
+    if isinstance(source, str) and "=" in source and not os.path.exists(source):
+        raise InputError(f"misalignment = {shortened(printable(repr(source)))}: must be {ALLOWED}")
     if isinstance(source, str | os.PathLike):
         return read_deflections(source)
-    raise InputError(
-        f"misalignment: {type(source).__name__}: must be a Misalignment, Deflections, or the path of a table of them"
-    )
+    raise InputError(f"misalignment: {type(source).__name__}: must be {ALLOWED}")
+
+
+def _constant(values: Mapping[str, float]) -> Misalignment:
+    """Misalignment by the letters of its parts [mm, degrees]."""
+    for name in values:
+        if name not in SYMBOLS:
+            shown = shortened(printable(repr(name)))
+            raise InputError(
+                f"misalignment: {shown}: must be one of {', '.join(SYMBOLS)}{suggestion(str(name), SYMBOLS)}"
+            )
+    try:
+        row = _row({"torque": 0.0, **values})
+    except ValueError as error:
+        raise InputError(f"misalignment: {error}") from error
+    return Misalignment(row.E or 0.0, row.P or 0.0, row.G or 0.0, math.radians(row.Sigma or 0.0))
 
 
 def _is_text(column: str) -> bool:
