@@ -313,7 +313,7 @@ def test_a_case_whose_deflections_lack_a_flank_takes_others(case: Case, tmp_path
     for wrong in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(InputError):
             CaseInMesh.of(case, misalignment=wrong)
-    with pytest.raises(InputError, match="misalignment: float: must be a Misalignment, Deflections, or the path"):
+    with pytest.raises(InputError, match="misalignment: float: must be a mapping such as"):
         CaseInMesh.of(case, misalignment=0.1)  # type: ignore[arg-type]
 
 
