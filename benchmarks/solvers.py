@@ -19,6 +19,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from easeoff.core.compiled.compiled_use import compiling
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact import ContactProblem
 from easeoff.contact.problem.scaled_problem import ScaledProblem
@@ -199,6 +200,7 @@ class Rows:
         ]
 
 
+@compiling()
 def main() -> None:
     """Print the tables."""
     sizes = tuple(int(word) for word in sys.argv[1:]) or SIZES

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
+import importlib
 import os
 import shutil
 import tempfile
@@ -21,6 +23,13 @@ if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker takes the folder of the 
     atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
     os.environ["EASEOFF_CACHE"] = CACHE
 
+
+COMPILED_MODULES = (
+    "easeoff.contact.solvers.compiled.newton_kernel",
+    "easeoff.contact.lines.spline_kernel",
+    "easeoff.contact.evaluation.least_gap_kernel",
+)
+
 # No test is judged by the clock. ``make random`` takes the second profile: other examples, and more of them.
 CALM: dict[str, Any] = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("alike", max_examples=40, derandomize=True, database=None, **CALM)
@@ -37,6 +46,16 @@ def patience() -> None:
         for key in ("time_limit", "time_limit_secs"):
             if key in solver.settings:
                 cast(dict[str, Any], solver.settings)[key] = 3600.0
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile before the workers start: the first tests would else use the methods in numpy, with other last digits."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        from easeoff.core.compiled.compiled_use import compiling
+
+        with compiling(), contextlib.suppress(ImportError):
+            for module in COMPILED_MODULES:
+                importlib.import_module(module)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -114,6 +114,14 @@ def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result:
     np.testing.assert_allclose(rotations, loaded["transmission_error"].sel(torque=150).values, rtol=1e-9)
 
 
+def test_problems_of_a_shipped_case_are_written_again(tmp_path: Path) -> None:
+    """Its name is no file that the output could be."""
+    out = tmp_path / "problems.nc"
+    out.write_text("what was there")
+    assert call("problems", "nasa-12x36", "-o", str(out), "--torque", "150").exit_code == 0
+    assert len(read_problems(out)) == 32
+
+
 def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() if path.is_file() else b"" for path in folder.iterdir()}
 

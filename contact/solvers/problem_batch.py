@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array
+from ...core.compiled.compiled_use import FEWEST_PROBLEMS_TO_COMPILE, compiling
 from ...core.errors import InputError
 from ..problem.certificate import RESOLUTION_LIMIT
 from ..problem.contact_problem import ContactProblem
@@ -139,7 +140,9 @@ def solve_many(
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
-    if compiled_code() is None:
+    with compiling(len(problems) >= FEWEST_PROBLEMS_TO_COMPILE):
+        code = compiled_code()
+    if code is None:
         return plain_solutions(problems, known)
     found = []
     for problem, active in zip(problems, known, strict=True):
@@ -166,7 +169,8 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
     force, gap = np.full((2, count, problem.size), np.nan)
     numbers, status = np.full((count, 7), np.nan), np.full(count, Status.NOT_CONVERGED, dtype=np.int8)
     steps, proved = np.full(count, -1), np.zeros(count, dtype=np.bool_)
-    together = linear_answers(problem, gaps, moments)
+    with compiling(count >= FEWEST_PROBLEMS_TO_COMPILE):
+        together = linear_answers(problem, gaps, moments)
     if together is not None:
         force, gap, numbers, ended = together
         violations, resolution, numbers = numbers[:, 2:7], numbers[:, 7], numbers[:, :7]

@@ -16,13 +16,16 @@ from typing import Any, TypeVar
 
 import numba
 
-from .compiled_use import COMPILES_APART, tell_of_compilation
+from .compiled_use import COMPILES_APART, NotCompiledError, may_compile, tell_of_compilation
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(signature: Any = None, **options: Any) -> Callable[[Function], Function]:
-    """Decorator that compiles a function, with a signature when its file is imported."""
+    """Decorator that compiles a function, with a signature when its file is imported.
+
+    A file whose functions are not kept on disk cannot be imported where none may be compiled.
+    """
 
     def decorate(function: Function) -> Function:
         try:
@@ -33,6 +36,8 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[Function], Func
             found = numba.njit(error_model="numpy", **options)(function)
         if signature is not None:
             if not _is_kept(found, Path(function.__code__.co_filename)):
+                if not may_compile():
+                    raise NotCompiledError(f"{function.__name__} is not kept as compiled code")
                 tell_of_compilation()
                 _compile_apart(found, function.__module__)
             found.compile(signature)

@@ -17,6 +17,7 @@ from ...contact.problem.exchange.problem_checksum import problem_checksum, set_c
 from ...contact.problem.exchange.problem_file import write_problems
 from ...contact.solvers import ContactSolution, solve
 from ...core.attributes import labelled
+from ...core.compiled.compiled_use import compiling
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder, check_writable
 from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, USUAL_PARTS, Entry, entries
@@ -63,6 +64,7 @@ class LibraryFile:
     faults: tuple[str, ...]
 
 
+@compiling()
 def write_library(
     folder: str | os.PathLike[str],
     parts: Iterable[str] | None = None,

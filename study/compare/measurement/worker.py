@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ....contact.problem.contact_problem import ContactProblem
 from ....contact.solvers.compiled.compiled_answer import compiled_code
+from ....core.compiled.compiled_use import compiling
 from ....core.errors import EaseoffError, InputError
 from ....core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
@@ -163,7 +164,8 @@ def serve(connection: Connection, solver: str) -> None:
         connection.send(str(error))
         return
     if solver == "native":
-        compiled_code()  # compiled now if it has to be, not within the time limit of an attempt
+        with compiling():  # now if it has to be, not within the time limit of an attempt
+            compiled_code()
     connection.send(None)
     while True:
         try:
