@@ -62,6 +62,7 @@ fuzz: $(READY_FOR_TESTS)
 
 .venv:
 	$(PYTHON) -m venv --without-pip .venv
+	$(PIP) pip
 
 $(READY): pyproject.toml | .venv
 	$(PIP) -e .

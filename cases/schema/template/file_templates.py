@@ -25,6 +25,11 @@ EXAMPLES = {
     "case": {"face-milled": "fm-11x41", "face-hobbed": "fh-12x41-45"},
     "design": {"face-milled": "fm-11x41", "face-hobbed": "fh-design-b"},
 }
+#: Share of the limit pressure angle of a hypoid pair, and the targets of both sides [um], that suit most pairs.
+USUAL_INFLUENCE = 1.0
+USUAL_TARGET = {"lengthwise_crowning": 60.0, "profile_crowning": 15.0}
+#: What of an example is its own, and is not to get into a design unseen.
+OWN_TABLES = ("misalignment", "contact", "compliance", "friction")
 #: What the columns of load cases hold in the template.
 LOAD_CASES: tuple[Mapping[str, Any], ...] = (
     {"name": "cruise", "share": 0.8, "speed": 2000, "flank": "drive"},
@@ -101,6 +106,8 @@ def _case(name: str) -> str:
 def _design(name: str) -> str:
     origin = EXAMPLES["design"].get(name, name)
     values = _values(DESIGN.read(origin), f"Numbers of the shipped design {origin}, to be replaced.", "My pair")
+    if name in EXAMPLES["design"]:
+        values = _usual(values)
     head = [
         "Design: basic data of the blanks and the wanted ease-off. 'easeoff design FILE -o CASE.toml' makes a case "
         "with machine settings of it."
@@ -145,6 +152,15 @@ def _values(found: Any, description: str, title: str) -> dict[str, Any]:
     """Values that a file gives, with a title and a description of its own."""
     values: dict[str, Any] = found.model_dump(exclude_unset=True)
     return values | {"title": title, "description": description}
+
+
+def _usual(values: dict[str, Any]) -> dict[str, Any]:
+    """Values of a design with the usual targets, and without what is the example's own but its basic data."""
+    kept = {key: value for key, value in values.items() if key not in OWN_TABLES}
+    members = {name: {k: v for k, v in kept[name].items() if k != "tool_edge_radius"} for name in ("pinion", "gear")}
+    blank = kept["blank_design"] | {"limit_pressure_angle_influence": USUAL_INFLUENCE}
+    targets = {side: dict(USUAL_TARGET) for side in ("drive", "coast")}
+    return kept | members | {"description": "", "blank_design": blank, "target": targets}
 
 
 def _file(head: list[str], text: str) -> str:
