@@ -36,6 +36,8 @@ HEAD = re.compile(r"(#?)\[\[?([\w.]+)\]\]?(?: +# keys as in \[([\w.]+)\])?$")
 KEY = re.compile(r"(#?)(\w+) =(.*)")
 FURTHER = re.compile(r"# further keys as in \[([\w.]+)\]")
 OF_SCHEMA = [("case", Case), ("design", Design), ("supports", SupportFile)]
+#: Designs with usual targets instead of those of the pair that their basic data are from.
+USUAL = [("design", "face-milled"), ("design", "face-hobbed")]
 NAMES = [(kind, name) for kind, model in OF_SCHEMA for name in TEMPLATE_KINDS[kind].names()]
 
 
@@ -102,7 +104,37 @@ def test_a_new_key_of_a_schema_comes_by_itself() -> None:
     assert template_text(Steel, {}) == "#hardness = 700.0                    # surface hardness [HV]"
 
 
-@pytest.mark.parametrize(("kind", "name"), NAMES)
+@pytest.mark.parametrize(("process", "origin"), [("face-milled", "fm-11x41"), ("face-hobbed", "fh-design-b")])
+def test_a_design_has_the_basic_data_of_a_pair_and_nothing_else_of_it(process: str, origin: str) -> None:
+    found, example = parse_design(template("design", process)), read_design(origin)
+    influence = {"limit_pressure_angle_influence": 1.0}
+    assert found.blank_design == example.blank_design.model_copy(update=influence)
+    assert found.pair == example.pair
+    assert found.misalignment == Design.model_fields["misalignment"].default
+    assert found.pinion.tool_edge_radius is None
+    assert found.gear.tool_edge_radius is None
+    for target in (found.target.drive, found.target.coast):
+        assert target.model_dump(exclude_unset=True) == {"lengthwise_crowning": 60.0, "profile_crowning": 15.0}
+
+
+@pytest.mark.thorough
+def test_other_basic_data_in_the_template_make_a_pair_near_its_target() -> None:
+    text = template("design")
+    changes = {
+        "hypoid_offset = 20.0": "hypoid_offset = 35.0",
+        "gear_outer_pitch_diameter = 211.8355": "gear_outer_pitch_diameter = 220.0",
+        "gear_face_width = 34.5": "gear_face_width = 34.0",
+        "number_of_teeth = 11": "number_of_teeth = 9",
+        "number_of_teeth = 41": "number_of_teeth = 37",
+    }
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    _, report = design_case(parse_design(text))
+    assert all(side.largest_residual < 0.006 for side in report.sides.values())
+
+
+@pytest.mark.parametrize(("kind", "name"), [one for one in NAMES if one not in USUAL])
 def test_a_template_reads_as_what_its_numbers_are_from(kind: str, name: str) -> None:
     shipped: dict[str, Any] = {"case": read_case, "design": read_design, "supports": SUPPORT.read}
     found = parsed(kind, template(kind, name))

@@ -130,7 +130,7 @@ def plain(text: str) -> str:
 
 def default_value(field: FieldInfo) -> str:
     """The default of a key as it stands in TOML; nothing if there is none."""
-    if field.is_required() or field.default is None:
+    if field.is_required() or field.default is None or field.default == ():
         return ""
     value = field.default
     return toml_value(value[0] if isinstance(value, tuple) and len(value) == 1 else value)
