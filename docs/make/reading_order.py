@@ -49,6 +49,7 @@ READING_ORDER = {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [
             "notes/elastic_teeth",
+            "notes/friction_formulas",
             "notes/mixed_lubrication",
             "notes/contact_solvers",
             "notes/worn_and_measured_flanks",
