@@ -49,6 +49,8 @@ READING_ORDER = {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [
             "notes/elastic_teeth",
+            "notes/unloaded_contact",
+            "notes/elastic_supports",
             "notes/friction_formulas",
             "notes/mixed_lubrication",
             "notes/contact_solvers",
