@@ -53,6 +53,7 @@ READING_ORDER = {
             "notes/elastic_supports",
             "notes/friction_formulas",
             "notes/mixed_lubrication",
+            "notes/modification_search",
             "notes/contact_solvers",
             "notes/worn_and_measured_flanks",
             "notes/dissertation",
