@@ -175,17 +175,17 @@ def convergence() -> str:
         reference, pressure = found[-1]
         errors = [100.0 * np.abs(error / reference - 1.0).max(axis=1) for error, _ in found]
         sizes = [next(iter(c.values())) for c in changes]
-        for k, change in enumerate(changes[:-1]):
-            order = "" if k == 0 else f"{np.log(errors[k - 1][1] / errors[k][1]) / np.log(sizes[k] / sizes[k - 1]):.1f}"
-            greatest = 100.0 * np.abs(found[k][1] / pressure - 1.0)
-            label = " x ".join(str(v) for v in change.values())
-            reference_label = " x ".join(str(v) for v in changes[-1].values())
-            cells = (f"{v:.3f} %" for v in (*errors[k], *greatest))
-            rows.append((name, label, reference_label, *cells, order))
-    return table(
-        rows,
-        ["what", "value", "against", "TE, 50 N m", "TE, 500 N m", "pressure, 50 N m", "pressure, 500 N m", "order"],
-    )
+        labels = [" x ".join(str(v) for v in change.values()) for change in changes]
+        pressures = [100.0 * np.abs(greatest / pressure - 1.0) for _, greatest in found]
+        figures = [(*error, *other) for error, other in zip(errors[:-1], pressures[:-1], strict=True)]
+        orders = [
+            np.log(errors[k - 1][1] / errors[k][1]) / np.log(sizes[k] / sizes[k - 1]) for k in range(1, len(figures))
+        ]
+        cells = (", ".join(f"{v:.3f}" for v in column) for column in zip(*figures, strict=True))
+        order = ", ".join(f"{v:.1f}" for v in orders)
+        rows.append((name, ", ".join(labels[:-1]), labels[-1], *cells, order))
+    heads = [f"{what} [%], {torque}" for what in ("TE", "pressure") for torque in ("50 N m", "500 N m")]
+    return table(rows, ["what", "values", "against", *heads, "order"])
 
 
 def main() -> None:
