@@ -68,8 +68,9 @@ def test_backends_reach_their_level_on_degenerate_problems(name: str) -> None:
 
 def test_table_of_the_page_keeps_the_tolerances() -> None:
     """If not: run docs/make agreement."""
-    page = (DOCS / "researcher" / "solvers.md").read_text(encoding="utf-8").split("## Agreement\n", 1)[1]
-    table = [[c.strip() for c in line.strip("|").split("|")] for line in page.splitlines() if line.startswith("| `")]
+    page = (DOCS / "how_it_works" / "notes" / "contact_solvers.md").read_text(encoding="utf-8")
+    lines = page.split("## Agreement\n", 1)[1].splitlines()
+    table = [[c.strip() for c in line.strip("|").split("|")] for line in lines if line.startswith("| `")]
     listed = {row[0].strip("`"): row[1:] for row in table[: len(BACKENDS)]}
     assert list(listed) == BACKENDS
     for name, cells in listed.items():

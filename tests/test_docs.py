@@ -242,6 +242,18 @@ def test_free_settings_of_the_page_are_those_of_the_code() -> None:
     assert set(FREE_SETTINGS) == {row[0].strip("`") for row in table if row[2] == "yes"}
 
 
+def over_dimensions(page: str, group: str) -> dict[str, tuple[str, str]]:
+    """Dimensions and unit of the variables in the table under the heading that names a group."""
+    heading = next(line for line in page.splitlines() if line.startswith("### ") and group in line[4:].split(", "))
+    found, over = {}, "own"
+    for name, unit, _ in rows(page, heading):
+        if name.startswith("*"):
+            over = name.strip("*").removeprefix("over ").removeprefix("single values")
+        else:
+            found[name.strip("`")] = (name.strip("`") if over == "own" else over, unit)
+    return found
+
+
 def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
     """If not: run docs/make result_reference."""
     reference = importlib.import_module("make_result_reference")
@@ -253,10 +265,10 @@ def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
     easeoff.write_result(tree, tmp_path / "result.nc")
     with netCDF4.Dataset(tmp_path / "result.nc") as file:
         assert all(f"`{name}`" in page for name in file.ncattrs())
-        coordinates = {row[0].strip("`"): row[1:] for row in rows(page, "### Coordinates")}
+        coordinates = over_dimensions(page, "Coordinates")
         for group in file.groups.values():
             listed = {name: row for name, row in coordinates.items() if name in group.variables}
-            listed |= {row[0].strip("`"): row[1:] for row in rows(page, f"### `/{group.name}`")}
+            listed |= over_dimensions(page, f"`/{group.name}`")
             assert set(group.variables) == set(listed)
             for name, variable in group.variables.items():
                 dimensions = [d for d in variable.dimensions if not d.startswith("string")]

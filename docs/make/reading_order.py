@@ -49,7 +49,11 @@ READING_ORDER = {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [
             "notes/elastic_teeth",
+            "notes/unloaded_contact",
+            "notes/elastic_supports",
+            "notes/friction_formulas",
             "notes/mixed_lubrication",
+            "notes/modification_search",
             "notes/contact_solvers",
             "notes/worn_and_measured_flanks",
             "notes/dissertation",

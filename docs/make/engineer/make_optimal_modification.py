@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from dissertation_figures import save_small, title
 from dissertation_method import by_its_method
-from folders import GUIDES, IMAGES
+from folders import GUIDES, IMAGES, NOTES
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -24,7 +24,7 @@ from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import pressure_levels
 
 PICTURES = IMAGES / "optimal_modification"
-PAGE = GUIDES / "optimal_modification.md"
+PAGES = (GUIDES / "optimal_modification.md", NOTES / "modification_search.md")
 CASES = ("fm-11x41", "fh-12x41-45")
 RUNS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("`peak_load`", {"objective": "peak_load"}),
@@ -147,23 +147,25 @@ def draw_trade(reached: list[tuple[float, float]], path: Path) -> None:
 
 
 def main() -> None:
-    """Optimise, draw, and write the tables into the page."""
-    tables = []
-    for name in CASES:
+    """Optimise, draw, and write the tables into the pages."""
+    for name, page in zip(CASES, PAGES, strict=True):
         made = {}
         for label, options in RUNS:
             made[label] = easeoff.optimize(by_its_method(name), **options)
             print(name, label, cells(made[label], "after"), programmes(made[label]), flush=True)
-        tables.append(table(name, made))
+        write_table(page, name, table(name, made))
         if name == CASES[0]:
             free = made[RUNS[0][0]]
             draw(easeoff.analyze(by_its_method(name)), free, PICTURES / "optimal_modification.png")
             draw_trade(trade(name, free), PICTURES / "optimal_modification_trade.png")
-    begin, end = "<!-- begin generated: figures -->", "<!-- end generated: figures -->"
-    made_text = "\n\n".join(tables)
-    page = PAGE.read_text(encoding="utf-8")
-    page = re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{made_text}\n\n{end}", page, flags=re.DOTALL)
-    PAGE.write_text(page, encoding="utf-8")
+
+
+def write_table(path: Path, name: str, made: str) -> None:
+    """Put the table of a case between the comments of a page that name it."""
+    begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
+    page = path.read_text(encoding="utf-8")
+    page = re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{made}\n\n{end}", page, flags=re.DOTALL)
+    path.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

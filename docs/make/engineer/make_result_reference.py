@@ -40,27 +40,41 @@ def coarse_analysis() -> xr.DataTree:
 
 
 def result_tables(tree: xr.DataTree) -> str:
-    """One table a group of the tree, and one of the coordinates of all, as Markdown."""
+    """One table a group of the tree, or for groups with the same variables, and one of the coordinates of all."""
     groups = {name: tree[name].to_dataset() for name in tree.children}
     coordinates = {name: values for group in groups.values() for name, values in group.coords.items()}
     tables = {f"`/{name}`": dict(group.data_vars) for name, group in groups.items()} | {"Coordinates": coordinates}
-    return "\n\n".join(f"### {head}\n\n{described(variables)}" for head, variables in tables.items())
+    heads: dict[str, list[str]] = {}
+    for head, variables in tables.items():
+        heads.setdefault(described(variables), []).append(head)
+    return "\n\n".join(f"### {', '.join(names)}\n\n{made}" for made, names in heads.items())
 
 
 def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
-    """One row a variable."""
-    rows = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
+    """Rows of variables behind a row with the dimensions that they have."""
+    found: dict[str, list[str]] = {}
     for name, variable in variables.items():
-        meaning = str(variable.attrs["long_name"])
-        if "flag_meanings" in variable.attrs:
-            codes = variable.attrs["flag_values" if "flag_values" in variable.attrs else "flag_masks"]
-            flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
-            meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
-        elif variable.dtype.kind == "U" and name in variable.coords:
-            meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)
-        dimensions = ", ".join(str(dimension) for dimension in variable.dims)
-        rows.append(f"| `{name}` | {dimensions} | {variable.attrs.get('units', '')} | {meaning} |")
+        dimensions = ", ".join(map(str, variable.dims))
+        over = "" if variable.dims == (name,) else f"over {dimensions}" if dimensions else "single values"
+        row = f"| `{name}` | {variable.attrs.get('units', '')} | {meaning(name, variable)} |"
+        found.setdefault(over, []).append(row)
+    rows = ["| variable | unit | meaning |", "| --- | --- | --- |"]
+    for over, each in found.items():
+        rows += [f"| *{over}* | | |"] * bool(over) + each
     return "\n".join(rows)
+
+
+def meaning(name: Hashable, variable: xr.DataArray) -> str:
+    """Its long name, and its codes or labels."""
+    said = str(variable.attrs["long_name"])
+    if "flag_meanings" in variable.attrs:
+        codes = variable.attrs["flag_values" if "flag_values" in variable.attrs else "flag_masks"]
+        flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
+        text = ", ".join(f"{value} `{word}`" for value, word in flags)
+        return f"{said}: {text}"
+    if variable.dtype.kind == "U" and name in variable.coords:
+        said += ": " + ", ".join(f"`{word}`" for word in variable.values)
+    return said
 
 
 def summary() -> str:

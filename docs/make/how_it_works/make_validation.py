@@ -91,10 +91,9 @@ def against_the_dissertation() -> str:
     return table(rows, headers)
 
 
-def conventional() -> tuple[str, str]:
+def conventional() -> str:
     """Ease-off method against conventional contact analysis on every shipped pair: points, and contact lines."""
-    points: list[tuple[object, ...]] = []
-    lines: list[tuple[object, ...]] = []
+    rows: list[tuple[object, ...]] = []
     flanks: tuple[FlankName, ...] = ("drive", "coast")
     for name, flank in itertools.product(shipped_cases(), flanks):
         pair = gear_pair(easeoff.read_case(name), flank)
@@ -105,9 +104,7 @@ def conventional() -> tuple[str, str]:
             for found in zip(*((both.inside, ~both.contact.converged) for both in analyses), strict=True)
         )
         rotations = sum(both.contact.converged.size for both in analyses)
-        points.append(
-            (f"`{name}` {flank}", inside, f"{1e6 * error:.3f}", f"{1e3 * away:.1f}", f"{missed} of {rotations}")
-        )
+        points = (inside, f"{1e6 * error:.3f}", f"{1e3 * away:.1f}", f"{missed} of {rotations}")
         greatest, orders, number = [], [], 0
         for both in analyses:
             found = np.array([line_differences(both, separation) for separation in SEPARATIONS])
@@ -121,13 +118,10 @@ def conventional() -> tuple[str, str]:
         spans = [
             f"{low:.2f} to {high:.2f}" for low, high in zip(np.min(orders, axis=0), np.max(orders, axis=0), strict=True)
         ]
-        lines.append((f"`{name}` {flank}", number, *cells, *spans))
+        rows.append((f"`{name}` {flank}", *points, number, *cells, *spans))
     point_heads = ["transmission error [urad]", "path [um]", "not converged"]
     line_heads = [f"{what}, {s:g} um" for what in ("direction [deg]", "length [%]") for s in SEPARATIONS]
-    return (
-        table(points, ["pair", "points", *point_heads]),
-        table(lines, ["pair", "lines", *line_heads, "order, direction", "order, length"]),
-    )
+    return table(rows, ["pair", "points", *point_heads, "lines", *line_heads, "order, direction", "order, length"])
 
 
 def direct() -> str:
@@ -136,22 +130,18 @@ def direct() -> str:
     flanks: tuple[FlankName, ...] = ("drive", "coast")
     for name, flank in itertools.product(shipped_cases(), flanks):
         members = pair_geometry(gear_pair(easeoff.read_case(name), flank))
-        cells: list[str] = []
+        ranges, at_edges, differences = [], [], []
         for offset, pinion, gear, angle in DIRECT_ERRORS:
             geometry = members.misaligned(Misalignment(offset, pinion, gear, float(np.radians(angle))))
             cycle = MeshCycle.of(geometry, mesh_positions=DIRECT_POSITIONS)
             envelope = cycle.unloaded()["transmission_error_envelope"].values
             found, _ = smallest_envelope(geometry, cycle.lines.rotations)
             wanted = 1e6 * (found.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
-            at_edge = int(np.count_nonzero(found.edge != ""))
-            cells += [f"{np.ptp(wanted):.1f}", str(at_edge), f"{np.abs(envelope - wanted).max():.1e}"]
-        rows.append((f"`{name}` {flank}", *cells))
-    heads = [
-        f"{what}, {' '.join(f'{v:g}' for v in errors)}"
-        for errors in DIRECT_ERRORS
-        for what in ("envelope [urad]", "at an edge", "difference [urad]")
-    ]
-    return table(rows, ["pair", *heads])
+            ranges.append(f"{np.ptp(wanted):.1f}")
+            at_edges.append(str(np.count_nonzero(found.edge != "")))
+            differences.append(float(np.abs(envelope - wanted).max()))
+        rows.append((f"`{name}` {flank}", ", ".join(ranges), ", ".join(at_edges), f"{max(differences):.1e}"))
+    return table(rows, ["pair", "peak to peak [urad]", "at an edge", "difference [urad]"])
 
 
 def convergence() -> str:
@@ -185,28 +175,27 @@ def convergence() -> str:
         reference, pressure = found[-1]
         errors = [100.0 * np.abs(error / reference - 1.0).max(axis=1) for error, _ in found]
         sizes = [next(iter(c.values())) for c in changes]
-        for k, change in enumerate(changes[:-1]):
-            order = "" if k == 0 else f"{np.log(errors[k - 1][1] / errors[k][1]) / np.log(sizes[k] / sizes[k - 1]):.1f}"
-            greatest = 100.0 * np.abs(found[k][1] / pressure - 1.0)
-            label = " x ".join(str(v) for v in change.values())
-            reference_label = " x ".join(str(v) for v in changes[-1].values())
-            cells = (f"{v:.3f} %" for v in (*errors[k], *greatest))
-            rows.append((name, label, reference_label, *cells, order))
-    return table(
-        rows,
-        ["what", "value", "against", "TE, 50 N m", "TE, 500 N m", "pressure, 50 N m", "pressure, 500 N m", "order"],
-    )
+        labels = [" x ".join(str(v) for v in change.values()) for change in changes]
+        pressures = [100.0 * np.abs(greatest / pressure - 1.0) for _, greatest in found]
+        figures = [(*error, *other) for error, other in zip(errors[:-1], pressures[:-1], strict=True)]
+        orders = [
+            np.log(errors[k - 1][1] / errors[k][1]) / np.log(sizes[k] / sizes[k - 1]) for k in range(1, len(figures))
+        ]
+        cells = (", ".join(f"{v:.3f}" for v in column) for column in zip(*figures, strict=True))
+        order = ", ".join(f"{v:.1f}" for v in orders)
+        rows.append((name, ", ".join(labels[:-1]), labels[-1], *cells, order))
+    heads = [f"{what} [%], {torque}" for what in ("TE", "pressure") for torque in ("50 N m", "500 N m")]
+    return table(rows, ["what", "values", "against", *heads, "order"])
 
 
 def main() -> None:
     """Write the page."""
-    points, lines = conventional()
     template = (HERE / "validation.md.in").read_text(encoding="utf-8")
     page = template.format(
-        conventional=points,
-        lines=lines,
+        conventional=conventional(),
         direct=direct(),
         positions=DIRECT_POSITIONS,
+        assemblies="; ".join(" ".join(f"{v:g}" for v in errors) for errors in DIRECT_ERRORS),
         loaded=against_the_dissertation(),
         convergence=convergence(),
     )

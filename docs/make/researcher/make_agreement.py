@@ -1,4 +1,4 @@
-"""Write the table of agreement in solvers.md: python docs/make agreement.
+"""Write the table of agreement in contact_solvers.md: python docs/make agreement.
 
 Every installed solver, unpolished and at the settings of the table of solvers, on random and degenerate problems and on
 those of two gears: how far its multipliers are from rotation and gaps of the native solver.
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from dissertation_method import by_its_method
-from folders import RESEARCHER
+from folders import NOTES
 from tabulate import tabulate
 
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
@@ -21,7 +21,7 @@ from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.verification import PROBLEM_CLASSES, problems
 
-PAGE = RESEARCHER / "solvers.md"
+PAGE = NOTES / "contact_solvers.md"
 HEADING = "## Agreement"
 PER_CLASS = 10
 GEARS = {"nasa-12x36": [40.0, 150.0, 400.0], "fm-11x41": [50.0, 250.0, 500.0]}

@@ -1,8 +1,8 @@
-"""Compare all installed solvers on the problem library, and publish it: tables and pictures of ``compare.md``.
+"""Compare all installed solvers on the problem library: tables and pictures of ``compare.md`` and of a note.
 
 ``python docs/make comparison FOLDER`` makes the small and the medium part of the library and the comparison in a
-folder, from which it resumes, and updates the page: some ten minutes on two cores. With ``--page`` it only updates the
-page from the comparison in the folder.
+folder, from which it resumes, and updates the pages: some ten minutes on two cores. With ``--page`` it only updates
+them from the comparison in the folder.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from folders import IMAGES, RESEARCHER
+from folders import IMAGES, NOTES, RESEARCHER
 from PIL import Image
 
 from easeoff.study.compare import compare, read_table, write_comparison
@@ -24,7 +24,7 @@ from easeoff.study.compare.statistics.method_statistics import by_problem, headl
 from easeoff.study.compare.statistics.run_time_statistics import RUN_TIME_SHIFT, shifted_geometric_mean
 from easeoff.study.library import write_library
 
-PAGE = RESEARCHER / "compare.md"
+PAGES = (RESEARCHER / "compare.md", NOTES / "contact_solvers.md")
 PARTS = ("small", "medium")
 TOLERANCES = (1e-3, 1e-6, 1e-9)
 TIME_LIMIT = 2.0  # [s]
@@ -122,7 +122,7 @@ TABLES = {
 
 
 def updated(page: str, table: Any) -> str:
-    """The page with its generated parts, each between two comments, made anew."""
+    """A page with its generated parts, each between two comments, made anew."""
     for name, made in TABLES.items():
         begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
         text = f"{begin}\n\n{made(table)}\n\n{end}"
@@ -131,7 +131,7 @@ def updated(page: str, table: Any) -> str:
 
 
 def main() -> None:
-    """Measure if that is wanted, and update the page and its pictures."""
+    """Measure if that is wanted, and update pages and pictures."""
     arguments = [argument for argument in sys.argv[1:] if argument != "--page"]
     if len(arguments) != 1:
         raise SystemExit(__doc__)
@@ -143,7 +143,8 @@ def main() -> None:
         # A palette takes a third of the room; there are not many colours.
         picture = Image.open(folder / "comparison" / "figures" / f"{name}.png").convert("RGB").quantize(COLOURS)
         picture.save(IMAGES / "compare" / f"compare_{name}.png", optimize=True)
-    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8"), table), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(updated(page.read_text(encoding="utf-8"), table), encoding="utf-8")
 
 
 def measure(folder: Path) -> None:
