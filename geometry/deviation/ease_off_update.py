@@ -60,7 +60,7 @@ def deviated_ease_off(
     >>> pair = gear_pair(read_case("fm-11x41"))
     >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
     >>> updated = deviated_ease_off(pair_geometry(pair, (7, 5)), gear=deviation)
-    >>> [round(float(v), 3) + 0.0 for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel closes the gap
+    >>> [round(float(v), 3) + 0.0 for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel
     [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
     """
     ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
