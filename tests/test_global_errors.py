@@ -160,7 +160,7 @@ def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any
         surface = changed(surface, correction.changes)
     assert left[0] > 0.05
     assert left[1] < 0.03 * left[0]
-    assert left[2] < 0.001 * left[0]
+    assert left[2] < 0.002 * left[0]  # what no measurement tells apart is left
 
 
 def test_corrections_with_one_setting_find_that_setting() -> None:

@@ -21,14 +21,13 @@ from numpy.typing import NDArray
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
-from ..design.root_line import RootLine
 from ..pair.gear_pair import Member, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
 from .deviation import Deviation
 from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
 from .measurement import zeroed
 from .recut_flank import RecutFlank
-from .set_up_fit import HeldCombination, SetUpFit
+from .set_up_fit import LooseCombination, SetUpFit
 
 Array = NDArray[Any]
 
@@ -87,8 +86,8 @@ class Correction:
         The errors of the settings that were found, not rounded.
     condition
         Greatest over least effect of a usual step, of the combinations of settings that are determined.
-    held
-        The combinations that are not.
+    loose
+        The combinations that are not, taken so that the root line moves least.
 
     Examples
     --------
@@ -106,7 +105,7 @@ class Correction:
     changes: dict[str, float]
     errors: dict[str, float]
     condition: float
-    held: tuple[HeldCombination, ...]
+    loose: tuple[LooseCombination, ...]
 
     @property
     def surface(self) -> GeneratingSurface:
@@ -213,8 +212,14 @@ def corrective_settings(
         )
     stages = [fit.split(values) for values in (target, target + fit.slopes @ to_set, left)]
     flanks = tuple(
-        _corrected(*one_measured, fit.surface(number, to_set), [stage[number] for stage in stages])
-        for number, one_measured in enumerate(measured)
+        CorrectedFlank(
+            seen,
+            fit.surface(number, to_set),
+            own,
+            *(stage[number].reshape(own.value.shape) for stage in stages),
+            fit.root_change(number, to_set),
+        )
+        for number, (seen, own) in enumerate(measured)
     )
     surfaces = {flank.side: flank.surface for flank in flanks}
     if one and opposite is None:
@@ -227,7 +232,7 @@ def corrective_settings(
         dict(zip(fit.keys, (float(v) for v in fit.scale * to_set), strict=True)),
         dict(zip(fit.keys, (float(v) for v in fit.scale * steps), strict=True)),
         fit.condition,
-        fit.held(),
+        fit.loose(),
     )
 
 
@@ -241,13 +246,3 @@ def _measured_values(
     half = [0.5 * thickness / thickness_per_angle(member) for member, _ in measured]
     values = [zeroed(deviation, member.loaded).value.ravel() for member, deviation in measured]
     return [v + turn * np.abs(flank.lever) for v, turn, flank in zip(values, half, recut, strict=True)]
-
-
-def _corrected(
-    member: Member, deviation: Deviation, surface: GeneratingSurface, stages: Sequence[Array]
-) -> CorrectedFlank:
-    shape, designed = deviation.value.shape, member.loaded.designed
-    root_line = RootLine.of(designed, member.section)
-    root_change = root_line.gap(surface)[0] - root_line.gap(designed)[0]
-    before, linear, after = (stage.reshape(shape) for stage in stages)
-    return CorrectedFlank(member, surface, deviation, before, linear, after, root_change)

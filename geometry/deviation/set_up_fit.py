@@ -1,7 +1,8 @@
 """Least squares on the settings of one set-up: the settings that would have made the measured flanks.
 
 Settings are counted in usual steps. Combinations of them that hardly change the flanks are not determined by any
-measurement: they are told and held, and of all changes with the same effect the smallest are taken.
+measurement. They are told, and taken so that the blade's tip stays on its root line as well as they let it; of all
+changes with the same effect on flanks and root the smallest are taken.
 """
 
 from __future__ import annotations
@@ -17,13 +18,15 @@ from numpy.typing import NDArray
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.machine_resolution import resolution_of
 from ..cutting.named_settings import get_setting, scale_of, with_settings
+from ..design.root_line import RootLine
 from ..tooth.tooth_flanks import side
 from .machine_set_up import BLADE_SETTINGS
 from .recut_flank import RecutFlank
 
 Array = NDArray[Any]
 
-EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is held
+EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is not determined
+ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
 NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
 DIFFERENCE = 1e-3  # of a usual step, for derivatives
 MISSING_RESIDUAL = 1e3  # [mm] where settings cut no flank
@@ -31,7 +34,7 @@ REFIT_SHARE = 0.1  # of the greatest effect, from which on rounding is made up f
 
 
 @dataclass(frozen=True)
-class HeldCombination:
+class LooseCombination:
     """A combination of free settings that hardly changes the flanks.
 
     Parameters
@@ -141,26 +144,53 @@ class SetUpFit:
         values = self.effects[0][self.determined]
         return float(values.max() / values.min()) if values.size else np.inf
 
-    def held(self) -> tuple[HeldCombination, ...]:
+    def loose(self) -> tuple[LooseCombination, ...]:
         """The combinations that are not determined."""
         values, ways = self.effects
         found = []
         for number in np.flatnonzero(~self.determined):
             share = np.abs(ways[:, number])
             names = tuple(self.keys[i] for i in np.argsort(-share) if share[i] >= min(NAMED_SHARE, share.max()))
-            found.append(HeldCombination(names, float(values[number])))
+            found.append(LooseCombination(names, float(values[number])))
         return tuple(found)
+
+    def root_change(self, flank: int, steps: Array) -> Array:
+        """By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm]; NaN where unknown."""
+        line = self.root_lines[flank]
+        return np.asarray(line.gap(self.surface(flank, steps))[0] - line.gap(self.flanks[flank].surface)[0])
+
+    @cached_property
+    def root_lines(self) -> tuple[RootLine, ...]:
+        """Root line of each flank."""
+        return tuple(RootLine.of(flank.surface, flank.section) for flank in self.flanks)
 
     def steps(self, target: Array) -> Array:
         """Steps (m) whose departure is nearest to a measured one (n) [mm]."""
+        found = self._nearest(target, np.zeros(len(self.unknowns)))
+        ways, change = self.effects[1][:, ~self.determined], self._root_changes(found)
+        known = np.isfinite(change)
+        if not ways.size or not np.any(known):
+            return found
+        pairs = [(self._root_changes(DIFFERENCE * way), self._root_changes(-DIFFERENCE * way)) for way in ways.T]
+        slopes = np.stack([(ahead - behind)[known] for ahead, behind in pairs], axis=1) / (2.0 * DIFFERENCE)
+        left, sizes, right = np.linalg.svd(np.nan_to_num(slopes), full_matrices=False)
+        holding = sizes >= ROOT_EFFECT_LIMIT
+        along = -(left[:, holding].T @ change[known]) / sizes[holding]
+        return self._nearest(target, ways @ (right[holding].T @ along))
+
+    def _root_changes(self, steps: Array) -> Array:
+        return np.concatenate([self.root_change(number, steps) for number in range(len(self.flanks))])
+
+    def _nearest(self, target: Array, loose: Array) -> Array:
+        """Steps (m) nearest to a departure (n) [mm] by what is determined, beside given steps (m) of the rest."""
         from scipy.optimize import least_squares
 
         ways = self.effects[1][:, self.determined]
         if not ways.size:
-            return np.zeros(len(self.unknowns))
+            return loose
 
         def residual(along: Array) -> Array:
-            left = 1e3 * (target - self.departure(ways @ along))
+            left = 1e3 * (target - self.departure(loose + ways @ along))
             return np.where(np.isfinite(left), left, 1e3 * MISSING_RESIDUAL)
 
         start = np.zeros(ways.shape[1])
@@ -168,7 +198,7 @@ class SetUpFit:
         found = least_squares(
             residual, start, x_scale=1.0, diff_step=differences, xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=40
         )
-        return np.asarray(ways @ found.x)
+        return np.asarray(loose + ways @ found.x)
 
     def rounded(self, steps: Array) -> Array:
         """Steps (m) to settings that the machine can be set to.

@@ -185,7 +185,7 @@ def table_of_matrix(
         raise InputError("matrix of deviations: must be numbers in rows of one length") from error
     if values.ndim != 2:
         raise InputError(f"matrix of deviations: shape = {values.shape}: must be rows x columns")
-    require_size(*values.shape, "matrix of deviations")
+    require_size(values.shape[0], values.shape[1], "matrix of deviations")
     values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, "matrix of deviations")
     return DeviationTable(values, flank, margins or EdgeMargins(), "matrix of deviations")
 

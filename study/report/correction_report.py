@@ -124,13 +124,13 @@ def _notes(correction: Correction) -> Iterator[str]:
     if len(correction.surfaces) > len(correction.flanks):
         other = next(which for which in correction.surfaces if which != correction.flanks[0].side)
         yield f"Note: the {other} flank is cut in the same set-up and changes, too; it was not measured."
-    for combination in correction.held:
-        names, effect = combination.settings, f"{1e3 * combination.effect:.2g} um a usual step"
+    if correction.loose:
+        words = "; ".join(", ".join(combination.settings) for combination in correction.loose)
+        count = len(correction.loose)
         yield (
-            f"Note: {', '.join(names)} do nearly the same: one combination of them moves the flanks by {effect}, less "
-            f"than {1e3 * EFFECT_LIMIT:g} um, and was held; free fewer of them."
-            if len(names) > 1
-            else f"Note: {names[0]} moves the flanks by {effect} besides a rotation and was held."
+            f"Note: {count} combination{'s' if count > 1 else ''} of settings ({words}) move the flanks by less than "
+            f"{1e3 * EFFECT_LIMIT:g} um rms a usual step. They are taken so that the root moves least; to choose "
+            "otherwise, free fewer."
         )
     if correction.condition > CONDITION_LIMIT:
         yield (

@@ -20,6 +20,7 @@ Array = NDArray[Any]
 
 PARTS = {"before": "measured", "after": "predicted after the correction"}
 HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
+SHEAR = 0.08  # by which the sheet leans over to the right, of its length: bars of one column stand side by side
 BAR_SHARE = 0.16  # of the greatest deviation over the sheet's length, as drawn
 LABELLED_NODES_LIMIT = 63  # above which values stand at the corners and the middle alone
 
@@ -39,13 +40,13 @@ def draw(correction: Correction, title: str, parts: str | Sequence[str] | None =
 
 
 def sheet_places(flank: CorrectedFlank) -> Array:
-    """Places of the nodes on the drawn sheet (2, columns, rows): from toe to heel within 0 and 1, and from the root."""
+    """Places of the nodes on the drawn sheet (2, columns, rows): from toe to heel, and up from the root."""
     section, deviation = flank.member.section, flank.deviation
     sine, cosine = np.sin(section.pitch_angle), np.cos(section.pitch_angle)
     along = cosine * deviation.axial + sine * deviation.radial
     up = cosine * deviation.radial - sine * deviation.axial
     along, up = ((v - v.min()) / (v.max() - v.min()) for v in (along, up))
-    return np.stack([along, HEIGHT_SHARE * up])
+    return np.stack([along + SHEAR * up, HEIGHT_SHARE * up])
 
 
 def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) -> None:
@@ -55,16 +56,16 @@ def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) ->
     scale = BAR_SHARE / largest
     thin = 1.0 if value.size <= LABELLED_NODES_LIMIT else 0.6
     for lines, colour, width in (((x, y), FAINT, 0.6 * thin), ((x, y + scale * value), INK, 0.9 * thin)):
-        for column in zip(*lines, strict=True):
-            axes.plot(*column, color=colour, linewidth=width, zorder=1)
-        for row in zip(lines[0].T, lines[1].T, strict=True):
-            axes.plot(*row, color=colour, linewidth=width, zorder=1)
+        for of_column in zip(*lines, strict=True):
+            axes.plot(*of_column, color=colour, linewidth=width, zorder=1)
+        for of_row in zip(lines[0].T, lines[1].T, strict=True):
+            axes.plot(*of_row, color=colour, linewidth=width, zorder=1)
     for one_x, one_y, one in zip(x.ravel(), y.ravel(), value.ravel(), strict=True):
         colour = VERMILION if one > 0.0 else BLUE
         axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)
     for column, row in _labelled(value.shape):
         one = value[column, row]
-        text = f"{one:+.1f}" if largest < 10.0 else f"{one:+.0f}"
+        text = f"{one:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
         place = (x[column, row], y[column, row] + scale * one)
         axes.annotate(
             text.replace("-", "−"), place, (0, 2 if one >= 0.0 else -2), textcoords="offset points", ha="center",
@@ -73,7 +74,7 @@ def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) ->
     _label(axes, x, y, flank, part, value)
     _draw_scale(axes, scale, largest)
     axes.set_axis_off()
-    axes.set_xlim(-0.13, 1.2)
+    axes.set_xlim(-0.13, 1.24)
     axes.set_ylim(-BAR_SHARE - 0.14, HEIGHT_SHARE + BAR_SHARE + 0.12)
 
 
@@ -90,8 +91,8 @@ def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, val
     style: dict[str, Any] = {"fontsize": SMALL_SIZE, "color": GREY, "va": "center"}
     middle = 0.5 * HEIGHT_SHARE
     axes.text(-0.05, middle, "toe", ha="right", **style)
-    axes.text(1.05, middle, "heel", ha="left", **style)
-    axes.text(0.5, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
+    axes.text(1.05 + SHEAR, middle, "heel", ha="left", **style)
+    axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
     axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
     axes.set_title(f"{flank.side} flank, {PARTS[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
     sizes = f"rms {np.sqrt(np.mean(value**2)):.2f} · {value.min():+.1f} to {value.max():+.1f} µm"
@@ -103,5 +104,13 @@ def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
     """Draw a bar of a round length [um] beside the sheet."""
     power = 10.0 ** np.floor(np.log10(largest))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
-    axes.plot([1.16] * 2, [0.0, scale * length], color=INK, linewidth=1.6, solid_capstyle="butt")
-    axes.text(1.16, scale * length + 0.015, f"{length:g} µm", ha="center", va="bottom", fontsize=SMALL_SIZE, color=INK)
+    axes.plot([1.16] * 2, [-BAR_SHARE, scale * length - BAR_SHARE], color=INK, linewidth=1.6, solid_capstyle="butt")
+    axes.text(
+        1.16,
+        scale * length - BAR_SHARE + 0.015,
+        f"{length:g} µm",
+        ha="center",
+        va="bottom",
+        fontsize=SMALL_SIZE,
+        color=INK,
+    )
