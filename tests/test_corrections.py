@@ -41,8 +41,8 @@ from easeoff.geometry import (
     with_settings,
 )
 from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, scale_of
-from easeoff.geometry.design.root_line import RootLine
 from easeoff.geometry.deviation.recut_flank import RecutFlank
+from easeoff.geometry.deviation.set_up_fit import SetUpFit
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.tooth_body import middle_angle
 from easeoff.geometry.tooth.tooth_flanks import Side
@@ -219,22 +219,22 @@ def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> 
     assert only.loose == ()
 
 
-def test_settings_that_the_flanks_do_not_tell_hold_the_root() -> None:
-    """Sliding base and machine centre move the blade's tip along a flank of which they change nothing."""
+def test_what_the_flanks_do_not_tell_holds_the_root() -> None:
+    """Against the smallest changes with the same effect on the flank."""
     pinion = views(read_case("fm-11x41"), "pinion")["concave"]
     worn = flank_deviation(measured_file("fm-11x41-worn-pinion"), pinion)
-    (found,) = corrective_settings(pinion, worn, rounded=False).flanks
-    recut, line = RecutFlank.of(pinion, worn.axial, worn.radial), RootLine.of(pinion.loaded, pinion.section)
-    sheets, depths = [], []
-    for by in (-0.3, 0.0, 0.3):
-        moved = with_errors(found.surface, {"sliding_base": by})
-        distance = recut.distance(moved)
-        sheets.append(distance - recut.lever * float(recut.lever @ distance) / float(recut.lever @ recut.lever))
-        depths.append(float(line.gap(moved)[0][1] - line.gap(pinion.loaded)[0][1]))
-    assert np.max(np.abs(sheets[2] - sheets[0])) < 2e-4
-    assert abs(depths[2] - depths[0]) > 0.3
-    assert found.root_change[1] == pytest.approx(depths[1], abs=1e-9)
-    assert abs(depths[1]) < 0.03
+    fit = SetUpFit((RecutFlank.of(pinion, worn.axial, worn.radial),), usual_settings(pinion.loaded))
+    target = fit.form([worn.value.ravel()])
+    told = fit.effects[1][:, fit.determined]
+    smallest = told @ np.linalg.lstsq(fit.slopes @ told, target, rcond=None)[0]
+    found = fit.steps(target)
+    assert len(fit.loose()) == 4
+    same = fit.departure(found) - fit.departure(smallest)
+    assert np.sqrt(np.mean(same**2)) < 2e-4
+    held, free = (np.abs(fit.root_change(0, steps)).max() for steps in (found, smallest))
+    assert held < 0.5 * free
+    assert abs(fit.root_change(0, found)[1]) < 0.1 * free  # at mid-face
+    assert np.linalg.norm(found) < 1.0  # usual steps
 
 
 def test_a_rotation_alone_is_nothing_to_correct() -> None:
