@@ -8,21 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from closed_loops import (
-    FORMATE,
-    GENERATED,
-    LOOPS,
-    SIDES,
-    closed_loop,
-    greatest,
-    grids,
-    loop_case,
-    measured,
-    measured_case,
-    views,
-    with_errors,
-    written,
-)
 
 import easeoff
 from easeoff import GeometryError, InputError, plot
@@ -49,15 +34,29 @@ from easeoff.geometry.tooth.tooth_flanks import Side
 from easeoff.study import correct_case, measured_file
 from easeoff.study.cli import main
 from easeoff.study.report.correction_report import correction_report
+from easeoff.verification import CORRECTION_LOOPS, correction_loop
+from easeoff.verification.measuring.correction_loop import (
+    FORMATE,
+    GENERATED,
+    SIDES,
+    Array,
+    greatest,
+    grids,
+    loop_case,
+    measured,
+    measured_case,
+    views,
+    with_errors,
+)
 
 
-@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("loop", CORRECTION_LOOPS)
 @pytest.mark.quick(2)
 def test_the_corrected_case_leaves_less_than_three_percent(loop: str, tmp_path: Path) -> None:
     """Measured by another method than the fit uses: along the normals, by Newton."""
-    name, member, errors = LOOPS[loop]
+    name, member, errors = CORRECTION_LOOPS[loop]
     case = loop_case(name)
-    done = closed_loop(case, member, errors)
+    done = correction_loop(case, member, errors)
     assert greatest(done.before) > 15.0
     assert done.left < 0.03
     shared = "fixed" not in loop
@@ -72,12 +71,12 @@ def test_the_corrected_case_leaves_less_than_three_percent(loop: str, tmp_path: 
     assert read_case(tmp_path / "corrected.toml").model_dump() == done.found.case.model_dump()
 
 
-@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("loop", CORRECTION_LOOPS)
 @pytest.mark.quick(1)
 def test_measuring_errors_stay_what_they_are(loop: str) -> None:
     """Noise of 0.5 um in every point; what is left of the flanks themselves is no more than that."""
-    name, member, errors = LOOPS[loop]
-    done = closed_loop(loop_case(name), member, errors, noise=0.5)
+    name, member, errors = CORRECTION_LOOPS[loop]
+    done = correction_loop(loop_case(name), member, errors, noise=0.5)
     left = np.concatenate([value.ravel() for value in done.after.values()])
     assert np.sqrt(np.mean(left**2)) < 0.6
     for correction in done.found.corrections[member]:
@@ -100,7 +99,7 @@ def test_random_errors_of_all_machine_settings_are_corrected(case: str, member: 
         own[which] = {n: 0.25 * scale_of(n) * float(random.normal()) for n in names}
     if shares_set_up(seen["concave"]):
         own["convex"] = own["concave"]
-    done = closed_loop(checked, member, own)
+    done = correction_loop(checked, member, own)
     assert greatest(done.before) > 5.0
     assert done.left < 0.03
 
@@ -310,6 +309,12 @@ def test_an_unmeasured_flank_of_the_set_up_moves_with_it() -> None:
     assert alone.case.target.coast == case.target.coast
 
 
+def written(values: Array, which: Side) -> str:
+    """A plain matrix of deviations as a file."""
+    head = f"# flank: {which}\n# rows: root to tip\n# columns: toe to heel\n# deviation_unit: um\n"
+    return head + "\n".join("; ".join(f"{value:.4f}" for value in row) for row in values) + "\n"
+
+
 def call(*words: object) -> Any:
     return CliRunner().invoke(main, [str(word) for word in words])
 
@@ -413,8 +418,8 @@ def test_topographies_show_toe_heel_top_and_root_with_signs_and_sizes() -> None:
     places = {text.get_text(): text.get_position() for text in figure.axes[0].texts}
     assert places["toe"][0] < places["heel"][0]
     assert places["root"][1] < places["top"][1]
-    lines = [line.get_xydata() for line in figure.axes[0].lines if len(line.get_xdata()) == 2]
-    bars = [np.asarray(line) for line in lines if line[0][0] == line[1][0]]
+    lines = [np.asarray(line.get_xydata()) for line in figure.axes[0].lines]
+    bars = [line for line in lines if len(line) == 2 and line[0, 0] == line[1, 0]]
     at_toe, at_heel = (pick(bars[:-1], key=lambda bar: bar[0][0]) for pick in (min, max))
     assert at_toe[1][1] < at_toe[0][1]  # less metal: downwards
     assert at_heel[1][1] > at_heel[0][1]

@@ -53,6 +53,16 @@ class CorrectedFlank:
     root_change
         By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm], negative where it cuts
         deeper.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
+    >>> (flank,) = corrective_settings(pair.gear, deviation, free=["machine_root_angle"]).flanks
+    >>> isinstance(flank, CorrectedFlank), flank.side, flank.after.shape
+    (True, 'convex', (9, 5))
     """
 
     member: Member
@@ -210,16 +220,18 @@ def corrective_settings(
             f"no settings near the design cut the measured flanks: free others than {', '.join(names)}, or check the "
             "deviations"
         )
-    stages = [fit.split(values) for values in (target, target + fit.slopes @ to_set, left)]
+    stages = (fit.split(values) for values in (target, target + fit.slopes @ to_set, left))
     flanks = tuple(
         CorrectedFlank(
             seen,
             fit.surface(number, to_set),
             own,
-            *(stage[number].reshape(own.value.shape) for stage in stages),
+            before.reshape(own.value.shape),
+            linear.reshape(own.value.shape),
+            after.reshape(own.value.shape),
             fit.root_change(number, to_set),
         )
-        for number, (seen, own) in enumerate(measured)
+        for number, ((seen, own), before, linear, after) in enumerate(zip(measured, *stages, strict=True))
     )
     surfaces = {flank.side: flank.surface for flank in flanks}
     if one and opposite is None:

@@ -66,7 +66,15 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
 
 
 def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
-    """Settings of a surface that can be moved, but for its higher-order motions."""
+    """Settings of a surface that can be moved, but for its higher-order motions.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> "ratio_of_roll" in movable_settings(pair.pinion.loaded), "ratio_of_roll" in movable_settings(pair.gear.loaded)
+    (True, False)
+    """
     hobbed, rolled = surface.settings.indexing_ratio != 0.0, surface.settings.generated
     found = [name for name in BLADE_SETTINGS if hobbed or name not in ("rake_angle", "hook_angle")]
     tilted = surface.settings.cutter_tilt != 0.0

@@ -139,7 +139,7 @@ def _with_corrections(case: Case, name: MemberName, corrections: Sequence[Correc
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         raise InputError(f"{name}: the corrected settings cannot stand in a case: {'; '.join(lines[1:3])}") from error
     sides: tuple[FlankName, ...] = ("drive", "coast")
-    dropped = {flank: None for flank in sides if side_of(name, flank) in surfaces}
+    dropped: dict[str, Any] = {flank: None for flank in sides if side_of(name, flank) in surfaces}
     return case.model_copy(
         update={name: table.model_copy(update=update), "target": case.target.model_copy(update=dropped)}
     )

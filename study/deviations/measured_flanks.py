@@ -52,13 +52,13 @@ def measured_flanks(
     """
     found: dict[MemberName, tuple[MeasuredFlank, ...]] = {}
     for name, given in sources.items():
-        one = isinstance(given, str | Path | xr.Dataset | Deviation)
+        listed = [given] if isinstance(given, str | Path | xr.Dataset | Deviation) else list(given)
         member = named_member(pair, name)
         views = {side(seen.loaded): seen for seen in (member, *_other_views(member))}
         wanted = None if flank is None else side_of(name, flank)
         own: dict[Side, MeasuredFlank] = {}
         there: list[str] = []
-        for source in [given] if one else given:  # type: ignore[list-item]
+        for source in listed:
             opened, sides = _with_sides(source, name, member)
             there += sides
             for which, seen in views.items():

@@ -103,7 +103,7 @@ def _setting_rows(correction: Correction) -> Iterator[tuple[str, str, str, str, 
         name, _, which = key.partition(".")
         start = get_setting(by_side[which] if which else correction.flanks[0].member.loaded.designed, name)  # type: ignore[index]
         resolution = resolution_of(name)
-        written = [resolution.written(value) for value in (start, start + change)]
+        written = [resolution.written(value) + 0.0 for value in (start, start + change)]
         digits = resolution.decimals + 3
         difference = f"{written[1] - written[0]:+.{digits}f}" if all(map(math.isfinite, written)) else ""
         designed = f"{written[0]:.{digits}f}" if math.isfinite(written[0]) else resolution.text(start)
@@ -126,11 +126,10 @@ def _notes(correction: Correction) -> Iterator[str]:
         yield f"Note: the {other} flank is cut in the same set-up and changes, too; it was not measured."
     if correction.loose:
         words = "; ".join(", ".join(combination.settings) for combination in correction.loose)
-        count = len(correction.loose)
+        count = f"{len(correction.loose)} combination{'s' if len(correction.loose) > 1 else ''}"
         yield (
-            f"Note: {count} combination{'s' if count > 1 else ''} of settings ({words}) move the flanks by less than "
-            f"{1e3 * EFFECT_LIMIT:g} um rms a usual step. They are taken so that the root moves least; to choose "
-            "otherwise, free fewer."
+            f"Note: no measurement tells {count} of settings ({words}), less than {1e3 * EFFECT_LIMIT:g} um rms a usual "
+            "step: taken so that the root moves least; to choose otherwise, free fewer."
         )
     if correction.condition > CONDITION_LIMIT:
         yield (

@@ -6,11 +6,12 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
-from closed_loops import LOOPS, ClosedLoop, closed_loop, greatest, loop_case
 from dissertation_figures import save_small
 from folders import GUIDES, IMAGES
 
 from easeoff import plot
+from easeoff.verification import CORRECTION_LOOPS, CorrectionLoop, correction_loop
+from easeoff.verification.measuring.correction_loop import greatest, loop_case
 
 PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"
@@ -19,9 +20,12 @@ NOISE = 0.5  # [um]
 BEGIN, END = "<!-- begin generated: closed loops -->", "<!-- end generated: closed loops -->"
 
 
-def loops(noise: float = 0.0) -> dict[str, ClosedLoop]:
+def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
     """All loops, with noise [um rms] in the measurement."""
-    return {name: closed_loop(loop_case(case), member, errors, noise) for name, (case, member, errors) in LOOPS.items()}
+    return {
+        name: correction_loop(loop_case(case), member, errors, noise)
+        for name, (case, member, errors) in CORRECTION_LOOPS.items()
+    }
 
 
 def updated(page: str) -> str:
@@ -30,7 +34,7 @@ def updated(page: str) -> str:
     return re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{table}\n\n{END}", page, flags=re.DOTALL)
 
 
-def rows(exact: dict[str, ClosedLoop], noisy: dict[str, ClosedLoop]) -> Iterator[str]:
+def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> Iterator[str]:
     """The table: greatest deviations before and after, predicted and cut, and with noise in the measurement."""
     yield (
         "| member | case | set-ups | greatest deviation, µm | by derivatives | predicted | cut | left | "
@@ -38,7 +42,7 @@ def rows(exact: dict[str, ClosedLoop], noisy: dict[str, ClosedLoop]) -> Iterator
     )
     yield "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
     for name, loop in exact.items():
-        case, member, _ = LOOPS[name]
+        case, member, _ = CORRECTION_LOOPS[name]
         corrections = loop.found.corrections[member]
         flanks = [flank for correction in corrections for flank in correction.flanks]
         linear, after = (1e3 * max(np.abs(getattr(f, key)).max() for f in flanks) for key in ("linear", "after"))
@@ -51,8 +55,8 @@ def rows(exact: dict[str, ClosedLoop], noisy: dict[str, ClosedLoop]) -> Iterator
 
 def draw() -> None:
     """Write the topographies of one loop."""
-    case, member, errors = LOOPS[DRAWN]
-    (correction,) = closed_loop(loop_case(case), member, errors, NOISE).found.corrections[member]
+    case, member, errors = CORRECTION_LOOPS[DRAWN]
+    (correction,) = correction_loop(loop_case(case), member, errors, NOISE).found.corrections[member]
     PICTURE.parent.mkdir(exist_ok=True)
     title = f"{DRAWN}: {member} of {case}, measured with {NOISE:g} µm of noise"
     save_small(plot.topography(correction, title=title), PICTURE)

@@ -1,4 +1,8 @@
-"""The loop of the shop floor: cut with wrong settings, measure, correct, cut with the same errors, measure again."""
+"""The loop of the shop floor: cut with wrong settings, measure, correct, cut with the same errors, measure again.
+
+Flanks are cut anew from the settings of the corrected case and measured along their normals; nothing of the fit's own
+prediction is used.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.cases import Case, gear_pair, read_case
-from easeoff.geometry import GeneratingSurface, Member, get_setting, named_member, with_settings
-from easeoff.geometry.deviation.measurement import zeroed
-from easeoff.geometry.formats import cmm_points, flank_deviation, measured_matrix
-from easeoff.geometry.tooth.tooth_flanks import MemberName, Side, side
-from easeoff.study import CaseCorrection, correct_case
-from easeoff.verification import distance_along_normals
+from ...cases.conversion import gear_pair
+from ...cases.reading import read_case
+from ...cases.schema.case_schema import Case
+from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.cutting.named_settings import get_setting, with_settings
+from ...geometry.deviation.measurement import zeroed
+from ...geometry.formats.measured_grid import flank_deviation
+from ...geometry.formats.measured_matrix import measured_matrix
+from ...geometry.formats.measuring_points import cmm_points
+from ...geometry.pair.gear_pair import Member
+from ...geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
+from ...study.deviations.case_correction import CaseCorrection, correct_case
+from .measured_distance import distance_along_normals
 
 Array = NDArray[np.float64]
 
@@ -26,7 +36,7 @@ GENERATED = {"radial_distance": 0.09, "machine_root_angle": 1.5e-3, "work_offset
 TILTED = {**GENERATED, "cutter_tilt": 1.2e-3, "machine_center_to_crossing_point": -0.1}
 OTHER = {"radial_distance": -0.05, "machine_root_angle": -1e-3, "cutter_swivel": 4e-3, "ratio_of_roll": -1.5e-3}
 #: Case, member, and the errors of the machine that cuts each of its flanks.
-LOOPS: dict[str, tuple[str, MemberName, dict[Side, dict[str, float]]]] = {
+CORRECTION_LOOPS: dict[str, tuple[str, MemberName, dict[Side, dict[str, float]]]] = {
     "milled, spread blade, Formate": ("fm-11x41", "gear", dict.fromkeys(SIDES, FORMATE)),
     "milled, spread blade, generated": ("nasa-12x36", "gear", dict.fromkeys(SIDES, GENERATED)),
     "milled, fixed setting": ("fm-11x41", "pinion", {"concave": TILTED, "convex": OTHER}),
@@ -36,7 +46,7 @@ LOOPS: dict[str, tuple[str, MemberName, dict[Side, dict[str, float]]]] = {
 
 
 @dataclass(frozen=True)
-class ClosedLoop:
+class CorrectionLoop:
     """A member before and after its correction.
 
     Parameters
@@ -45,6 +55,14 @@ class ClosedLoop:
         The correction.
     before, after
         Deviations of each flank (rows, columns) [um], cut with the same errors of the machine.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> errors = dict.fromkeys(("concave", "convex"), {"machine_root_angle": 1e-3})
+    >>> loop = correction_loop(read_case("fm-11x41"), "gear", errors)
+    >>> isinstance(loop, CorrectionLoop), sorted(loop.after)
+    (True, ['concave', 'convex'])
     """
 
     found: CaseCorrection
@@ -67,15 +85,41 @@ def loop_case(name: str) -> Case:
     return completing(name.split()[0]) if name.endswith("completing") else read_case(name)
 
 
-def closed_loop(
+def correction_loop(
     case: Case, member: MemberName, errors: Mapping[Side, Mapping[str, float]], noise: float = 0.0, **options: Any
-) -> ClosedLoop:
-    """Cut, measure with noise [um rms], correct, and cut with the corrected settings and the same errors."""
+) -> CorrectionLoop:
+    """Cut a member with errors, measure, correct, and cut it with the corrected settings and the same errors.
+
+    Parameters
+    ----------
+    case
+        The case as designed.
+    member
+        ``pinion`` or ``gear``, with both flanks.
+    errors
+        Errors of the machine that cuts each flank, by setting: mm, rad or per radian.
+    noise
+        Root mean square of the measuring errors of single points [um].
+    **options
+        Passed to ``study.correct_case``.
+
+    Raises
+    ------
+    InputError, GeometryError
+        As ``study.correct_case``; and if the errors cut no flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> errors = dict.fromkeys(("concave", "convex"), {"machine_root_angle": 1e-3})
+    >>> correction_loop(read_case("fm-11x41"), "gear", errors).left < 0.03
+    True
+    """
     before = measured_case(case, case, member, errors)
     random = np.random.default_rng(7)
     noisy = {which: value + noise * random.normal(size=value.shape) for which, value in before.items()}
     found = correct_case(case, {member: grids(case, member, noisy)}, **options)
-    return ClosedLoop(found, before, measured_case(case, found.case, member, errors))
+    return CorrectionLoop(found, before, measured_case(case, found.case, member, errors))
 
 
 def grids(case: Case, member: MemberName, values: Mapping[Side, Array]) -> list[Any]:
@@ -123,9 +167,3 @@ def measured_case(
         which: measured(designed, with_errors(real[which].loaded, errors[which]))
         for which, designed in views(case, name).items()
     }
-
-
-def written(values: Array, which: Side) -> str:
-    """A plain matrix of deviations as a file."""
-    head = f"# flank: {which}\n# rows: root to tip\n# columns: toe to heel\n# deviation_unit: um\n"
-    return head + "\n".join("; ".join(f"{value:.4f}" for value in row) for row in values) + "\n"
