@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -164,6 +165,21 @@ def test_blades_stay_unless_they_are_named_and_each_flank_has_its_own() -> None:
     assert found.changes["radial_distance"] == pytest.approx(-0.05, rel=0.05)
     after = measured_case(case, correct_case(case, sources, free=free).case, "gear", errors)
     assert greatest(after) < 0.03 * greatest(before)
+
+
+@pytest.mark.thorough
+def test_the_closed_loops_of_the_page_are_those_of_the_program() -> None:
+    """If not: run docs/make corrections."""
+    script = importlib.import_module("make_corrections")
+    page = script.PAGE.read_text(encoding="utf-8")
+    table = page.split(script.BEGIN)[1].split(script.END)[0].strip().splitlines()[2:]
+    assert [line.split(" | ")[0] for line in table] == [f"| {name}" for name in CORRECTION_LOOPS]
+    for line, (case, member, errors) in zip(table, CORRECTION_LOOPS.values(), strict=True):
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        loop = correction_loop(loop_case(case), member, errors)
+        assert float(cells[3]) == pytest.approx(greatest(loop.before), abs=0.06)
+        assert float(cells[6]) == pytest.approx(greatest(loop.after), abs=0.03)
+        assert float(cells[7].split()[0]) <= 0.3  # as README.md says
 
 
 def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:

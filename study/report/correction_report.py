@@ -128,8 +128,8 @@ def _notes(correction: Correction) -> Iterator[str]:
         words = "; ".join(", ".join(combination.settings) for combination in correction.loose)
         count = f"{len(correction.loose)} combination{'s' if len(correction.loose) > 1 else ''}"
         yield (
-            f"Note: no measurement tells {count} of settings ({words}), less than {1e3 * EFFECT_LIMIT:g} um rms a usual "
-            "step: taken so that the root moves least; to choose otherwise, free fewer."
+            f"Note: no measurement tells {count} of settings ({words}), less than {1e3 * EFFECT_LIMIT:g} um rms a "
+            "usual step: taken so that the root moves least; to choose otherwise, free fewer."
         )
     if correction.condition > CONDITION_LIMIT:
         yield (
