@@ -184,6 +184,9 @@ OPTIONS: dict[str, Options] = {
         "--free": FREE,
         "--set-up": ("auto", "own", "shared", "Own", ""),
         "--thickness": ("gear=5", "gear=5,pinion=2", "gear", "gear=nan", "gear=1e9", "wheel=1", "gear=5um", "=", ""),
+        "-o": ("corrected.toml", "corrected.nc", *PATHS),
+        "--force": None,
+        "--plots": PICTURES,
         "--allow-outside": None,
     },
     "compare": {
