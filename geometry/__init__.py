@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .cutting.generating_surface import GeneratingSurface, Hand
     from .cutting.machine import MachineSettings, work_rotation
     from .cutting.machine_pose import machine_pose
+    from .cutting.machine_resolution import Resolution, resolution_of
     from .cutting.named_settings import get_setting, with_settings
     from .design.basic_settings import blank_section, formate_gear, generated_gear, hobbing_blade
     from .design.blank import (
@@ -24,11 +25,19 @@ if TYPE_CHECKING:
     )
     from .design.conjugate_pinion import conjugate_pinion
     from .design.synthesis import FREE_SETTINGS, EaseOffTarget, Synthesis, fit_pinion
-    from .deviation.corrective_settings import FREE_FORMATE_SETTINGS, Correction, corrective_settings
+    from .deviation.corrective_settings import CorrectedFlank, Correction, corrective_settings
     from .deviation.deviated_flank import deviated_pair
     from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
     from .deviation.ease_off_update import deviated_ease_off
     from .deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
+    from .deviation.machine_set_up import (
+        FREE_FORMATE_SETTINGS,
+        FREE_MACHINE_SETTINGS,
+        movable_settings,
+        shares_set_up,
+        usual_settings,
+    )
+    from .deviation.recut_flank import departure
     from .flanks.blank_section import BlankSection
     from .flanks.curvature import principal_curvatures
     from .flanks.flank import Flank, NodeStatus, solve_flank
@@ -43,6 +52,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FREE_FORMATE_SETTINGS",
+    "FREE_MACHINE_SETTINGS",
     "FREE_SETTINGS",
     "Assembly",
     "Blade",
@@ -50,6 +60,7 @@ __all__ = [
     "BlankDesign",
     "BlankDimensions",
     "BlankSection",
+    "CorrectedFlank",
     "Correction",
     "Deviation",
     "EaseOff",
@@ -71,6 +82,7 @@ __all__ = [
     "PairGeometry",
     "PitchCones",
     "Relief",
+    "Resolution",
     "Synthesis",
     "ToothLattice",
     "angle_errors",
@@ -79,6 +91,7 @@ __all__ = [
     "blank_section",
     "conjugate_pinion",
     "corrective_settings",
+    "departure",
     "deviated_ease_off",
     "deviated_pair",
     "deviation_from_dataset",
@@ -95,13 +108,17 @@ __all__ = [
     "hobbing_blade",
     "machine_pose",
     "modified_ease_off",
+    "movable_settings",
     "named_member",
     "pair_geometry",
     "principal_curvatures",
+    "resolution_of",
+    "shares_set_up",
     "solve_flank",
     "tooth_angle",
     "tooth_lattice",
     "tooth_patches",
+    "usual_settings",
     "with_settings",
     "work_rotation",
 ]
@@ -112,6 +129,7 @@ _ORIGINS = {
     ".cutting.generating_surface": ["GeneratingSurface", "Hand"],
     ".cutting.machine": ["MachineSettings", "work_rotation"],
     ".cutting.machine_pose": ["machine_pose"],
+    ".cutting.machine_resolution": ["Resolution", "resolution_of"],
     ".cutting.named_settings": ["get_setting", "with_settings"],
     ".design.basic_settings": ["blank_section", "formate_gear", "generated_gear", "hobbing_blade"],
     ".design.blank": [
@@ -124,11 +142,19 @@ _ORIGINS = {
     ],
     ".design.conjugate_pinion": ["conjugate_pinion"],
     ".design.synthesis": ["FREE_SETTINGS", "EaseOffTarget", "Synthesis", "fit_pinion"],
-    ".deviation.corrective_settings": ["FREE_FORMATE_SETTINGS", "Correction", "corrective_settings"],
+    ".deviation.corrective_settings": ["CorrectedFlank", "Correction", "corrective_settings"],
     ".deviation.deviated_flank": ["deviated_pair"],
     ".deviation.deviation": ["Deviation", "deviation_from_dataset", "deviation_from_formula"],
     ".deviation.ease_off_update": ["deviated_ease_off"],
     ".deviation.global_errors": ["GlobalErrors", "angle_errors", "fit_global_errors"],
+    ".deviation.machine_set_up": [
+        "FREE_FORMATE_SETTINGS",
+        "FREE_MACHINE_SETTINGS",
+        "movable_settings",
+        "shares_set_up",
+        "usual_settings",
+    ],
+    ".deviation.recut_flank": ["departure"],
     ".flanks.blank_section": ["BlankSection"],
     ".flanks.curvature": ["principal_curvatures"],
     ".flanks.flank": ["Flank", "NodeStatus", "solve_flank"],

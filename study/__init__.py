@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
-    from .deviation_source import flank_deviations, measured_file
+    from .deviations.case_correction import CaseCorrection, correct_case
+    from .deviations.deviation_source import flank_deviations, measured_file
     from .export.contact_mesh import export_contact
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Analysis",
+    "CaseCorrection",
     "CaseInMesh",
     "DesignReport",
     "ResultAccessor",
@@ -41,6 +43,7 @@ __all__ = [
     "analyze_load_cases",
     "compare",
     "contact_analysis",
+    "correct_case",
     "design_case",
     "duty_means",
     "equivalent_torque",
@@ -64,6 +67,7 @@ __all__ = [
 
 _MODULES = {
     "Analysis": ".analysis.joined_analysis",
+    "CaseCorrection": ".deviations.case_correction",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
     "ResultAccessor": ".report.notebook.result_accessor",
@@ -72,14 +76,15 @@ _MODULES = {
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
+    "correct_case": ".deviations.case_correction",
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",
     "equivalent_torque": ".load_cases.duty_means",
     "export_contact": ".export.contact_mesh",
     "fit_modification": ".design.fitted_settings",
-    "flank_deviations": ".deviation_source",
+    "flank_deviations": ".deviations.deviation_source",
     "key_numbers": ".report.key_numbers",
-    "measured_file": ".deviation_source",
+    "measured_file": ".deviations.deviation_source",
     "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.summary.result_summary",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from easeoff.geometry.formats import (
     cmm_points,
     flank_deviation,
     measured_grid,
+    measured_matrix,
     read_cmm_points,
     read_measured_grid,
     write_measured_grid,
@@ -87,7 +90,6 @@ def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
     [
         (table(VALUES, rows="", columns=""), r"line 3: .*numbers in 5 rows and 9 columns, without points.*# rows"),
         ("1;2\n3;4\n", r"line 1: '1;2': .*# flank: concave' \(or convex\); .*# deviation_unit: um' \(or mm\)"),
-        (table(VALUES, flank="concave"), "flank = 'concave': must be 'convex', the flank in contact here"),
         (table(VALUES, rows="upwards"), "rows = 'upwards': must be one of root to tip"),
         (table(VALUES, columns="tip to root"), "must be one along the flank and one up it"),
         (table(VALUES, deviation_unit="mil"), "deviation_unit = 'mil': must be one of um, mm"),
@@ -102,6 +104,55 @@ def test_tables_that_could_mean_something_else_are_refused(text: str, words: str
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         read_measured_grid(path, pair().gear)
+
+
+def test_a_table_of_the_other_flank_is_read_there_and_refused_here(tmp_path: Path) -> None:
+    path = tmp_path / "gear.txt"
+    path.write_text(table(VALUES, flank="concave"), encoding="utf-8")
+    found = read_measured_grid(path, pair().gear)
+    assert found["flank"].values.tolist() == ["concave"]
+    assert flank_deviation(found, pair().gear.from_opposite).value.shape == (9, 5)
+    with pytest.raises(InputError, match="has no convex flank, which is the one in contact; it has concave"):
+        flank_deviations(pair(), {"gear": path})
+    with pytest.raises(InputError, match="flank = 'concave': must be 'convex', the one given for this member"):
+        read_measured_grid(path, replace(pair().gear, opposite=None))
+
+
+@pytest.mark.parametrize(
+    ("ways", "matrix"),
+    [
+        ({}, VALUES),
+        ({"rows": "tip to root", "columns": "heel to toe"}, VALUES[::-1, ::-1]),
+        ({"rows": "toe to heel", "columns": "root to tip"}, VALUES.T),
+        ({"rows": "heel to toe", "columns": "tip to root", "deviation_unit": "mm"}, 1e-3 * VALUES[::-1, ::-1].T),
+    ],
+)
+def test_a_matrix_is_read_as_its_orientation_says(ways: dict[str, str], matrix: NDArray[np.float64]) -> None:
+    found = measured_matrix(pair().gear, matrix, **ways)  # type: ignore[arg-type]
+    np.testing.assert_allclose(found["deviation"].values, grid()["deviation"].values, rtol=1e-12)
+    np.testing.assert_array_equal(found["position"].values, grid()["position"].values)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "ways", "words"),
+    [
+        (VALUES[0], {}, r"shape = \(9,\): must be rows x columns"),
+        (VALUES[None], {}, r"shape = \(1, 5, 9\): must be rows x columns"),
+        ([[1.0, 2.0], [3.0]], {}, "must be numbers in rows of one length"),
+        ([["a", "b"], ["c", "d"]], {}, "must be numbers in rows of one length"),
+        (np.zeros((0, 3)), {}, "rows, columns = 0, 3: must be 1 to"),
+        (np.full((3, 3), np.nan), {}, "in row 1, column 1 is not finite"),
+        (1e4 * VALUES, {}, "must be at most 1000 um"),
+        (1e-3 * VALUES, {}, "must be at least 0.1 um"),
+        (VALUES, {"rows": "root to tip", "columns": "tip to root"}, "must be one along the flank and one up it"),
+        (VALUES, {"rows": "upwards"}, "rows = 'upwards': must be one of root to tip"),
+        (VALUES, {"deviation_unit": "inch"}, "deviation_unit = 'inch': must be one of um, mm"),
+        (VALUES, {"flank": "left"}, "flank = 'left': must be one of concave, convex"),
+    ],
+)
+def test_matrices_that_cannot_be_deviations_are_refused(matrix: Any, ways: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        measured_matrix(pair().gear, matrix, **ways)
 
 
 def test_a_table_needs_its_member(tmp_path: Path) -> None:

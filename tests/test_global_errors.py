@@ -14,7 +14,6 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import gear_pair
 from easeoff.geometry import (
-    FREE_FORMATE_SETTINGS,
     FREE_SETTINGS,
     Deviation,
     GeneratingSurface,
@@ -26,6 +25,7 @@ from easeoff.geometry import (
     fit_global_errors,
     get_setting,
     named_member,
+    usual_settings,
     with_settings,
 )
 from easeoff.geometry.cutting.named_settings import scale_of
@@ -114,6 +114,11 @@ def test_angles_are_those_of_the_normal(flank: str, name: str, change: dict[str,
     np.testing.assert_allclose(angles, wanted, rtol=0, atol=0.1 * np.max(np.abs(wanted)))
 
 
+def free_with_blades(surface: GeneratingSurface) -> tuple[str, ...]:
+    machine = FREE_SETTINGS if surface.settings.generated else usual_settings(surface)
+    return tuple(dict.fromkeys(("point_radius", "pressure_angle", *machine)))
+
+
 PERTURBED = {"point_radius": 0.15, "pressure_angle": 0.002, "machine_root_angle": 0.0006}
 GENERATED = {**PERTURBED, "radial_distance": 0.1, "ratio_of_roll": 0.002}
 
@@ -126,7 +131,7 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
     designed = member(case, name)
     wrong = GENERATED if designed.loaded.settings.generated else PERTURBED
     first = measured(designed, changed(designed.loaded, wrong))
-    correction = corrective_settings(designed, first)
+    correction = corrective_settings(designed, first, free=free_with_blades(designed.loaded))
     second = measured(designed, changed(correction.surface, wrong))
     assert np.max(np.abs(first.value)) > 5e-3
     assert np.max(np.abs(second.value)) < 0.05 * np.max(np.abs(first.value))
@@ -144,24 +149,24 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
     """A tenth of a millimetre off at first, a few hundredths of that after one pass, next to nothing after another."""
     designed = named_member(gear_pair(easeoff.read_case(case), flank), name)
-    free = FREE_SETTINGS if designed.loaded.settings.generated else FREE_FORMATE_SETTINGS
+    free = free_with_blades(designed.loaded)
     normal = np.random.default_rng(4).normal(size=len(free))
     wrong = {setting: 0.6 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
     surface, left = designed.loaded, []
     for _ in range(3):
         deviation = measured(designed, changed(surface, wrong))
-        correction = corrective_settings(designed, deviation)
+        correction = corrective_settings(designed, deviation, free=free, rounded=False)
         left.append(correction.rms_before)  # without the rotation of the tooth
         surface = changed(surface, correction.changes)
     assert left[0] > 0.05
     assert left[1] < 0.03 * left[0]
-    assert left[2] < 0.001 * left[0]
+    assert left[2] < 0.002 * left[0]  # what no measurement tells apart is left
 
 
 def test_corrections_with_one_setting_find_that_setting() -> None:
     designed = member("fm-11x41", "gear")
     deviation = measured(designed, changed(designed.loaded, {"point_radius": 0.1}))
-    correction = corrective_settings(designed, deviation, free=["point_radius"])
+    correction = corrective_settings(designed, deviation, free=["point_radius"], rounded=False)
     assert correction.changes["point_radius"] == pytest.approx(-0.1, rel=2e-2)
     with pytest.raises(InputError, match="free setting = 'tilt': must be one of"):
         corrective_settings(designed, deviation, free=["tilt"])

@@ -14,6 +14,7 @@ loaded contact                    ``contact_of_flanks``: pressures on cells of t
                                   and indentation, by ``flank_response`` and ``half_space_compliance``
 root stress                       ``shell_root_stress``: section forces in the shell's root springs
 measured deviations               ``distance_along_normals``
+corrective settings               ``correction_loop``: cut, measure, correct, cut with the same errors, measure
 solvers of the contact problem    ``problems`` of the ``PROBLEM_CLASSES``
 shell                             ``thesis_kinematics``, ``monomials``: the dissertation's own
 teeth on one body                 ``toothed_sector``: all teeth and their body as one lattice, solved whole
@@ -35,7 +36,8 @@ from .flank_contact.segment_gap import SegmentGaps, exact_gap, segment_gaps
 from .flank_contact.surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh, flanks_of
 from .flank_contact.surface_contact import half_space_compliance
 from .flank_gap import FlankGap, flank_gap
-from .measured_distance import distance_along_normals
+from .measuring.correction_loop import CORRECTION_LOOPS, CorrectionLoop, correction_loop
+from .measuring.measured_distance import distance_along_normals
 from .point_contact import PointContact, path_of_contact, point_contact
 from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
@@ -45,8 +47,10 @@ from .thesis_shell import monomials, thesis_kinematics
 from .yardsticks.verification_row import RowStatus, VerificationRow
 
 __all__ = [
+    "CORRECTION_LOOPS",
     "PROBLEM_CLASSES",
     "BothMethods",
+    "CorrectionLoop",
     "DirectionalCurvatures",
     "EnvelopeCondition",
     "FlankContact",
@@ -66,6 +70,7 @@ __all__ = [
     "VerificationRow",
     "both_methods",
     "contact_of_flanks",
+    "correction_loop",
     "cutter_position",
     "directional_curvatures",
     "distance_along_normals",

@@ -27,6 +27,7 @@ READING_ORDER = {
             "guides/deflections",
             "guides/supports",
             "guides/real_flanks",
+            "guides/corrections",
             "guides/optimal_modification",
             "guides/finite_elements",
             "guides/friction",

@@ -40,6 +40,9 @@ DEVIATION = ("gear=fm-11x41-worn-gear", "pinion=fm-11x41-worn-pinion", "gear=fm-
              "gear=/", "gear=.", "gear=/dev/null", "=x", "pinion=fm-11x41-worn-gear", "gear=case.toml",
              "gear=/dev/zero", "gear=\x1b[2J")  # fmt: skip
 INTERPOLATION = ("spline", "smooth", "weighted_average", "cubic", "")
+FREE = ("radial_distance", "machine_root_angle,radial_distance", "point_radius", "ratio_of_roll", "cutter_tilt",
+    "sliding_base_motion_1", "sliding_base_motion_9", "radial_distance,", "", ",", "radial", "x" * 500, "\x1b[2J",
+    "cradle_angle,cradle_angle", "blade_curvature", "rake_angle")  # fmt: skip
 LARGEST = ("1", "0", "-1", "nan", "inf", "1e9", "1e-9", "x", "1,5")
 
 PAIR: Options = {
@@ -175,7 +178,17 @@ OPTIONS: dict[str, Options] = {
         "--mesh-position": ("0", "0.25", "0.5", "1", "-1", "nan", "inf", "x", "0,25", ""),
         "--nodes": ("9x7", "5x5", "1x1", "x", "9", "9x7x5", "9X7", "-5x9", "200x100", "1e3x5"),
     },
-    "correct": {"--flank": FLANK, "--deviation": DEVIATION, "--allow-outside": None},
+    "correct": {
+        "--flank": FLANK,
+        "--deviation": DEVIATION,
+        "--free": FREE,
+        "--set-up": ("auto", "own", "shared", "Own", ""),
+        "--thickness": ("gear=5", "gear=5,pinion=2", "gear", "gear=nan", "gear=1e9", "wheel=1", "gear=5um", "=", ""),
+        "-o": ("corrected.toml", "corrected.nc", *PATHS),
+        "--force": None,
+        "--plots": PICTURES,
+        "--allow-outside": None,
+    },
     "compare": {
         "--solvers": ("native", "native,magic", "magic", "", "native,", "os:path", "math:sqrt", "osqp",
         "native,native", "nothing:x", ":", "\x1b[2J"),

@@ -1,8 +1,12 @@
-"""Corrective machine settings: changes of settings that cancel a measured deviation, and the residual.
+"""Corrective machine settings: changes of settings that cancel measured deviations, rounded to what can be set.
 
-The flank is known by its deviation from the one designed. Least squares find the settings that would have made the
-measured flank; the opposite of their changes corrects it. (Settings that make the opposite deviation would do to first
-order only.) Turning the tooth is no change of form: a rotation is left out.
+Each flank is known by its deviation from the one designed. Least squares find the settings that would have made the
+measured flanks: the errors of the machine. Their opposite, rounded to the machine's resolution, is the correction; the
+flanks cut anew with errors and correction together are the prediction. (Settings that make the opposite deviation would
+do to first order only.) Two flanks that share a set-up share its settings in one problem; each has its own blade.
+
+Turning the tooth is no change of form: a rotation of each flank is left out or, where the thickness of the tooth was
+measured, one rotation of both.
 """
 
 from __future__ import annotations
@@ -14,37 +18,86 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError
+from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import get_setting, scale_of, with_settings
-from ..design.synthesis import FREE_SETTINGS
-from ..flanks.flank import solve_flank
-from ..newton import solve
-from ..pair.gear_pair import Member
+from ..cutting.named_settings import get_setting, with_settings
+from ..pair.gear_pair import Member, thickness_per_angle
+from ..tooth.tooth_flanks import Side, side
 from .deviation import Deviation
+from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
+from .measurement import zeroed
+from .recut_flank import RecutFlank
+from .set_up_fit import LooseCombination, SetUpFit
 
 Array = NDArray[Any]
 
-# Formate: no roll. The cradle angle and tilt would only stand in for others.
-FREE_FORMATE_SETTINGS = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
-STEP_WEIGHT = 1.0  # residual of a usual step of a setting [um]; it keeps apart settings that have the same effect
-MISSING_RESIDUAL = 1e6
+
+@dataclass(frozen=True)
+class CorrectedFlank:
+    """One measured flank before and after the correction, a rotation left out.
+
+    Parameters
+    ----------
+    member
+        The member as designed, seen from this flank.
+    surface
+        The flank's surface with the corrected settings, to be set on the machine.
+    deviation
+        The deviation as measured.
+    before
+        The deviation (columns, rows) [mm].
+    linear
+        What is left by first derivatives (columns, rows) [mm].
+    after
+        What is left on the flank cut anew (columns, rows) [mm].
+    root_change
+        By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm], negative where it cuts
+        deeper.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
+    >>> (flank,) = corrective_settings(pair.gear, deviation, free=["machine_root_angle"]).flanks
+    >>> isinstance(flank, CorrectedFlank), flank.side, flank.after.shape
+    (True, 'convex', (9, 5))
+    """
+
+    member: Member
+    surface: GeneratingSurface
+    deviation: Deviation
+    before: Array
+    linear: Array
+    after: Array
+    root_change: Array
+
+    @property
+    def side(self) -> Side:
+        """Concave or convex."""
+        return side(self.surface)
 
 
 @dataclass(frozen=True)
 class Correction:
-    """Corrective settings of one flank.
+    """Corrective settings of one set-up, and what they leave.
 
     Parameters
     ----------
-    surface
-        The designed flank with the corrections added, to be set on the machine.
+    flanks
+        The measured flanks cut in it.
+    surfaces
+        Surfaces with the corrected settings of all flanks cut in it, measured or not.
     changes
-        Change of each free setting: mm, rad or per radian.
-    residual
-        Rest of the deviation (columns, rows) [mm], a rotation removed.
-    rms_before, rms
-        Root mean square of deviation and residual, both with a rotation removed [mm].
+        Change of each free setting, to be set on the machine: mm, rad or per radian. A blade of one of two flanks is
+        named after it, as ``point_radius.concave``.
+    errors
+        The errors of the settings that were found, not rounded.
+    condition
+        Greatest over least effect of a usual step, of the combinations of settings that are determined.
+    loose
+        The combinations that are not, taken so that the root line moves least.
 
     Examples
     --------
@@ -53,91 +106,155 @@ class Correction:
     >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
     >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(pressure_angle=5.0), (9, 5))
     >>> correction = corrective_settings(pair.gear, deviation, free=["pressure_angle"])
-    >>> list(correction.changes), correction.residual.shape
-    (['pressure_angle'], (9, 5))
+    >>> list(correction.changes), correction.residual.shape, sorted(correction.surfaces)
+    (['pressure_angle'], (9, 5), ['concave', 'convex'])
     """
 
-    surface: GeneratingSurface
+    flanks: tuple[CorrectedFlank, ...]
+    surfaces: dict[Side, GeneratingSurface]
     changes: dict[str, float]
-    residual: Array
-    rms_before: float
-    rms: float
+    errors: dict[str, float]
+    condition: float
+    loose: tuple[LooseCombination, ...]
+
+    @property
+    def surface(self) -> GeneratingSurface:
+        """Surface of the first measured flank with the corrected settings."""
+        return self.flanks[0].surface
+
+    @property
+    def residual(self) -> Array:
+        """What is left of the first measured flank's deviation (columns, rows) [mm]."""
+        return self.flanks[0].after
+
+    @property
+    def rms_before(self) -> float:
+        """Root mean square of the deviations of all flanks [mm]."""
+        return _rms([flank.before for flank in self.flanks])
+
+    @property
+    def rms_linear(self) -> float:
+        """Root mean square of what first derivatives leave [mm]."""
+        return _rms([flank.linear for flank in self.flanks])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of what is left on the flanks cut anew [mm]."""
+        return _rms([flank.after for flank in self.flanks])
 
 
-def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[str] | None = None) -> Correction:
-    """Settings that cancel a measured deviation of a member's loaded flank.
+def _rms(values: Sequence[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate([value.ravel() for value in values]) ** 2)))
+
+
+def corrective_settings(
+    member: Member,
+    deviation: Deviation,
+    *,
+    opposite: Deviation | None = None,
+    free: Sequence[str] | None = None,
+    shared: bool | None = None,
+    thickness: float | None = None,
+    rounded: bool = True,
+) -> Correction:
+    """Settings that cancel the measured deviations of a set-up.
 
     Parameters
     ----------
     member
-        The member as designed.
+        The member as designed, seen from the measured flank.
     deviation
-        Measured deviation.
+        Deviation of its loaded flank.
+    opposite
+        Deviation of its other flank, cut in the same set-up.
     free
-        Settings that may change, see ``named_settings``; usual ones of a generated or Formate member if left out.
+        Settings that may change, see ``named_settings``; ``usual_settings``, without blades, if left out.
+    shared
+        Whether both flanks are cut in one set-up; if left out, whether their settings are equal.
+    thickness
+        By how much the normal circular thickness of the tooth was measured to be above the one designed [mm]; if left
+        out it was not measured, and each flank may be turned by itself.
+    rounded
+        Whether the corrected settings are rounded to the resolution of the machine.
 
     Raises
     ------
     InputError
-        If a free setting has another name.
+        If a free setting cannot be moved, or two flanks or a thickness are given that share no set-up.
     GeometryError
-        If a measured point lies off the designed flank.
+        If a measured point lies off the designed flank, or the corrected settings cut no flank there.
 
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
-    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
-    >>> correction = corrective_settings(pair.gear, deviation)
-    >>> correction.rms < 0.01 * correction.rms_before
+    >>> from easeoff.geometry import departure, with_settings
+    >>> gear = gear_pair(read_case("fm-11x41")).gear
+    >>> wrong = {"radial_distance": gear.loaded.settings.radial_distance + 0.2}
+    >>> measured = [departure(m, with_settings(m.loaded, wrong)) for m in (gear, gear.from_opposite)]
+    >>> correction = corrective_settings(gear, measured[0], opposite=measured[1])
+    >>> correction.rms < 0.02 * correction.rms_before
     True
     """
-    from scipy.optimize import least_squares
-
-    surface = member.loaded.designed
-    names = tuple(free) if free is not None else FREE_SETTINGS if surface.settings.generated else FREE_FORMATE_SETTINGS
-    scales = np.array([scale_of(name) for name in names])
-    start = np.array([get_setting(surface, name) for name in names])
-    target = np.stack([deviation.axial.ravel(), deviation.radial.ravel()])
-    flank = solve_flank(surface, member.section, *target)
-    if not np.all(np.isfinite(flank.position)):
-        raise GeometryError("measured points lie off the designed flank: check the measuring grid")
-    azimuth = np.arctan2(flank.position[1], flank.position[0])
-    lever = flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0]
-    profile = surface.on("profile")
-    measured = deviation.value.ravel()
-
-    def moved(steps: Array) -> GeneratingSurface:
-        return with_settings(profile, dict(zip(names, start + scales * steps, strict=True)))
-
-    def left(steps: Array) -> Array:
-        """Measured deviation from the flank of these settings (n) [mm], a rotation removed."""
-        changed = moved(steps)
-        found = solve(changed.axial_and_radial, flank.parameters, target, changed.max_step)
-        position, _, _ = changed.evaluate(found.parameters)
-        turned = np.mod(np.arctan2(position[1], position[0]) - azimuth + np.pi, 2.0 * np.pi) - np.pi
-        error = measured - turned * lever
-        error = error - lever * float(lever @ error) / float(lever @ lever)
-        return np.where(found.converged, error, MISSING_RESIDUAL)
-
-    def residual(steps: Array) -> Array:
-        return np.concatenate([1e3 * left(steps), STEP_WEIGHT * steps])
-
-    found = least_squares(
-        residual,
-        np.zeros(len(names)),
-        x_scale=1.0,
-        diff_step=np.full(len(names), 1e-4),
-        xtol=1e-10,
-        ftol=1e-12,
-        max_nfev=40,
+    one = shares_set_up(member) if shared is None else shared
+    if one and not shares_set_up(member):
+        raise InputError(
+            "shared set-up: must be both flanks of a member with the same machine settings; those of this member "
+            + ("differ" if member.opposite is not None else "are given for one flank only")
+        )
+    if not one and (opposite is not None or thickness is not None):
+        what = "an opposite flank" if opposite is not None else "a thickness"
+        raise InputError(f"{what} is given for flanks with set-ups of their own: correct each flank by itself")
+    if thickness is not None and opposite is None:
+        raise InputError(f"thickness = {1e3 * thickness:g} um: must go with the deviations of both flanks")
+    names = tuple(free) if free is not None else usual_settings(member.loaded)
+    require_movable(member.loaded, names)
+    measured = [(member, deviation), *([] if opposite is None else [(member.from_opposite, opposite)])]
+    recut = tuple(RecutFlank.of(one_member, own.axial, own.radial) for one_member, own in measured)
+    fit = SetUpFit(recut, names, one_rotation=thickness is not None)
+    target = fit.form(_measured_values(measured, recut, thickness))
+    steps = fit.steps(target)
+    to_set = fit.rounded(-steps) if rounded else -steps
+    left = target - fit.departure(steps) + fit.departure(steps + to_set)
+    if not np.all(np.isfinite(left)):
+        raise GeometryError(
+            f"no settings near the design cut the measured flanks: free others than {', '.join(names)}, or check the "
+            "deviations"
+        )
+    stages = (fit.split(values) for values in (target, target + fit.slopes @ to_set, left))
+    flanks = tuple(
+        CorrectedFlank(
+            seen,
+            fit.surface(number, to_set),
+            own,
+            before.reshape(own.value.shape),
+            linear.reshape(own.value.shape),
+            after.reshape(own.value.shape),
+            fit.root_change(number, to_set),
+        )
+        for number, ((seen, own), before, linear, after) in enumerate(zip(measured, *stages, strict=True))
     )
-    before, after = left(np.zeros(len(names))), left(found.x)
+    surfaces = {flank.side: flank.surface for flank in flanks}
+    if one and opposite is None:
+        # The machine moves for the other flank, too; its blade, of which nothing was measured, does not.
+        other, machine = member.from_opposite.loaded.designed, [n for n in names if n not in BLADE_SETTINGS]
+        surfaces[side(other)] = with_settings(other, {n: get_setting(flanks[0].surface, n) for n in machine})
     return Correction(
-        moved(-found.x).on(surface.part),
-        {name: float(v) for name, v in zip(names, -scales * found.x, strict=True)},
-        after.reshape(deviation.value.shape),
-        float(np.sqrt(np.mean(before**2))),
-        float(np.sqrt(np.mean(after**2))),
+        flanks,
+        surfaces,
+        dict(zip(fit.keys, (float(v) for v in fit.scale * to_set), strict=True)),
+        dict(zip(fit.keys, (float(v) for v in fit.scale * steps), strict=True)),
+        fit.condition,
+        fit.loose(),
     )
+
+
+def _measured_values(
+    measured: Sequence[tuple[Member, Deviation]], recut: Sequence[RecutFlank], thickness: float | None
+) -> list[Array]:
+    """Measured deviations by flank (n) [mm]; with a thickness, in one position of the tooth."""
+    if thickness is None:
+        return [deviation.value.ravel() for _, deviation in measured]
+    # Each flank is turned by half the angle that the tooth is thicker; its middle is the place of the thickness.
+    half = [0.5 * thickness / thickness_per_angle(member) for member, _ in measured]
+    values = [zeroed(deviation, member.loaded).value.ravel() for member, deviation in measured]
+    return [v + turn * np.abs(flank.lever) for v, turn, flank in zip(values, half, recut, strict=True)]

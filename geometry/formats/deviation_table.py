@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import one_of, shown
 from ...core.errors import InputError
@@ -56,17 +56,20 @@ class DeviationTable:
     source: str
 
     def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on the loaded flank of a member, where ``easeoff export`` has them.
+        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them.
 
         Raises
         ------
         InputError
-            If the table is of the other flank.
+            If the member is not known to have this flank.
         """
         if self.flank != side(member.loaded):
-            raise InputError(
-                f"{self.source}: flank = {self.flank!r}: must be {side(member.loaded)!r}, the flank in contact here"
-            )
+            if member.opposite is None:
+                known = side(member.loaded)
+                raise InputError(
+                    f"{self.source}: flank = {self.flank!r}: must be {known!r}, the one given for this member"
+                )
+            member = member.from_opposite
         rows, columns = self.deviation.shape
         margins = self.margins
         if member.opposite is not None:
@@ -133,16 +136,67 @@ def parsed_table(content: str, source: str) -> DeviationTable:
             f"{source}, line {first}: {excerpt(head)}: whole numbers, or decimal commas? Write decimal points, or "
             "separate the columns by semicolons"
         )
-    upwards, along = attributes["rows"], attributes["columns"]
-    if (upwards in UPWARDS) == (along in UPWARDS):
-        raise InputError(
-            f"{source}: rows = {upwards!r}, columns = {along!r}: must be one along the flank and one up it"
-        )
     deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
-    if upwards in LENGTHWISE:
-        deviation, upwards, along = deviation.T, along, upwards
-    deviation = deviation[:: 1 if upwards == UPWARDS[0] else -1, :: 1 if along == LENGTHWISE[0] else -1]
-    return DeviationTable(np.ascontiguousarray(deviation), attributes["flank"], _margins(attributes), source)
+    deviation = _oriented(deviation, attributes["rows"], attributes["columns"], source)
+    return DeviationTable(deviation, attributes["flank"], _margins(attributes), source)
+
+
+def table_of_matrix(
+    deviation: ArrayLike,
+    flank: str,
+    *,
+    rows: str = UPWARDS[0],
+    columns: str = LENGTHWISE[0],
+    deviation_unit: str = "um",
+    margins: EdgeMargins | None = None,
+) -> DeviationTable:
+    """The table of a plain matrix of deviations.
+
+    Parameters
+    ----------
+    deviation
+        Deviations, positive where there is more metal; what rows and columns are say the next arguments.
+    flank
+        ``concave`` or ``convex``.
+    rows, columns
+        ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; rows and columns may be exchanged.
+    deviation_unit
+        ``um`` or ``mm``.
+    margins
+        Margins of the measuring grid.
+
+    Raises
+    ------
+    InputError
+        If the matrix is none, or the words do not say how it lies.
+
+    Examples
+    --------
+    >>> table = table_of_matrix([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "convex", rows="tip to root")
+    >>> table.deviation[0].tolist()  # at the root
+    [4.0, 5.0, 6.0]
+    """
+    given = {"flank": flank, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
+    for key, allowed in WANTED.items():
+        one_of(key, given[key], allowed)
+    try:
+        values = np.array(deviation, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError("matrix of deviations: must be numbers in rows of one length") from error
+    if values.ndim != 2:
+        raise InputError(f"matrix of deviations: shape = {values.shape}: must be rows x columns")
+    require_size(values.shape[0], values.shape[1], "matrix of deviations")
+    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, "matrix of deviations")
+    return DeviationTable(values, flank, margins or EdgeMargins(), "matrix of deviations")
+
+
+def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:
+    """Deviations with rows from root to tip and columns from toe to heel."""
+    if (rows in UPWARDS) == (columns in UPWARDS):
+        raise InputError(f"{source}: rows = {rows!r}, columns = {columns!r}: must be one along the flank and one up it")
+    if rows in LENGTHWISE:
+        deviation, rows, columns = deviation.T, columns, rows
+    return np.ascontiguousarray(deviation[:: 1 if rows == UPWARDS[0] else -1, :: 1 if columns == LENGTHWISE[0] else -1])
 
 
 def _margins(attributes: Attributes) -> EdgeMargins:

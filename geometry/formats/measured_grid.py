@@ -23,7 +23,8 @@ from . import measuring_points as cmm
 
 FORMAT = "easeoff measured grid"
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
-SUFFIXES = (*cmm.SUFFIXES, *DMIS_SUFFIXES)
+TEXT_SUFFIXES = (".csv", ".txt")
+SUFFIXES = (*cmm.SUFFIXES, ".txt", *DMIS_SUFFIXES)
 # Formats without a public description that is good enough to read them.
 UNSUPPORTED_FORMATS = {
     ".xml": "GDE (VDI/VDE 2610) and vendors' XML: their schema is not public",
@@ -112,7 +113,7 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def read_measured_grid(path: str | os.PathLike[str], member: Member | None = None) -> xr.Dataset:
-    """Read a measured grid of this package (``.csv``, ``.nc``) or of DMIS (``.dmi``, ``.dmo``, ``.dmis``).
+    """Read a measured grid of this package (``.csv``, ``.txt``, ``.nc``) or of DMIS (``.dmi``, ``.dmo``, ``.dmis``).
 
     A text file may give a column ``deviation`` (in um, or in what ``# deviation_unit: mm`` says), or the measured
     coordinates; then the deviation is their distance along the normal. Or it is a table of deviations without points,
@@ -156,7 +157,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
             )
     else:
         content = cmm.content(source)
-        if suffix == ".csv" and deviation_table.is_table(content):
+        if suffix in TEXT_SUFFIXES and deviation_table.is_table(content):
             table = deviation_table.parsed_table(content, str(source))
             if member is None:
                 raise InputError(f"{source}: a table of deviations without points: give the member that it is of")

@@ -66,6 +66,19 @@ class Member:
         settings = self.loaded.settings
         return self.opposite is not None and self.opposite.settings == settings and settings.indexing_ratio == 0.0
 
+    @property
+    def from_opposite(self) -> Member:
+        """The same member seen from its other flank.
+
+        Raises
+        ------
+        InputError
+            If it does not know its other flank.
+        """
+        if self.opposite is None:
+            raise InputError("the member has one flank only: give the settings of the other one, too")
+        return replace(self, loaded=self.opposite, opposite=self.loaded)
+
     def flank(self, lengthwise: Array, profile: Array) -> Flank:
         """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""
         t, h = np.meshgrid(lengthwise, profile, indexing="ij")

@@ -21,7 +21,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import CaseInMesh, checked_case
-from ..deviation_source import Deviated, Source
+from ..deviations.deviation_source import Deviated, Source
 from .contact_analysis import case_torques, contact_analysis
 from .friction_analysis import friction_settings, operation_of, with_friction
 

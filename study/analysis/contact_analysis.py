@@ -22,7 +22,7 @@ from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
-from ..deviation_source import require_line_contact
+from ..deviations.deviation_source import require_line_contact
 from ..result_layout import RESULT_SCHEMA_VERSION
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
 from .supported_analysis import LoadedPart, case_rounds, supported_parts

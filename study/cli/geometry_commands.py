@@ -11,17 +11,20 @@ from click.core import ParameterSource
 from .command import Command
 from .options.shared_options import (
     allow_outside_option,
-    deviation_option,
     echo,
-    flank_option,
+    flank_files,
+    force_option,
     margins,
+    names,
     nodes,
     output_option,
     outside_allowed,
+    refuse_name_of_output,
     teeth,
+    thicknesses,
 )
 from .terminal.terminal_bar import working
-from .terminal.word_completion import case_names
+from .terminal.word_completion import case_names, deviation_names
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
@@ -136,24 +139,112 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
 @click.command(cls=Command)
 @click.argument("case", shell_complete=case_names)
 @allow_outside_option
-@flank_option
-@deviation_option(
-    "Measured grid of a member: a file, or the name of a shipped one. May be given for both members.", required=True
+@click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast"]),
+    show_default="all that the files hold",
+    help="Correct these flanks only: drive (concave pinion, convex gear) or coast.",
 )
-def correct(case: str, flank: Any, deviations: Any) -> None:
-    """Print corrective settings for measured flanks of CASE.
+@click.option(
+    "--deviation",
+    "deviations",
+    multiple=True,
+    required=True,
+    callback=flank_files,
+    shell_complete=deviation_names,
+    metavar="MEMBER=FILE",
+    help="Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
+    "each flank of a member.",
+)
+@click.option(
+    "--free",
+    callback=names,
+    metavar="NAME,...",
+    show_default="those of the machine, no blades",
+    help="Settings that may change, such as radial_distance,machine_root_angle; the message to a wrong one lists them.",
+)
+@click.option(
+    "--set-up",
+    type=click.Choice(["auto", "shared", "own"]),
+    default="auto",
+    show_default=True,
+    help="Whether both flanks of a member are cut in one set-up: auto, if their settings are equal.",
+)
+@click.option(
+    "--thickness",
+    callback=thicknesses,
+    metavar="MEMBER=UM,...",
+    show_default="not measured",
+    help="By how much the normal thickness of the tooth was measured to be above the one designed, in um; of a shared "
+    "set-up with both flanks measured.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Case file to write with the corrected settings.",
+)
+@force_option
+@click.option(
+    "--plots",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="FOLDER",
+    help="Folder for topographies before and after.",
+)
+def correct(
+    case: str,
+    flank: Any,
+    deviations: Any,
+    free: tuple[str, ...] | None,
+    set_up: str,
+    thickness: Any,
+    output: Path | None,
+    force: bool,
+    plots: Path | None,
+) -> None:
+    """Correct the machine settings of CASE for measured flanks.
 
-    The global errors of the flanks are printed too.
+    Flanks that share a set-up are corrected together. Printed are the global errors of the flanks, the settings to be
+    set, rounded to what the machine can be set to, and the deviations predicted on the flanks cut with them.
     """
-    from ...cases import gear_pair, read_case
-    from ...geometry.tooth.tooth_flanks import named_member
-    from ..deviation_source import flank_deviations
+    from ...cases import read_case, write_case
+    from ...cases.writing import require_replaceable
+    from ...core.writing.output_file import check_folder, check_writable
+    from ..deviations.case_correction import correct_case
     from ..report.correction_report import correction_report
 
-    pair = gear_pair(read_case(case, allow_outside=outside_allowed()), flank)
+    if force and output is None:
+        raise click.UsageError("--force: must go with --output")
+    if output is not None:
+        check_writable(output, case, *(file for files in deviations.values() for file in files), suffix=".toml")
+        require_replaceable(output, force)
+        refuse_name_of_output(output, plots=plots)
+    if plots is not None:
+        check_folder(plots, "pictures")
+    shared = {"auto": None, "shared": True, "own": False}[set_up]
+    checked = read_case(case, allow_outside=outside_allowed())
     with working("settings fitted to the measured flanks"):
-        reports = [
-            correction_report(name, named_member(pair, name), deviation)
-            for name, deviation in flank_deviations(pair, deviations).items()
-        ]
-    echo("\n\n".join(reports))
+        found = correct_case(checked, deviations, flank=flank, free=free, shared=shared, thickness=thickness)
+    echo(correction_report(found))
+    if output is not None:
+        write_case(found.case, output, _executed(case, found.corrections))
+        echo(f"wrote {output}")
+    if plots is not None:
+        from ..plot.figures.correction_figures import write_topographies
+
+        for path in write_topographies(found, plots, Path(case).stem):
+            echo(f"wrote {path}")
+
+
+def _executed(case: str, corrections: Any) -> str:
+    """Comment of a corrected case."""
+    flanks = "; ".join(
+        f"{name} {' and '.join(flank.side for own in found for flank in own.flanks)}"
+        for name, found in corrections.items()
+    )
+    return (
+        f"Settings to execute, by easeoff correct from {Path(case).name} for measured flanks: {flanks}.\n"
+        "On the machine that cut the measured flanks they come near the flanks designed; on one without errors they "
+        "cut others."
+    )

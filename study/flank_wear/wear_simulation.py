@@ -38,7 +38,7 @@ from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
 from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case, deflection_attributes, prepared_pair
-from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
+from ..deviations.deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]

@@ -30,7 +30,7 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
-from ..deviation_source import Deviated, Source
+from ..deviations.deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
 from ..result_layout import RESULT_SCHEMA_VERSION
 from .duty_means import DAMAGE_EXPONENTS, checked_exponents, duty_means

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         root_stress,
         transmission_error,
     )
+    from .figures.correction_figures import topography, write_topographies
     from .figures.friction_figures import efficiency, friction_maps
     from .figures.picture_list import pictures
     from .figures.study_figures import load_cases, optimization, sweep, vh_check, wear
@@ -45,10 +46,12 @@ __all__ = [
     "pressure",
     "root_stress",
     "sweep",
+    "topography",
     "transmission_error",
     "vh_check",
     "wear",
     "write_pictures",
+    "write_topographies",
 ]
 
 _ORIGINS = {
@@ -62,6 +65,7 @@ _ORIGINS = {
         "root_stress",
         "transmission_error",
     ],
+    ".figures.correction_figures": ["topography", "write_topographies"],
     ".figures.friction_figures": ["efficiency", "friction_maps"],
     ".figures.picture_list": ["pictures"],
     ".figures.study_figures": ["load_cases", "optimization", "sweep", "vh_check", "wear"],

@@ -21,7 +21,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import case_attributes, deflection_attributes, prepared_pair
-from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
+from ..deviations.deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler

@@ -25,7 +25,7 @@ from ...friction.lubricants.lubricant import lubricant
 from ..analysis.contact_analysis import case_torques
 from ..analysis.friction_analysis import friction_settings, operation_of
 from ..case_in_mesh import checked_case, prepared_pair
-from ..deviation_source import flank_deviations
+from ..deviations.deviation_source import flank_deviations
 from .axis import Axis, grid_axis, is_distribution
 from .distribution import Distribution, Sampler, sample_values
 from .load_case_axis import load_case_axis, read_load_case_axis

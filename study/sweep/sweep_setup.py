@@ -20,7 +20,7 @@ from ...geometry.deviation.deviation import Deviation, Method
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
-from ..deviation_source import Deviated, Source
+from ..deviations.deviation_source import Deviated, Source
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel

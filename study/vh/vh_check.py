@@ -26,7 +26,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
-from ..deviation_source import Deviated, Source
+from ..deviations.deviation_source import Deviated, Source
 from .shifted_patterns import PLACES, STORED_GRID, ShiftedPatterns, found_dataset, grid_dataset
 from .vh_search import Found, PatternSearch, PatternStatus
 

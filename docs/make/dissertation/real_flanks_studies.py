@@ -15,7 +15,7 @@ from easeoff import GeometryError
 from easeoff.cases import gear_pair
 from easeoff.geometry import Deviation, GearPair, deviated_ease_off, pair_geometry
 from easeoff.study import WearLaw, flank_deviations, wear
-from easeoff.study.deviation_source import deviated_geometry
+from easeoff.study.deviations.deviation_source import deviated_geometry
 
 DUTY = {100.0: 0.4, 200.0: 0.3, 300.0: 0.2, 400.0: 0.1}
 TORQUES = (25.0, 50.0, 100.0, 200.0, 300.0, 400.0)

@@ -24,6 +24,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 MISALIGNMENT = "E=..,P=..,G=..,Sigma=..|FILE"
 DEFLECTION_FILE = "or a table of deflections over the torque, with the columns torque, E, P, G, Sigma, flank"
+THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
 EDGES = ("toe", "heel", "root", "tip")
 ALLOW_OUTSIDE = "easeoff.allow_outside"
 
@@ -80,13 +81,12 @@ def folder_option(default: str) -> Callable[[Command], Command]:
     )
 
 
-def deviation_option(text: str, *, required: bool = False) -> Callable[[Command], Command]:
+def deviation_option(text: str) -> Callable[[Command], Command]:
     """Option ``--deviation`` of a command: files by member, described by a text."""
     return click.option(
         "--deviation",
         "deviations",
         multiple=True,
-        required=required,
         callback=deviations,
         shell_complete=deviation_names,
         metavar="MEMBER=FILE",
@@ -189,6 +189,30 @@ def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, .
         if member in values:
             raise click.BadParameter(f"{text!r}: {member} comes twice")
         values[member] = file
+    return values
+
+
+def flank_files(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Files of measured flanks by member, at most one a flank."""
+    values: dict[str, tuple[str, ...]] = {}
+    for text in texts:
+        for member, file in deviations(_ctx, _param, (text,)).items():
+            values[member] = (*values.get(member, ()), file)
+            if len(values[member]) > 2:
+                raise click.BadParameter(f"{text!r}: {member} comes more than twice; it has two flanks")
+    return values
+
+
+def thicknesses(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+    """Measured excess of the tooth thickness by member [um]."""
+    if text is None:
+        return None
+    values = keyed_numbers(text, ("pinion", "gear"), "gear=12.5")
+    for member, value in values.items():
+        if not abs(value) <= THICKNESS_LIMIT:
+            raise click.BadParameter(
+                f"{member}={value:g}: must lie between -{THICKNESS_LIMIT:g} and {THICKNESS_LIMIT:g} um"
+            )
     return values
 
 

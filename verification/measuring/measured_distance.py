@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import GeometryError
-from ..geometry.cutting.generating_surface import GeneratingSurface
-from ..geometry.flanks.blank_section import BlankSection
-from ..geometry.flanks.seed_lattice import seed_lattice
-from ..geometry.newton import complex_steps, solve
+from ...core.errors import GeometryError
+from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.flanks.blank_section import BlankSection
+from ...geometry.flanks.seed_lattice import seed_lattice
+from ...geometry.newton import complex_steps, solve
 
 Array = NDArray[Any]
 MAX_ITERATIONS = 20

@@ -12,18 +12,18 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
-from ..cases.reading import shipped_deviations
-from ..core.checks import one_of
-from ..core.errors import GeometryError, InputError
-from ..core.printable import printable, shortened
-from ..geometry.deviation.deviated_flank import deviated_pair
-from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
-from ..geometry.deviation.ease_off_update import deviated_ease_off
-from ..geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT
-from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
-from ..geometry.formats.measuring_points import opened as open_netcdf
-from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
-from ..geometry.tooth.tooth_flanks import MemberName, named_member
+from ...cases.reading import shipped_deviations
+from ...core.checks import one_of
+from ...core.errors import GeometryError, InputError
+from ...core.printable import printable, shortened
+from ...geometry.deviation.deviated_flank import deviated_pair
+from ...geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
+from ...geometry.deviation.ease_off_update import deviated_ease_off
+from ...geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT
+from ...geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
+from ...geometry.formats.measuring_points import opened as open_netcdf
+from ...geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
+from ...geometry.tooth.tooth_flanks import MemberName, named_member
 
 Source = Deviation | xr.Dataset | str | Path
 Deviated = Literal["ease_off", "surface"]

@@ -1,0 +1,67 @@
+"""Write the table and picture of the closed loops in ``corrections.md``: python docs/make corrections."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+from dissertation_figures import save_small
+from folders import GUIDES, IMAGES
+
+from easeoff import plot
+from easeoff.verification import CORRECTION_LOOPS, CorrectionLoop, correction_loop
+from easeoff.verification.measuring.correction_loop import greatest, loop_case
+
+PAGE = GUIDES / "corrections.md"
+PICTURE = IMAGES / "corrections" / "topography.png"
+DRAWN = "hobbed, completing, Formate"
+NOISE = 0.5  # [um]
+BEGIN, END = "<!-- begin generated: closed loops -->", "<!-- end generated: closed loops -->"
+
+
+def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
+    """All loops, with noise [um rms] in the measurement."""
+    return {
+        name: correction_loop(loop_case(case), member, errors, noise)
+        for name, (case, member, errors) in CORRECTION_LOOPS.items()
+    }
+
+
+def updated(page: str) -> str:
+    """The page with its table made anew."""
+    table = "\n".join(rows(loops(), loops(NOISE)))
+    return re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{table}\n\n{END}", page, flags=re.DOTALL)
+
+
+def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> Iterator[str]:
+    """The table: greatest deviations before and after, predicted and cut, and with noise in the measurement."""
+    yield (
+        "| member | case | set-ups | greatest deviation, µm | by derivatives | predicted | cut | left | "
+        f"cut, {NOISE:g} µm noise |"
+    )
+    yield "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
+    for name, loop in exact.items():
+        case, member, _ = CORRECTION_LOOPS[name]
+        corrections = loop.found.corrections[member]
+        flanks = [flank for correction in corrections for flank in correction.flanks]
+        linear, after = (1e3 * max(np.abs(getattr(f, key)).max() for f in flanks) for key in ("linear", "after"))
+        yield (
+            f"| {name} | {member} of `{case.split()[0]}` | {len(corrections)} | {greatest(loop.before):.1f} | "
+            f"{linear:.2f} | {after:.2f} | {greatest(loop.after):.2f} | {100.0 * loop.left:.1f} % | "
+            f"{greatest(noisy[name].after):.1f} |"
+        )
+
+
+def draw() -> None:
+    """Write the topographies of one loop."""
+    case, member, errors = CORRECTION_LOOPS[DRAWN]
+    (correction,) = correction_loop(loop_case(case), member, errors, NOISE).found.corrections[member]
+    PICTURE.parent.mkdir(exist_ok=True)
+    title = f"{DRAWN}: {member} of {case}, measured with {NOISE:g} µm of noise"
+    save_small(plot.topography(correction, title=title), PICTURE)
+
+
+if __name__ == "__main__":
+    draw()
+    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,221 @@
+"""Least squares on the settings of one set-up: the settings that would have made the measured flanks.
+
+Settings are counted in usual steps. Combinations of them that hardly change the flanks are not determined by any
+measurement. They are told, and taken so that the blade's tip stays on its root line as well as they let it; of all
+changes with the same effect on flanks and root the smallest are taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.machine_resolution import resolution_of
+from ..cutting.named_settings import get_setting, scale_of, with_settings
+from ..design.root_line import RootLine
+from ..tooth.tooth_flanks import side
+from .machine_set_up import BLADE_SETTINGS
+from .recut_flank import RecutFlank
+
+Array = NDArray[Any]
+
+EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is not determined
+ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
+NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
+DIFFERENCE = 1e-3  # of a usual step, for derivatives
+MISSING_RESIDUAL = 1e3  # [mm] where settings cut no flank
+REFIT_SHARE = 0.1  # of the greatest effect, from which on rounding is made up for
+
+
+@dataclass(frozen=True)
+class LooseCombination:
+    """A combination of free settings that hardly changes the flanks.
+
+    Parameters
+    ----------
+    settings
+        The settings that have most part in it.
+    effect
+        Root mean square change of the flanks by a usual step of it [mm].
+    """
+
+    settings: tuple[str, ...]
+    effect: float
+
+
+@dataclass(frozen=True)
+class SetUpFit:
+    """The flanks of one set-up, and the settings that may move.
+
+    Parameters
+    ----------
+    flanks
+        One flank, or two that share the set-up.
+    names
+        Free settings. A setting of the machine is one unknown, one of the blade an unknown a flank.
+    one_rotation
+        Whether both flanks may only be turned together.
+    """
+
+    flanks: tuple[RecutFlank, ...]
+    names: tuple[str, ...]
+    one_rotation: bool = False
+
+    @cached_property
+    def unknowns(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """Name of each unknown, and the numbers of the flanks that it belongs to."""
+        every = tuple(range(len(self.flanks)))
+        own = {name: [(one,) for one in every] if name in BLADE_SETTINGS else [every] for name in self.names}
+        return tuple((name, flanks) for name, groups in own.items() for flanks in groups)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Name of each unknown; of a blade with its flank, as ``point_radius.concave``, if there are two."""
+        return tuple(
+            name if len(own) == len(self.flanks) else f"{name}.{side(self.flanks[own[0]].surface)}"
+            for name, own in self.unknowns
+        )
+
+    @cached_property
+    def start(self) -> Array:
+        """Designed value of each unknown (m) [mm, rad or per radian]."""
+        return np.array([get_setting(self.flanks[own[0]].surface, name) for name, own in self.unknowns])
+
+    @cached_property
+    def scale(self) -> Array:
+        """Usual step of each unknown (m) [mm, rad or per radian]."""
+        return np.array([scale_of(name) for name, _ in self.unknowns])
+
+    def surface(self, flank: int, steps: Array) -> GeneratingSurface:
+        """Surface of a flank at steps (m) from the design."""
+        values = self.start + self.scale * steps
+        own = {name: float(v) for (name, flanks), v in zip(self.unknowns, values, strict=True) if flank in flanks}
+        return with_settings(self.flanks[flank].surface, own)
+
+    def form(self, values: Sequence[Array]) -> Array:
+        """What a rotation leaves of deviations of all flanks (n) [mm]."""
+        levers = [flank.lever for flank in self.flanks]
+        if self.one_rotation:
+            values, levers = [np.concatenate(values)], [np.concatenate(levers)]
+        return np.concatenate(
+            [v - lever * float(lever @ v) / float(lever @ lever) for v, lever in zip(values, levers, strict=True)]
+        )
+
+    def split(self, values: Array) -> list[Array]:
+        """Values of all flanks (n) by flank."""
+        return np.split(values, np.cumsum([flank.target.shape[1] for flank in self.flanks])[:-1])
+
+    def departure(self, steps: Array) -> Array:
+        """Departure of the flanks at steps (m) from those designed (n) [mm], a rotation left out."""
+        surfaces = [self.surface(number, steps) for number in range(len(self.flanks))]
+        turns: list[float | None] = [None] * len(surfaces)
+        if self.one_rotation:
+            mean = float(np.mean([flank.turn(s) for flank, s in zip(self.flanks, surfaces, strict=True)]))
+            turns = [mean] * len(surfaces)
+        return self.form([f.distance(s, turn) for f, s, turn in zip(self.flanks, surfaces, turns, strict=True)])
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives of the departure by the steps (n, m) [mm]."""
+        ways = DIFFERENCE * np.eye(len(self.unknowns))
+        return np.stack([(self.departure(way) - self.departure(-way)) / (2.0 * DIFFERENCE) for way in ways], axis=1)
+
+    @cached_property
+    def effects(self) -> tuple[Array, Array]:
+        """Root mean square effects (m) [mm] of combinations (m, m), a column each, with the length of a usual step."""
+        count = len(self.unknowns)
+        _, values, ways = np.linalg.svd(self.slopes / np.sqrt(self.slopes.shape[0]))
+        return np.concatenate([values, np.zeros(count - values.size)]), ways.T
+
+    @property
+    def determined(self) -> NDArray[np.bool_]:
+        """Which combinations the flanks tell (m)."""
+        return np.asarray(self.effects[0] >= EFFECT_LIMIT)
+
+    @property
+    def condition(self) -> float:
+        """Greatest over least effect of what is determined; infinite if nothing is."""
+        values = self.effects[0][self.determined]
+        return float(values.max() / values.min()) if values.size else np.inf
+
+    def loose(self) -> tuple[LooseCombination, ...]:
+        """The combinations that are not determined."""
+        values, ways = self.effects
+        found = []
+        for number in np.flatnonzero(~self.determined):
+            share = np.abs(ways[:, number])
+            names = tuple(self.keys[i] for i in np.argsort(-share) if share[i] >= min(NAMED_SHARE, share.max()))
+            found.append(LooseCombination(names, float(values[number])))
+        return tuple(found)
+
+    def root_change(self, flank: int, steps: Array) -> Array:
+        """By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm]; NaN where unknown."""
+        line = self.root_lines[flank]
+        return np.asarray(line.gap(self.surface(flank, steps))[0] - line.gap(self.flanks[flank].surface)[0])
+
+    @cached_property
+    def root_lines(self) -> tuple[RootLine, ...]:
+        """Root line of each flank."""
+        return tuple(RootLine.of(flank.surface, flank.section) for flank in self.flanks)
+
+    def steps(self, target: Array) -> Array:
+        """Steps (m) whose departure is nearest to a measured one (n) [mm]."""
+        found = self._nearest(target, np.zeros(len(self.unknowns)))
+        ways, change = self.effects[1][:, ~self.determined], self._root_changes(found)
+        known = np.isfinite(change)
+        if not ways.size or not np.any(known):
+            return found
+        pairs = [(self._root_changes(DIFFERENCE * way), self._root_changes(-DIFFERENCE * way)) for way in ways.T]
+        slopes = np.stack([(ahead - behind)[known] for ahead, behind in pairs], axis=1) / (2.0 * DIFFERENCE)
+        left, sizes, right = np.linalg.svd(np.nan_to_num(slopes), full_matrices=False)
+        holding = sizes >= ROOT_EFFECT_LIMIT
+        along = -(left[:, holding].T @ change[known]) / sizes[holding]
+        return self._nearest(target, ways @ (right[holding].T @ along))
+
+    def _root_changes(self, steps: Array) -> Array:
+        return np.concatenate([self.root_change(number, steps) for number in range(len(self.flanks))])
+
+    def _nearest(self, target: Array, loose: Array) -> Array:
+        """Steps (m) nearest to a departure (n) [mm] by what is determined, beside given steps (m) of the rest."""
+        from scipy.optimize import least_squares
+
+        ways = self.effects[1][:, self.determined]
+        if not ways.size:
+            return loose
+
+        def residual(along: Array) -> Array:
+            left = 1e3 * (target - self.departure(loose + ways @ along))
+            return np.where(np.isfinite(left), left, 1e3 * MISSING_RESIDUAL)
+
+        start = np.zeros(ways.shape[1])
+        differences = np.full(start.size, DIFFERENCE)
+        found = least_squares(
+            residual, start, x_scale=1.0, diff_step=differences, xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=40
+        )
+        return np.asarray(loose + ways @ found.x)
+
+    def rounded(self, steps: Array) -> Array:
+        """Steps (m) to settings that the machine can be set to.
+
+        One setting after the other is rounded, first the one whose resolution the flanks feel most; the others make up
+        for it.
+        """
+        found = np.array(steps, dtype=float)
+        resolutions = [resolution_of(name) for name, _ in self.unknowns]
+        felt = np.linalg.norm(self.slopes, axis=0) * [r.step / r.factor for r in resolutions] / self.scale
+        order = [int(number) for number in np.argsort(-felt)]
+        for place, number in enumerate(order):
+            exact = self.start[number] + self.scale[number] * found[number]
+            moved = (resolutions[number].rounded(float(exact)) - exact) / self.scale[number]
+            found[number] += moved
+            rest = order[place + 1 :]
+            if rest:
+                effect = -self.slopes[:, number] * moved
+                found[rest] += np.linalg.lstsq(self.slopes[:, rest], effect, rcond=REFIT_SHARE)[0]
+        return found

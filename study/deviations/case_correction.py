@@ -1,0 +1,145 @@
+"""The corrected case: corrective settings of every measured set-up, and the case with the settings to be executed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ...cases.conversion import gear_pair
+from ...cases.recording import flank_settings
+from ...cases.schema.case_schema import Case
+from ...core.errors import GeometryError, InputError
+from ...geometry.deviation.corrective_settings import Correction, corrective_settings
+from ...geometry.deviation.deviation import Method
+from ...geometry.deviation.machine_set_up import shares_set_up
+from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.tooth.tooth_flanks import MemberName
+from .deviation_source import Source
+from .measured_flanks import MeasuredFlank, measured_flanks, side_of
+
+
+@dataclass(frozen=True)
+class CaseCorrection:
+    """Corrections of a case.
+
+    Parameters
+    ----------
+    case
+        The case with the settings to be executed.
+    corrections
+        By member: one correction a set-up.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"})
+    >>> isinstance(found, CaseCorrection), list(found.corrections)
+    (True, ['gear'])
+    """
+
+    case: Case
+    corrections: dict[MemberName, tuple[Correction, ...]]
+
+
+def correct_case(
+    case: Case,
+    deviations: Mapping[MemberName, Source | Sequence[Source]],
+    *,
+    flank: FlankName | None = None,
+    free: Sequence[str] | None = None,
+    shared: bool | None = None,
+    thickness: Mapping[MemberName, float] | None = None,
+    rounded: bool = True,
+    interpolation: Method = "spline",
+) -> CaseCorrection:
+    """Correct the machine settings of a case for measured flanks.
+
+    Flanks that share a set-up are corrected together; where only one of them was measured, the other one changes with
+    it. Flanks with set-ups of their own are corrected each by itself.
+
+    Parameters
+    ----------
+    case
+        The case as designed.
+    deviations
+        By member: one source as of ``flank_deviations``, or one for each flank. A file may hold both flanks.
+    flank
+        ``drive`` or ``coast``: only these flanks are corrected.
+    free
+        Settings that may change, see ``named_settings``; ``usual_settings``, without blades, if left out.
+    shared
+        Whether both flanks of a member are cut in one set-up; if left out, whether their settings are equal.
+    thickness
+        By member: by how much the normal circular thickness in the middle of the tooth was measured to be above the
+        one designed [um]; only of a set-up with both flanks measured.
+    rounded
+        Whether the corrected settings are rounded to the resolution of the machine.
+    interpolation
+        Between the nodes, as in ``Deviation``.
+
+    Raises
+    ------
+    InputError
+        If a deviation cannot be used, or a setting cannot be moved; the message names the member.
+    GeometryError
+        If the corrected settings cut no flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
+    >>> correction, = found.corrections["gear"]
+    >>> found.case.gear.convex.machine.machine_root_angle == found.case.gear.concave.machine.machine_root_angle
+    True
+    """
+    pair = _pair(case)
+    measured = measured_flanks(pair, deviations, flank, interpolation)
+    thicknesses = dict(thickness or {})
+    for name, value in thicknesses.items():
+        if name not in measured:
+            raise InputError(f"thickness {name} = {value:g} um: must be of a member with measured flanks")
+    corrections = {}
+    for name, flanks in measured.items():
+        excess = thicknesses.get(name)
+        options: dict[str, Any] = {"free": free, "rounded": rounded, "shared": shared}
+        options["thickness"] = None if excess is None else 1e-3 * excess
+        try:
+            corrections[name] = _member_corrections(flanks, options)
+        except (InputError, GeometryError) as error:
+            raise type(error)(f"{name}: {error}") from error
+    corrected = case
+    for name, found in corrections.items():
+        corrected = _with_corrections(corrected, name, found)
+    return CaseCorrection(corrected, corrections)
+
+
+def _pair(case: Case) -> GearPair:
+    """The pair seen from the drive flanks, or from the coast flanks of a case without them."""
+    drive = case.pinion.concave is not None and case.gear.convex is not None
+    return gear_pair(case, "drive" if drive else "coast")
+
+
+def _member_corrections(flanks: Sequence[MeasuredFlank], options: dict[str, Any]) -> tuple[Correction, ...]:
+    (member, deviation), *others = flanks
+    shared = options["shared"]
+    one = shares_set_up(member) if shared is None else shared
+    if one and others:
+        return (corrective_settings(member, deviation, opposite=others[0][1], **options),)
+    return tuple(corrective_settings(seen, own, **options) for seen, own in flanks)
+
+
+def _with_corrections(case: Case, name: MemberName, corrections: Sequence[Correction]) -> Case:
+    """The case with the corrected settings of a member; what its flanks were fitted to is no longer theirs."""
+    table = getattr(case, name)
+    surfaces = {which: surface for found in corrections for which, surface in found.surfaces.items()}
+    try:
+        update = {which: flank_settings(surface, table.number_of_teeth) for which, surface in surfaces.items()}
+    except ValueError as error:  # a setting beyond what a case may hold
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        raise InputError(f"{name}: the corrected settings cannot stand in a case: {'; '.join(lines[1:3])}") from error
+    sides: tuple[FlankName, ...] = ("drive", "coast")
+    dropped: dict[str, Any] = {flank: None for flank in sides if side_of(name, flank) in surfaces}
+    return case.model_copy(
+        update={name: table.model_copy(update=update), "target": case.target.model_copy(update=dropped)}
+    )

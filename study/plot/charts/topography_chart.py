@@ -1,0 +1,116 @@
+"""Topographies of measured flanks: deviations at the nodes of the grid as lines along the normal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ....geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ..page import BLUE, BODY_SIZE, FAINT, GREY, INK, SMALL_SIZE, VERMILION
+from ..panel_grid import OwnAxes, chosen_parts, panels
+
+Array = NDArray[Any]
+
+PARTS = {"before": "measured", "after": "predicted after the correction"}
+HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
+SHEAR = 0.08  # by which the sheet leans over to the right, of its length: bars of one column stand side by side
+BAR_SHARE = 0.16  # of the greatest deviation over the sheet's length, as drawn
+LABELLED_NODES_LIMIT = 63  # above which values stand at the corners and the middle alone
+
+
+def draw(correction: Correction, title: str, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw the topographies of a correction; arguments as of ``correction_figures.topography``."""
+    names = chosen_parts(tuple(PARTS), parts)
+    flanks = correction.flanks
+    tree = xr.DataTree(xr.Dataset(attrs={"title": title, "easeoff_version": version("easeoff")}))
+    note = "µm along the normal, upwards (+) more metal · a rotation of the tooth is left out"
+    found = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
+    for number, axes in enumerate(found.axes):
+        flank, name = flanks[number // len(names)], names[number % len(names)]
+        largest = max(float(np.max(np.abs(getattr(flank, part)))) for part in names)
+        _draw_flank(axes, flank, name, 1e3 * max(largest, 1e-4))
+    return found.figure
+
+
+def sheet_places(flank: CorrectedFlank) -> Array:
+    """Places of the nodes on the drawn sheet (2, columns, rows): from toe to heel, and up from the root."""
+    section, deviation = flank.member.section, flank.deviation
+    sine, cosine = np.sin(section.pitch_angle), np.cos(section.pitch_angle)
+    along = cosine * deviation.axial + sine * deviation.radial
+    up = cosine * deviation.radial - sine * deviation.axial
+    along, up = ((v - v.min()) / (v.max() - v.min()) for v in (along, up))
+    return np.stack([along + SHEAR * up, HEIGHT_SHARE * up])
+
+
+def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) -> None:
+    """Draw one flank with a scale at which a deviation [um] is as long as a bar may be."""
+    x, y = sheet_places(flank)
+    value = 1e3 * getattr(flank, part)
+    scale = BAR_SHARE / largest
+    thin = 1.0 if value.size <= LABELLED_NODES_LIMIT else 0.6
+    for lines, colour, width in (((x, y), FAINT, 0.6 * thin), ((x, y + scale * value), INK, 0.9 * thin)):
+        for of_column in zip(*lines, strict=True):
+            axes.plot(*of_column, color=colour, linewidth=width, zorder=1)
+        for of_row in zip(lines[0].T, lines[1].T, strict=True):
+            axes.plot(*of_row, color=colour, linewidth=width, zorder=1)
+    for one_x, one_y, one in zip(x.ravel(), y.ravel(), value.ravel(), strict=True):
+        colour = VERMILION if one > 0.0 else BLUE
+        axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)
+    for column, row in _labelled(value.shape):
+        one = value[column, row]
+        text = f"{one:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
+        place = (x[column, row], y[column, row] + scale * one)
+        axes.annotate(
+            text.replace("-", "−"), place, (0, 2 if one >= 0.0 else -2), textcoords="offset points", ha="center",
+            va="bottom" if one >= 0.0 else "top", fontsize=5.5, color=INK,
+        )  # fmt: skip
+    _label(axes, x, y, flank, part, value)
+    _draw_scale(axes, scale, largest)
+    axes.set_axis_off()
+    axes.set_xlim(-0.13, 1.24)
+    axes.set_ylim(-BAR_SHARE - 0.14, HEIGHT_SHARE + BAR_SHARE + 0.12)
+
+
+def _labelled(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Nodes whose values are written: all of a usual grid, else corners and middle."""
+    if shape[0] * shape[1] <= LABELLED_NODES_LIMIT:
+        return [(column, row) for column in range(shape[0]) for row in range(shape[1])]
+    columns, rows = ((0, size // 2, size - 1) for size in shape)
+    return [(column, row) for column in columns for row in rows]
+
+
+def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, value: Array) -> None:
+    """Write the edges of the flank, its name, and the sizes of its deviations."""
+    style: dict[str, Any] = {"fontsize": SMALL_SIZE, "color": GREY, "va": "center"}
+    middle = 0.5 * HEIGHT_SHARE
+    axes.text(-0.05, middle, "toe", ha="right", **style)
+    axes.text(1.05 + SHEAR, middle, "heel", ha="left", **style)
+    axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
+    axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
+    axes.set_title(f"{flank.side} flank, {PARTS[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    sizes = f"rms {np.sqrt(np.mean(value**2)):.2f} · {value.min():+.1f} to {value.max():+.1f} µm"
+    text = f"{sizes} · sum of squares {np.sum(value**2):.4g} µm²".replace("-", "−")
+    axes.text(0.0, -BAR_SHARE - 0.12, text, ha="left", **style)
+
+
+def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
+    """Draw a bar of a round length [um] beside the sheet."""
+    power = 10.0 ** np.floor(np.log10(largest))
+    length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
+    axes.plot([1.16] * 2, [-BAR_SHARE, scale * length - BAR_SHARE], color=INK, linewidth=1.6, solid_capstyle="butt")
+    axes.text(
+        1.16,
+        scale * length - BAR_SHARE + 0.015,
+        f"{length:g} µm",
+        ha="center",
+        va="bottom",
+        fontsize=SMALL_SIZE,
+        color=INK,
+    )

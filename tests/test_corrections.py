@@ -1,0 +1,456 @@
+"""Corrections that can be executed: shared set-ups, settings to move, rounding, the corrected case, closed loops."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import easeoff
+from easeoff import GeometryError, InputError, plot
+from easeoff.cases import gear_pair, read_case, write_case
+from easeoff.geometry import (
+    GlobalErrors,
+    corrective_settings,
+    departure,
+    deviation_from_formula,
+    get_setting,
+    movable_settings,
+    resolution_of,
+    shares_set_up,
+    tooth_angle,
+    usual_settings,
+    with_settings,
+)
+from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, scale_of
+from easeoff.geometry.deviation.recut_flank import RecutFlank
+from easeoff.geometry.deviation.set_up_fit import SetUpFit
+from easeoff.geometry.formats import flank_deviation, measured_matrix
+from easeoff.geometry.pair.tooth_body import middle_angle
+from easeoff.geometry.tooth.tooth_flanks import Side
+from easeoff.study import correct_case, measured_file
+from easeoff.study.cli import main
+from easeoff.study.report.correction_report import correction_report
+from easeoff.verification import CORRECTION_LOOPS, correction_loop
+from easeoff.verification.measuring.correction_loop import (
+    FORMATE,
+    GENERATED,
+    SIDES,
+    Array,
+    greatest,
+    grids,
+    loop_case,
+    measured,
+    measured_case,
+    views,
+    with_errors,
+)
+
+
+@pytest.mark.parametrize("loop", CORRECTION_LOOPS)
+@pytest.mark.quick(2)
+def test_the_corrected_case_leaves_less_than_three_percent(loop: str, tmp_path: Path) -> None:
+    """Measured by another method than the fit uses: along the normals, by Newton."""
+    name, member, errors = CORRECTION_LOOPS[loop]
+    case = loop_case(name)
+    done = correction_loop(case, member, errors)
+    assert greatest(done.before) > 15.0
+    assert done.left < 0.03
+    shared = "fixed" not in loop
+    assert len(done.found.corrections[member]) == (1 if shared else 2)
+    table = getattr(done.found.case, member)
+    assert (table.concave.machine == table.convex.machine) == shared
+    for which in SIDES:
+        assert getattr(table, which).cutter == getattr(getattr(case, member), which).cutter
+    for correction in done.found.corrections[member]:
+        assert correction.rms < 0.02 * correction.rms_before
+    write_case(done.found.case, tmp_path / "corrected.toml")
+    assert read_case(tmp_path / "corrected.toml").model_dump() == done.found.case.model_dump()
+
+
+@pytest.mark.parametrize("loop", CORRECTION_LOOPS)
+@pytest.mark.quick(1)
+def test_measuring_errors_stay_what_they_are(loop: str) -> None:
+    """Noise of 0.5 um in every point; what is left of the flanks themselves is no more than that."""
+    name, member, errors = CORRECTION_LOOPS[loop]
+    done = correction_loop(loop_case(name), member, errors, noise=0.5)
+    left = np.concatenate([value.ravel() for value in done.after.values()])
+    assert np.sqrt(np.mean(left**2)) < 0.6
+    for correction in done.found.corrections[member]:
+        assert 1e3 * correction.rms == pytest.approx(0.5, abs=0.12)  # the noise is what the prediction leaves
+
+
+MACHINE_ERRORS = (*(name for name in MACHINE_STEPS if name != "cradle_angle"), "modified_roll_2c", "modified_roll_6d")
+UNSEEN = [("fh-design-a", "gear"), ("fh-design-b", "gear"), ("nasa-12x36", "gear"), ("fm-11x41", "pinion")]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("case", "member"), UNSEEN)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_errors_of_all_machine_settings_are_corrected(case: str, member: Any, seed: int) -> None:
+    checked, random = read_case(case), np.random.default_rng(seed)
+    seen = views(checked, member)
+    own: dict[Side, dict[str, float]] = {}
+    for which in SIDES:
+        names = [name for name in movable_settings(seen[which].loaded) if name in MACHINE_ERRORS]
+        own[which] = {n: 0.25 * scale_of(n) * float(random.normal()) for n in names}
+    if shares_set_up(seen["concave"]):
+        own["convex"] = own["concave"]
+    done = correction_loop(checked, member, own)
+    assert greatest(done.before) > 5.0
+    assert done.left < 0.03
+
+
+def test_the_departure_of_a_recut_flank_is_its_distance_along_the_normals() -> None:
+    for seen in views(read_case("nasa-12x36"), "gear").values():
+        real = with_errors(seen.loaded, GENERATED)
+        exact = measured(seen, real)
+        grid = flank_deviation(measured_matrix(seen, exact), seen)
+        found = RecutFlank.of(seen, grid.axial, grid.radial)
+        lever = found.lever
+        form = [v - lever * (lever @ v) / (lever @ lever) for v in (1e3 * found.distance(real), exact.T.ravel())]
+        # The yardstick measures the tooth where it was cut, turned: to second order in the rotation.
+        assert np.max(np.abs(form[0] - form[1])) < 3e-3 * np.max(np.abs(exact))
+
+
+def test_a_measured_thickness_is_restored_and_an_unmeasured_one_is_not_asked_for() -> None:
+    """Spread blade: the slot's width follows from the settings, so both flanks in one position tell its error."""
+    case = read_case("fm-11x41")
+    gear, errors = views(case, "gear"), {"machine_root_angle": 8e-4, "machine_center_to_crossing_point": 0.12}
+    designed = gear["convex"]
+
+    def angle(first: Any, second: Any) -> float:
+        return middle_angle(designed.section, first, second)[1]
+
+    def thicker(first: Any, second: Any) -> float:
+        """Normal thickness above the designed one [um]."""
+        from easeoff.geometry.pair.gear_pair import thickness_per_angle
+
+        by = angle(first, second) - angle(gear["convex"].loaded, gear["concave"].loaded)
+        return 1e3 * by * thickness_per_angle(designed)
+
+    wrong = [with_errors(gear[which].loaded, errors) for which in ("convex", "concave")]
+    excess = thicker(*wrong)
+    assert abs(excess) > 30.0
+    sources: Any = {"gear": grids(case, "gear", measured_case(case, case, "gear", dict.fromkeys(SIDES, errors)))}
+    left = {}
+    for given in (None, {"gear": excess}):
+        found = correct_case(case, sources, thickness=given, free=usual_settings(designed.loaded))  # type: ignore[arg-type]
+        own = views(found.case, "gear")
+        executed = [with_errors(own[which].loaded, errors) for which in ("convex", "concave")]
+        left[given is not None] = abs(thicker(*executed))
+        assert found.corrections["gear"][0].rms < 0.03 * found.corrections["gear"][0].rms_before
+    assert left[True] < 0.03 * abs(excess)
+    assert tooth_angle(gear_pair(case), "gear") > 0.0
+
+
+def test_blades_stay_unless_they_are_named_and_each_flank_has_its_own() -> None:
+    case = read_case("fh-12x41-45")
+    errors: dict[Side, dict[str, float]] = {
+        "concave": {"pressure_angle": 2e-3, "radial_distance": 0.05},
+        "convex": {"pressure_angle": -1e-3, "radial_distance": 0.05},
+    }
+    before = measured_case(case, case, "gear", errors)
+    sources: Any = {"gear": grids(case, "gear", before)}
+    kept = correct_case(case, sources)
+    assert kept.corrections["gear"][0].rms > 0.1 * kept.corrections["gear"][0].rms_before
+    free = ["pressure_angle", "radial_distance", "machine_root_angle", "cradle_angle"]
+    (found,) = correct_case(case, sources, free=free, rounded=False).corrections["gear"]
+    assert found.changes["pressure_angle.concave"] == pytest.approx(-2e-3, rel=0.03)
+    assert found.changes["pressure_angle.convex"] == pytest.approx(1e-3, rel=0.03)
+    assert found.changes["radial_distance"] == pytest.approx(-0.05, rel=0.05)
+    after = measured_case(case, correct_case(case, sources, free=free).case, "gear", errors)
+    assert greatest(after) < 0.03 * greatest(before)
+
+
+@pytest.mark.thorough
+def test_the_closed_loops_of_the_page_are_those_of_the_program() -> None:
+    """If not: run docs/make corrections."""
+    script = importlib.import_module("make_corrections")
+    page = script.PAGE.read_text(encoding="utf-8")
+    table = page.split(script.BEGIN)[1].split(script.END)[0].strip().splitlines()[2:]
+    assert [line.split(" | ")[0] for line in table] == [f"| {name}" for name in CORRECTION_LOOPS]
+    for line, (case, member, errors) in zip(table, CORRECTION_LOOPS.values(), strict=True):
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        loop = correction_loop(loop_case(case), member, errors)
+        assert float(cells[3]) == pytest.approx(greatest(loop.before), abs=0.06)
+        assert float(cells[6]) == pytest.approx(greatest(loop.after), abs=0.03)
+        assert float(cells[7].split()[0]) <= 0.3  # as README.md says
+
+
+def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:
+    case = read_case("nasa-12x36")
+    before = measured_case(case, case, "gear", dict.fromkeys(SIDES, GENERATED))
+    rounded, exact = (
+        correct_case(case, {"gear": grids(case, "gear", before)}, rounded=way).corrections["gear"][0]
+        for way in (True, False)
+    )
+    for name in rounded.changes:
+        resolution = resolution_of(name)
+        steps = resolution.written(get_setting(rounded.surface, name)) / resolution.step
+        assert steps == pytest.approx(round(steps), abs=1e-6), name
+    assert rounded.rms < exact.rms + 1e-4  # 0.1 um
+    assert exact.rms < 1e-3 * exact.rms_before
+    # First derivatives are told beside the flanks cut anew: they agree to second order.
+    assert abs(exact.rms_linear - exact.rms) < 0.05 * exact.rms_before
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text", "rounded"),
+    [
+        ("radial_distance", 97.0015914, "97.002", 97.002),
+        ("machine_root_angle", np.radians(67.08961), "67.090", np.radians(67.09)),
+        ("ratio_of_roll", 3.84285449, "3.842854", 3.842854),
+        ("modified_roll_2c", -0.012347, "-0.01235", -0.01235),
+        ("blade_curvature", 1.0 / 1234.4, "1234", 1.0 / 1234.0),
+        ("blade_curvature", 0.0, "straight", 0.0),
+        ("cutter_tilt_motion_1", np.radians(0.12345), "0.123", np.radians(0.123)),
+    ],
+)
+def test_a_setting_is_written_as_it_is_set(name: str, value: float, text: str, rounded: float) -> None:
+    resolution = resolution_of(name)
+    assert resolution.text(value) == text
+    assert resolution.rounded(value) == pytest.approx(rounded, rel=1e-12)
+    assert resolution.rounded(resolution.rounded(value)) == resolution.rounded(value)
+
+
+def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> None:
+    gear = views(read_case("fm-11x41"), "gear")["convex"]
+    measured_flank = departure(gear, with_errors(gear.loaded, {"work_offset": 0.2, "machine_root_angle": 1e-3}))
+    free = ["radial_distance", "cradle_angle", "work_offset", "machine_root_angle", "machine_center_to_crossing_point"]
+    free.append("sliding_base")
+    found = corrective_settings(gear, measured_flank, free=free)
+    assert len(found.loose) == 2  # a cone placed by six settings has four that change the flank
+    assert {"work_offset", "radial_distance"} <= {name for one in found.loose for name in one.settings}
+    assert all(one.effect < 1e-6 for one in found.loose)
+    assert found.rms < 0.02 * found.rms_before
+    assert np.linalg.norm([found.changes[n] / scale_of(n) for n in free]) < 0.25
+    only = corrective_settings(gear, measured_flank, free=["cradle_angle", "sliding_base"])
+    assert only.rms > 3.0 * found.rms
+    assert only.loose == ()
+
+
+def test_what_the_flanks_do_not_tell_holds_the_root() -> None:
+    """Against the smallest changes with the same effect on the flank."""
+    pinion = views(read_case("fm-11x41"), "pinion")["concave"]
+    worn = flank_deviation(measured_file("fm-11x41-worn-pinion"), pinion)
+    fit = SetUpFit((RecutFlank.of(pinion, worn.axial, worn.radial),), usual_settings(pinion.loaded))
+    target = fit.form([worn.value.ravel()])
+    told = fit.effects[1][:, fit.determined]
+    smallest = told @ np.linalg.lstsq(fit.slopes @ told, target, rcond=None)[0]
+    found = fit.steps(target)
+    assert len(fit.loose()) == 4
+    same = fit.departure(found) - fit.departure(smallest)
+    assert np.sqrt(np.mean(same**2)) < 2e-4
+    held, free = (np.abs(fit.root_change(0, steps)).max() for steps in (found, smallest))
+    assert held < 0.5 * free
+    assert abs(fit.root_change(0, found)[1]) < 0.1 * free  # at mid-face
+    assert np.linalg.norm(found) < 1.0  # usual steps
+
+
+def test_a_rotation_alone_is_nothing_to_correct() -> None:
+    pinion = views(read_case("nasa-12x36"), "pinion")["concave"]
+    found = corrective_settings(pinion, departure(pinion, with_errors(pinion.loaded, GENERATED)), free=["cradle_angle"])
+    assert found.loose[0].settings == ("cradle_angle",)
+    assert found.changes["cradle_angle"] == pytest.approx(0.0, abs=1e-5)  # the design, rounded
+    assert np.isinf(found.condition)
+
+
+@pytest.mark.parametrize(
+    ("member", "free", "words"),
+    [
+        (
+            "gear",
+            ["ratio_of_roll"],
+            "'ratio_of_roll': must be one of point_radius, .*; this member is Formate",
+        ),
+        ("gear", ["modified_roll_2c"], "this member is Formate and has no roll"),
+        ("gear", ["sliding_base_motion_1"], "this member is Formate and has no roll"),
+        ("gear", ["cutter_tilt"], "the cutter of this machine is not tilted"),
+        ("gear", ["rake_angle"], "a face-milling blade sweeps a surface of revolution"),
+        ("gear", ["radial_distanse"], "must be one of .*; did you mean 'radial_distance'"),
+        ("gear", [], "must name one at least of"),
+        ("gear", ["sliding_base", "sliding_base"], "'sliding_base': must be named once"),
+        ("pinion", ["sliding_base_motion_7"], "or a motion: radial_distance, .* with _motion_1 to _motion_6"),
+    ],
+)
+def test_settings_that_cannot_be_moved_are_refused_with_those_that_can(member: Any, free: Any, words: str) -> None:
+    seen = views(read_case("fm-11x41"), member)["convex"]
+    deviation = deviation_from_formula(seen.section, GlobalErrors(spiral_angle=5.0), (9, 5))
+    with pytest.raises(InputError, match=words):
+        corrective_settings(seen, deviation, free=free)
+
+
+def test_what_does_not_belong_together_is_refused() -> None:
+    case = read_case("fm-11x41")
+    pinion, gear = views(case, "pinion")["concave"], views(case, "gear")["convex"]
+    on_pinion, on_gear = (
+        deviation_from_formula(seen.section, GlobalErrors(spiral_angle=5.0), (9, 5)) for seen in (pinion, gear)
+    )
+    with pytest.raises(InputError, match="same machine settings; those of this member differ"):
+        corrective_settings(pinion, on_pinion, shared=True)
+    with pytest.raises(InputError, match="an opposite flank is given for flanks with set-ups of their own"):
+        corrective_settings(pinion, on_pinion, opposite=on_pinion)
+    with pytest.raises(InputError, match="a thickness is given for flanks with set-ups of their own"):
+        corrective_settings(gear, on_gear, shared=False, thickness=0.01)
+    with pytest.raises(InputError, match="thickness = 10 um: must go with the deviations of both flanks"):
+        corrective_settings(gear, on_gear, thickness=0.01)
+    with pytest.raises(InputError, match="thickness pinion = 5 um: must be of a member with measured flanks"):
+        correct_case(case, {"gear": on_gear}, thickness={"pinion": 5.0})
+    with pytest.raises(InputError, match="gear: free setting = 'ratio_of_roll'"):
+        correct_case(case, {"gear": on_gear}, free=["ratio_of_roll"])
+    matrix = measured_matrix(gear, 1e3 * on_gear.value.T)
+    with pytest.raises(InputError, match="deviation gear: the convex flank comes twice"):
+        correct_case(case, {"gear": [matrix, matrix]})
+    with pytest.raises(InputError, match="deviation gear: must hold the concave flank, which the coast side has; it"):
+        correct_case(case, {"gear": matrix}, flank="coast")
+
+
+def test_an_unmeasured_flank_of_the_set_up_moves_with_it() -> None:
+    case = read_case("fm-11x41")
+    found = correct_case(case, {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
+    assert found.case.gear.concave is not None
+    assert found.case.gear.convex is not None
+    assert case.gear.convex is not None
+    assert found.case.gear.concave.machine == found.case.gear.convex.machine != case.gear.convex.machine
+    assert found.case.target.drive is None
+    assert found.case.target.coast is None
+    assert "the concave flank is cut in the same set-up and changes, too" in correction_report(found)
+    alone = correct_case(case, {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"], shared=False)
+    assert alone.case.gear.concave == case.gear.concave
+    assert alone.case.target.coast == case.target.coast
+
+
+def written(values: Array, which: Side) -> str:
+    """A plain matrix of deviations as a file."""
+    head = f"# flank: {which}\n# rows: root to tip\n# columns: toe to heel\n# deviation_unit: um\n"
+    return head + "\n".join("; ".join(f"{value:.4f}" for value in row) for row in values) + "\n"
+
+
+def call(*words: object) -> Any:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture(scope="module")
+def matrices(tmp_path_factory: pytest.TempPathFactory) -> dict[Side, Path]:
+    """Files of both flanks of a spread-blade gear cut with errors."""
+    folder = tmp_path_factory.mktemp("measured")
+    case = read_case("fm-11x41")
+    files: dict[Side, Path] = {}
+    for which, values in measured_case(case, case, "gear", dict.fromkeys(SIDES, FORMATE)).items():
+        files[which] = folder / f"{which}.txt"
+        files[which].write_text(written(values, which), encoding="utf-8")
+    return files
+
+
+def test_the_command_writes_the_corrected_case_and_the_topographies(matrices: dict[Side, Path], tmp_path: Path) -> None:
+    given = [word for file in matrices.values() for word in ("--deviation", f"gear={file}")]
+    output, folder = tmp_path / "corrected.toml", tmp_path / "pictures"
+    done = call("correct", "fm-11x41", *given, "-o", output, "--plots", folder)
+    assert done.exit_code == 0, done.output
+    assert "gear, convex and concave flanks, one set-up" in done.output
+    for word in ("by derivatives", "cut anew", "sum of squares", "the root moves by", "after the correction"):
+        assert word in done.output
+    assert [path.name for path in folder.iterdir()] == ["fm-11x41-gear-convex-concave-topography.png"]
+    corrected = read_case(output)
+    errors: dict[Side, dict[str, float]] = dict.fromkeys(SIDES, FORMATE)
+    case = read_case("fm-11x41")
+    before, after = (measured_case(case, one, "gear", errors) for one in (case, corrected))
+    assert greatest(after) < 0.03 * greatest(before)
+    assert "Settings to execute, by easeoff correct from fm-11x41" in output.read_text(encoding="utf-8")
+    # The file is sealed: it is replaced while nobody has edited it.
+    assert call("correct", "fm-11x41", *given, "-o", output).exit_code == 0
+    output.write_text(output.read_text(encoding="utf-8").replace("11x41", "mine"), encoding="utf-8")
+    again = call("correct", "fm-11x41", *given, "-o", output)
+    assert again.exit_code == 2
+    assert "was edited after easeoff wrote it" in again.output
+    for other in ("own", "shared"):
+        done = call("correct", "fm-11x41", *given, "--set-up", other, "--free", "machine_root_angle")
+        assert done.exit_code == 0
+        assert ("one set-up" in done.output) == (other == "shared")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--free", "ratio_of_roll"], "gear: free setting = 'ratio_of_roll': must be one of point_radius"),
+        (["--free", ""], "must be names separated by commas"),
+        (["--free", "radial_distance,"], "ends in a comma"),
+        (["--free", "radial_distance,radial_distance"], "radial_distance comes twice"),
+        (["--free", "x" * 3000], "must be one of"),
+        (["--set-up", "both"], "'both' is not one of"),
+        (["--thickness", "gear"], "must be KEY=NUMBER"),
+        (["--thickness", "gear=nan"], "must lie between -1000 and 1000 um"),
+        (["--thickness", "wheel=5"], "must be one of pinion, gear"),
+        (["--thickness", "pinion=5"], "must be of a member with measured flanks"),
+        (["--thickness", "gear=5"], "must go with the deviations of both flanks"),
+        (["--flank", "coast"], "must hold the concave flank"),
+        (["--force"], "must go with --output"),
+        (["-o", "x.nc"], "must be a name that ends in .toml"),
+        (["-o", "folder.toml", "--plots", "folder.toml"], "must be another name than that of the file"),
+        (["--deviation", "gear=a.csv", "--deviation", "gear=b.csv"], "comes more than twice"),
+        (["--deviation", "gear=fm-11x41-worn-gear"], "the convex flank comes twice"),
+        (["--deviation", "wheel=fm-11x41-worn-gear"], "must be pinion=FILE or gear=FILE"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_told_and_leave_no_file(
+    words: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    own = [] if "-o" in words or "--force" in words else ["-o", "corrected.toml"]
+    done = call("correct", "fm-11x41", "--deviation", "gear=fm-11x41-worn-gear", *words, *own)
+    assert done.exit_code == 2
+    assert told in " ".join(done.output.split())
+    assert "Traceback" not in done.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_case_that_is_read_is_not_overwritten(matrices: dict[Side, Path], tmp_path: Path) -> None:
+    own = tmp_path / "mine.toml"
+    write_case(read_case("fm-11x41"), own)
+    text = own.read_text(encoding="utf-8")
+    done = call("correct", own, "--deviation", f"gear={matrices['convex']}", "-o", own, "--force")
+    assert done.exit_code == 2
+    assert "is the file that is read" in done.output
+    assert own.read_text(encoding="utf-8") == text
+
+
+def test_topographies_show_toe_heel_top_and_root_with_signs_and_sizes() -> None:
+    case = read_case("nasa-12x36")
+    gear = views(case, "gear")["convex"]
+    values = GlobalErrors(spiral_angle=5.0)(*np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 5)))
+    found = correct_case(case, {"gear": measured_matrix(gear, values)}).corrections["gear"][0]
+    figure = plot.topography(found, title="a title")
+    assert len(figure.axes) == 2
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    for word in ("toe", "heel", "top", "root"):
+        assert word in texts
+    before = 1e3 * found.flanks[0].before
+    assert any(f"sum of squares {np.sum(before**2):.4g}" in text for text in texts)
+    places = {text.get_text(): text.get_position() for text in figure.axes[0].texts}
+    assert places["toe"][0] < places["heel"][0]
+    assert places["root"][1] < places["top"][1]
+    lines = [np.asarray(line.get_xydata()) for line in figure.axes[0].lines]
+    bars = [line for line in lines if len(line) == 2 and line[0, 0] == line[1, 0]]
+    at_toe, at_heel = (pick(bars[:-1], key=lambda bar: bar[0][0]) for pick in (min, max))
+    assert at_toe[1][1] < at_toe[0][1]  # less metal: downwards
+    assert at_heel[1][1] > at_heel[0][1]
+    single = plot.topography(found, parts="after")
+    assert len(single.axes) == 1
+    with pytest.raises(InputError, match="parts = 'later': must be one of before, after"):
+        plot.topography(found, parts="later")
+    with pytest.raises(InputError, match="correction = int: must be a Correction"):
+        plot.topography(3)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="axes = 1 of Axes: must be 2 Axes"):
+        plot.topography(found, axes=single.axes[0])
+
+
+def test_a_departure_needs_a_flank() -> None:
+    gear = views(read_case("fm-11x41"), "gear")["convex"]
+    with pytest.raises(GeometryError, match="these settings cut no flank"):
+        departure(gear, with_settings(gear.loaded, {"radial_distance": 20.0}))
+    assert easeoff.read_case("fm-11x41").gear.number_of_teeth == 41

@@ -1,0 +1,1 @@
+"""Measured flanks: distances along normals, and the loop of cutting, measuring and correcting."""
