@@ -19,9 +19,10 @@ from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
+from .ease_off_residual import ROOT_WEIGHT
 from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radius
 from .mean_point import mean_point_angles
-from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, ROOT_WEIGHT, EaseOffTarget, Synthesis, fit_pinion
+from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion
 
 RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
 SMALL_RESIDUAL = 0.001  # [mm]; a smaller residual is good for any target
