@@ -26,10 +26,11 @@ from easeoff.geometry import (
     generated_gear,
 )
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radius
-from easeoff.geometry.design.pair_design import design_pair, require_usable, residual_limits, target_range
-from easeoff.geometry.design.root_line import RootLine
 from easeoff.geometry.design.ease_off_residual import EaseOffResidual
+from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radius
+from easeoff.geometry.design.fit_quality import require_usable, residual_limits, target_range
+from easeoff.geometry.design.pair_design import design_pair
+from easeoff.geometry.design.root_line import RootLine
 from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface

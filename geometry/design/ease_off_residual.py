@@ -45,6 +45,8 @@ class EaseOffResidual:
         Nodes where the blade's tip shall follow the root cone; ``None`` if it need not.
     fold_margin
         See ``fit_pinion``.
+    wanted_root
+        Distances of the blade's tip above the root cone at those nodes (3) [mm]; zero if left out.
     tie
         Settings that follow from the moving ones, by name; none if left out.
     """
@@ -56,6 +58,7 @@ class EaseOffResidual:
     known: EaseOff
     root_line: RootLine | None
     fold_margin: float
+    wanted_root: Array | None = None
     tie: Tie | None = None
 
     def __post_init__(self) -> None:
@@ -101,7 +104,8 @@ class EaseOffResidual:
         """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
         surface = self.surface(steps)
         gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
-        gap = gap[self.rooted] if gap.size else gap
+        if gap.size:
+            gap = (gap if self.wanted_root is None else gap - self.wanted_root)[self.rooted]
         motion = replace(self.known.motion, surface=surface)
         angle, parameters = angle_near(motion, self.parameters, self.side, self.sheet, self.gear)
         residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
