@@ -97,7 +97,7 @@ def test_completing_has_one_set_of_machine_settings(groups: int | None) -> None:
 
 @pytest.mark.thorough
 def test_completing_leaves_the_tooth_of_the_blank() -> None:
-    """Face-milled, the point width fixes the slot, which fills the pitch with the tooth of the blank; to a micrometre."""
+    """Face-milled, the point width fixes the slot, which fills the pitch with the blank's tooth, to a micrometre."""
     designed = made("completing", None, True)
     surfaces = [designed.pinion[side].surface for side in SIDES]
     section = blank_section(designed.blank.pinion, designed.blank.clearance)
