@@ -86,7 +86,7 @@ class EaseOffResidual:
     def settings(self, steps: Array) -> dict[str, float]:
         """Settings that moved, and those tied to them, at steps (m) of ``named_settings.scale_of``."""
         values = dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
-        return values if self.tie is None else values | self.tie(values)
+        return values if self.tie is None else {**values, **self.tie(values)}
 
     def surface(self, steps: Array) -> GeneratingSurface:
         """The pinion flank at steps (m)."""

@@ -155,7 +155,7 @@ def design_pair(
     def start(make: Callable[[int], GeneratingSurface]) -> dict[FlankName, GearPair]:
         """The pair with the pinion flanks to start a fit from, on both sides."""
         members = [Member(assembly.pinion_teeth, sections[0], rounded(make(k), pinion_edge)) for k in (0, 1)]
-        return {side: GearPair(*each, assembly) for side, *each in zip(SIDES, members, wheels, strict=True)}
+        return {s: GearPair(*each, assembly) for s, each in zip(SIDES, zip(members, wheels, strict=True), strict=True)}
 
     def conjugate() -> dict[FlankName, GearPair]:
         return start(lambda k: conjugate_pinion(formate[k], assembly, height))

@@ -84,7 +84,7 @@ class MeanSlot:
         parameters = self.parameters[1 if convex else 0]
         position, normal = (vector[:, 0] for vector in here.evaluate(parameters)[:2])
         moved = (ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0])[:, 0]
-        around = position[0] * normal[1] - position[1] * normal[0]
+        around = float(position[0] * normal[1] - position[1] * normal[0])
         hand = 1.0 if here.hand == "right" else -1.0
         turn = hand * float(moved @ normal) / around
         return (1.0 if convex else -1.0) * turn * self.width_per_angle
