@@ -21,6 +21,7 @@ from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
 from ..geometry.design.basic_settings import blank_section
 from ..geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from ..geometry.design.set_up.pinion_method import SettingLimits
 from ..geometry.design.synthesis import EaseOffTarget
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
@@ -31,6 +32,7 @@ from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable, WebTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
+from .schema.design_schema import LimitsTable
 from .schema.misalignment_table import MisalignmentTable, deflections_of
 
 Side = Literal["concave", "convex"]
@@ -199,6 +201,22 @@ def ease_off_target(table: TargetTable) -> EaseOffTarget:
     0.0199
     """
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
+
+
+def setting_limits(table: LimitsTable) -> SettingLimits:
+    """Limits of the settings of a designed pinion, in mm and rad.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> round(setting_limits(read_design("fm-11x41").pinion.limits).cutter_tilt, 4)
+    0.5236
+    """
+    values = table.model_dump()
+    low, high = (values.pop(f"{end}_blade_pressure_angle") for end in ("smallest", "largest"))
+    for name in ("cutter_tilt", "cutter_swivel", "machine_root_angle"):
+        values[name] = math.radians(values[name])
+    return SettingLimits(**values, blade_pressure_angle=(math.radians(low), math.radians(high)))
 
 
 def materials(case: Case) -> tuple[Material, Material]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .cutting.generating_surface import GeneratingSurface, Hand
     from .cutting.machine import MachineSettings, work_rotation
     from .cutting.machine_pose import machine_pose
-    from .cutting.machine_resolution import Resolution, resolution_of
+    from .cutting.machine_resolution import MachineResolution, SettingStep, setting_step
     from .cutting.named_settings import get_setting, with_settings
     from .design.basic_settings import blank_section, formate_gear, generated_gear, hobbing_blade
     from .design.blank import (
@@ -73,6 +73,7 @@ __all__ = [
     "Hand",
     "LatticeSize",
     "LatticeSpacing",
+    "MachineResolution",
     "MachineSettings",
     "Member",
     "MemberName",
@@ -82,7 +83,7 @@ __all__ = [
     "PairGeometry",
     "PitchCones",
     "Relief",
-    "Resolution",
+    "SettingStep",
     "Synthesis",
     "ToothLattice",
     "angle_errors",
@@ -112,7 +113,7 @@ __all__ = [
     "named_member",
     "pair_geometry",
     "principal_curvatures",
-    "resolution_of",
+    "setting_step",
     "shares_set_up",
     "solve_flank",
     "tooth_angle",
@@ -129,7 +130,7 @@ _ORIGINS = {
     ".cutting.generating_surface": ["GeneratingSurface", "Hand"],
     ".cutting.machine": ["MachineSettings", "work_rotation"],
     ".cutting.machine_pose": ["machine_pose"],
-    ".cutting.machine_resolution": ["Resolution", "resolution_of"],
+    ".cutting.machine_resolution": ["MachineResolution", "SettingStep", "setting_step"],
     ".cutting.named_settings": ["get_setting", "with_settings"],
     ".design.basic_settings": ["blank_section", "formate_gear", "generated_gear", "hobbing_blade"],
     ".design.blank": [

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
+    from .design.rounded_settings import rounded_case, rounding_effect
     from .deviations.case_correction import CaseCorrection, correct_case
     from .deviations.deviation_source import flank_deviations, measured_file
     from .export.contact_mesh import export_contact
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
     from .report.notes.plausibility import plausibility
     from .report.summary.result_summary import result_summary
+    from .report.summary_sheet import SummarySheet, summary_sheet
     from .vh.vh_check import vh_check
 
 __all__ = [
@@ -39,6 +41,7 @@ __all__ = [
     "ResultAccessor",
     "ResultPlots",
     "ResultSummary",
+    "SummarySheet",
     "WearLaw",
     "analyze_load_cases",
     "compare",
@@ -57,7 +60,10 @@ __all__ = [
     "plot",
     "recorded_modification",
     "result_summary",
+    "rounded_case",
+    "rounding_effect",
     "shipped_deviations",
+    "summary_sheet",
     "sweep",
     "vh_check",
     "wear",
@@ -73,6 +79,7 @@ _MODULES = {
     "ResultAccessor": ".report.notebook.result_accessor",
     "ResultPlots": ".report.notebook.result_accessor",
     "ResultSummary": ".report.notebook.result_accessor",
+    "SummarySheet": ".report.summary_sheet",
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
@@ -88,7 +95,10 @@ _MODULES = {
     "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.summary.result_summary",
+    "rounded_case": ".design.rounded_settings",
+    "rounding_effect": ".design.rounded_settings",
     "shipped_deviations": "..cases.reading",
+    "summary_sheet": ".report.summary_sheet",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
     "write_pictures": ".plot",

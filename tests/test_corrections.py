@@ -20,7 +20,7 @@ from easeoff.geometry import (
     deviation_from_formula,
     get_setting,
     movable_settings,
-    resolution_of,
+    setting_step,
     shares_set_up,
     tooth_angle,
     usual_settings,
@@ -190,7 +190,7 @@ def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:
         for way in (True, False)
     )
     for name in rounded.changes:
-        resolution = resolution_of(name)
+        resolution = setting_step(name)
         steps = resolution.written(get_setting(rounded.surface, name)) / resolution.step
         assert steps == pytest.approx(round(steps), abs=1e-6), name
     assert rounded.rms < exact.rms + 1e-4  # 0.1 um
@@ -212,7 +212,7 @@ def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:
     ],
 )
 def test_a_setting_is_written_as_it_is_set(name: str, value: float, text: str, rounded: float) -> None:
-    resolution = resolution_of(name)
+    resolution = setting_step(name)
     assert resolution.text(value) == text
     assert resolution.rounded(value) == pytest.approx(rounded, rel=1e-12)
     assert resolution.rounded(resolution.rounded(value)) == resolution.rounded(value)

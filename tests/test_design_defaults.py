@@ -26,10 +26,12 @@ from easeoff.geometry import (
     generated_gear,
 )
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
+from easeoff.geometry.design.ease_off_residual import EaseOffResidual
 from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radius
-from easeoff.geometry.design.pair_design import design_pair, require_usable, residual_limits, target_range
+from easeoff.geometry.design.fit_quality import require_usable, residual_limits, target_range
+from easeoff.geometry.design.pair_design import design_pair
 from easeoff.geometry.design.root_line import RootLine
-from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT, _Fit
+from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
 from easeoff.study.cli import main
@@ -156,7 +158,7 @@ def test_derivatives_of_the_fit_are_those_of_its_residuals(name: str, side: Any)
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
     known = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     root_line = RootLine.of(pair.pinion.loaded, pair.pinion.section)
-    fit = _Fit(pair, gear, wanted, names, known, root_line, 0.0)
+    fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, 0.0)
     here = np.full(len(names), 0.01)
     found = fit.jacobian(here)
     for column, name_of, step in zip(found.T, names, fit.difference, strict=True):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...geometry.cutting.named_settings import scale_of
+from ...geometry.design.set_up.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
@@ -29,12 +30,61 @@ class DesignedGear(Table):
     material: Steel = Steel()
 
 
+class LimitsTable(Table):
+    """Limits of the settings of a pinion that is cut by a method of the shop; zero takes a setting out of use."""
+
+    cutter_tilt: Number = number("largest tilt of the cutter axis", "deg", default=30.0, ge=0, le=60)
+    cutter_swivel: Number = number("largest swivel to either side", "deg", default=180.0, gt=0, le=180)
+    machine_root_angle: Number = number(
+        "with tilt: largest difference of machine root angle and root angle of the blank",
+        "deg",
+        default=30.0,
+        ge=0,
+        le=60,
+    )
+    sliding_base: Number | None = number(
+        "with tilt: largest sliding base; half the cutter radius if left out", "mm", default=None, gt=0, lt=1000
+    )
+    modified_roll_2c: Number = number("largest second-order modified roll, 2C", "1", default=0.5, ge=0, lt=10)
+    modified_roll_6d: Number = number("largest third-order modified roll, 6D", "1", default=1.0, ge=0, lt=100)
+    modified_roll_24e: Number = number("largest fourth-order modified roll, 24E", "1", default=0.0, ge=0, lt=1000)
+    modified_roll_120f: Number = number("largest fifth-order modified roll, 120F", "1", default=0.0, ge=0, lt=1e4)
+    helical_motion: Number | None = number(
+        "completing: largest first derivative of the sliding base by the cradle rotation; half the cutter radius if "
+        "left out",
+        "mm/rad",
+        default=None,
+        ge=0,
+        lt=1000,
+    )
+    blade_point_radius: Number = number(
+        "largest difference of the radius of the blade tip and the mean cutter radius, over the latter",
+        "1",
+        default=0.2,
+        gt=0,
+        lt=0.9,
+    )
+    smallest_blade_pressure_angle: Number = number("smallest blade angle", "deg", default=5.0, ge=0, lt=45)
+    largest_blade_pressure_angle: Number = number("largest blade angle", "deg", default=40.0, gt=0, lt=60)
+
+    @model_validator(mode="after")
+    def _room_for_the_blade_angle(self) -> Self:
+        low, high = self.smallest_blade_pressure_angle, self.largest_blade_pressure_angle
+        if not low < high:
+            raise ValueError(
+                f"smallest_blade_pressure_angle = {low}: must be below largest_blade_pressure_angle = {high}"
+            )
+        return self
+
+
 class DesignedPinion(Table):
     """The generated pinion."""
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     hand_of_spiral: Literal["left", "right"]
     tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
+    method: PinionMethod = "closest_fit"
+    limits: LimitsTable = LimitsTable()
     follow_root: bool = True
     free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
     material: Steel = Steel()
@@ -45,6 +95,18 @@ class DesignedPinion(Table):
         for name in names or ():
             scale_of(name)
         return names
+
+    @model_validator(mode="after")
+    def _keys_of_the_method(self) -> Self:
+        if self.method == "closest_fit":
+            if self.limits != LimitsTable():
+                raise ValueError('limits belong to a method of the shop: give method = "modified_roll" or another')
+        elif self.free_settings is not None or not self.follow_root:
+            raise ValueError(
+                f'method = "{self.method}": has settings and root line of its own; free_settings and follow_root = '
+                'false belong to method = "closest_fit"'
+            )
+        return self
 
 
 class DesignTargets(Table):

@@ -7,14 +7,68 @@ moves a flank by a tenth of a micrometre or less. Blades are ground and trued to
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
+from ...core.checks import number
 from .named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
+
+LARGEST_STEP = 10.0  # mm or degrees
 
 
 @dataclass(frozen=True)
-class Resolution:
-    """Resolution of one setting.
+class MachineResolution:
+    """Steps in which settings are given; mm and degrees, as in case files.
+
+    Parameters
+    ----------
+    length
+        Of linear settings of the machine [mm].
+    angle
+        Of angular settings of the machine [deg].
+    roll
+        Of the ratio of roll.
+    modified_roll
+        Of the coefficients of the modified roll.
+    motion
+        Of the derivatives of moving settings [mm/rad or deg/rad].
+    blade_radius
+        Of the radius of a blade tip [mm].
+    blade_angle
+        Of the angles of a blade [deg].
+    edge_radius
+        Of the edge radius of a blade [mm].
+    profile_radius
+        Of the radius of a curved blade profile [mm].
+
+    Raises
+    ------
+    InputError
+        If a step is not positive.
+
+    Examples
+    --------
+    >>> MachineResolution(angle=0.01).length
+    0.001
+    """
+
+    length: float = 0.001
+    angle: float = 0.001
+    roll: float = 1e-6
+    modified_roll: float = 1e-5
+    motion: float = 0.001
+    blade_radius: float = 0.01
+    blade_angle: float = 0.01
+    edge_radius: float = 0.01
+    profile_radius: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            number(f"resolution of {field.name}", getattr(self, field.name), above=0.0, below=LARGEST_STEP)
+
+
+@dataclass(frozen=True)
+class SettingStep:
+    """Step of one setting.
 
     Parameters
     ----------
@@ -29,7 +83,7 @@ class Resolution:
 
     Examples
     --------
-    >>> Resolution("deg", 0.001, math.degrees(1.0)).text(math.radians(70.0863))
+    >>> SettingStep("deg", 0.001, math.degrees(1.0)).text(math.radians(70.0863))
     '70.086'
     """
 
@@ -54,7 +108,7 @@ class Resolution:
 
         Examples
         --------
-        >>> round(Resolution("mm", 0.001).rounded(1.23456), 9)
+        >>> round(SettingStep("mm", 0.001).rounded(1.23456), 9)
         1.235
         """
         written = self.written(value)
@@ -71,33 +125,33 @@ class Resolution:
         return "straight" if math.isinf(written) else f"{written:.{self.decimals}f}"
 
 
-LENGTH = Resolution("mm", 0.001)
-ANGLE = Resolution("deg", 0.001, math.degrees(1.0))
-#: Resolutions of machine and blade settings; those of the modified roll and of motions: see ``resolution_of``.
-RESOLUTIONS = {
-    **dict.fromkeys(MACHINE_STEPS, LENGTH),
-    **dict.fromkeys(("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel"), ANGLE),
-    "ratio_of_roll": Resolution("1", 1e-6),
-    "point_radius": Resolution("mm", 0.01),
-    **dict.fromkeys(("pressure_angle", "rake_angle", "hook_angle"), Resolution("deg", 0.01, math.degrees(1.0))),
-    "blade_curvature": Resolution("mm radius", 1.0, reciprocal=True),
-}
-ROLL_COEFFICIENT = Resolution("1", 1e-5)
+ANGLES = frozenset({"cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel"})
+PER_RADIAN = math.degrees(1.0)
+USUAL_RESOLUTION = MachineResolution()
 
 
-def resolution_of(name: str) -> Resolution:
-    """Resolution of a setting by its name in ``named_settings``. Raises as ``scale_of``.
+def setting_step(name: str, resolution: MachineResolution = USUAL_RESOLUTION) -> SettingStep:
+    """Step of a setting by its name in ``named_settings``. Raises as ``scale_of``.
 
     Examples
     --------
-    >>> resolution_of("machine_root_angle").step, resolution_of("sliding_base_motion_1").unit
+    >>> setting_step("machine_root_angle").step, setting_step("sliding_base_motion_1").unit
     (0.001, 'mm/rad^1')
     """
     scale_of(name)
-    if name in RESOLUTIONS:
-        return RESOLUTIONS[name]
     if name in MODIFIED_ROLL_ORDERS:
-        return ROLL_COEFFICIENT
+        return SettingStep("1", resolution.modified_roll)
+    if name == "ratio_of_roll":
+        return SettingStep("1", resolution.roll)
+    if name == "point_radius":
+        return SettingStep("mm", resolution.blade_radius)
+    if name == "blade_curvature":
+        return SettingStep("mm radius", resolution.profile_radius, reciprocal=True)
+    if name in MACHINE_STEPS:
+        is_angle = name in ANGLES
+        return SettingStep("deg", resolution.angle, PER_RADIAN) if is_angle else SettingStep("mm", resolution.length)
+    if "_motion_" not in name:
+        return SettingStep("deg", resolution.blade_angle, PER_RADIAN)
     setting, order = name.rsplit("_motion_", 1)
-    base = RESOLUTIONS[setting]
-    return Resolution(f"{base.unit}/rad^{order}", base.step, base.factor)
+    unit, factor = ("deg", PER_RADIAN) if setting in ANGLES else ("mm", 1.0)
+    return SettingStep(f"{unit}/rad^{order}", resolution.motion, factor)

@@ -3,34 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from ...core.errors import GeometryError
-from ..cutting.named_settings import get_setting
+from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import solve_flank
 from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
+from ..pair.tooth_body import middle_angle
 from ..tooth.tooth_flanks import MemberName
 from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
+from .closest_fit import best_fit
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
 from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radius
+from .fit_quality import BLANK_ADVICE, require_usable
 from .mean_point import mean_point_angles
-from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, ROOT_WEIGHT, EaseOffTarget, Synthesis, fit_pinion
+from .set_up.pinion_method import ADVICE, PinionMethod, SettingLimits
+from .set_up.set_up_fit import best_set_up
+from .set_up.upright_machine import along_the_root
+from .synthesis import EaseOffTarget, Synthesis
 
-RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
-SMALL_RESIDUAL = 0.001  # [mm]; a smaller residual is good for any target
-GOOD_SHARE = 0.1  # of the target's range; a smaller residual is good
-USABLE_RESIDUAL = 0.010  # [mm]; a smaller residual is never refused
-USABLE_SHARE = 0.5  # of the target's range; a larger residual is refused
-FOLD_MARGIN = 0.2  # of the conjugate gear's area; nodes nearer to a fold are no part of a fit from the crown gear
-BLANK_ADVICE = "change the blanks: cutter_radius, depth_taper, spiral angle, or more teeth against undercut"
-LOST_ROOT_GAP = 10.0  # [mm]; weight of a root point that the cutter does not reach
 BOTH_MEMBERS: tuple[MemberName, MemberName] = ("pinion", "gear")
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
@@ -52,6 +49,9 @@ class PairDesign:
     gear_thickness
         Normal circular thickness of the gear's tooth in the middle of the flank [mm], where the cutter does not fix
         it (face hobbing); ``None`` where it does.
+    pinion_thickness
+        That of the pinion's tooth, where one cutter cuts both its flanks (face-milled, completing); ``None`` elsewhere:
+        it fills the gear's slot.
     """
 
     blank: BlankDimensions
@@ -59,6 +59,7 @@ class PairDesign:
     gear: Flanks
     pinion: Mapping[FlankName, Synthesis]
     gear_thickness: float | None
+    pinion_thickness: float | None = None
 
     def pair(self, side: FlankName = "drive") -> GearPair:
         """The pair seen from one side."""
@@ -67,7 +68,13 @@ class PairDesign:
         pinion = [self.pinion[name].surface for name in SIDES][::order]
         blanks, clearance = self.blank, self.blank.clearance
         return GearPair(
-            Member(self.assembly.pinion_teeth, blank_section(blanks.pinion, clearance), pinion[0], pinion[1]),
+            Member(
+                self.assembly.pinion_teeth,
+                blank_section(blanks.pinion, clearance),
+                pinion[0],
+                pinion[1],
+                self.pinion_thickness,
+            ),
             Member(
                 self.assembly.gear_teeth, blank_section(blanks.gear, clearance), gear[0], gear[1], self.gear_thickness
             ),
@@ -80,6 +87,8 @@ def design_pair(
     assembly: Assembly,
     targets: Mapping[FlankName, EaseOffTarget],
     *,
+    method: PinionMethod = "closest_fit",
+    limits: SettingLimits | None = None,
     free: Sequence[str] | None = None,
     follow_root: bool = True,
     generated: bool = False,
@@ -97,10 +106,15 @@ def design_pair(
         Axes and teeth as in ``design``, hand of the pinion, and the misalignment in which the targets hold.
     targets
         Wanted ease-off of the two sides.
+    method
+        How the pinion is cut. ``closest_fit`` takes the settings of each flank that come nearest to its target,
+        whatever a machine allows; the others are those of the shop, see ``pinion_method``.
+    limits
+        Limits of the settings where ``method`` is one of the shop; the usual ones if left out.
     free
-        Pinion settings that may move, see ``named_settings``; the usual ones if left out.
+        Pinion settings that the closest fit may move, see ``named_settings``; the usual ones if left out.
     follow_root
-        Whether the tips of the pinion's blades shall run along its root cone, see ``fit_pinion``.
+        Whether the closest fit shall keep the tips of the pinion's blades on its root cone, see ``fit_pinion``.
     generated
         Whether the gear is generated; Formate if not. The fit of a generated gear starts from the pinion of its crown
         gear and, where that stays off the target, from the conjugate pinion of the Formate gear.
@@ -136,28 +150,58 @@ def design_pair(
     # The pinion's blade tips run along its root, opposite those of the gear's cutter.
     height = blank.gear.mean_dedendum + blank.pinion.mean_dedendum
     azimuth = pitch_point_azimuth(blank, assembly.hypoid_offset)
-    pinion: dict[FlankName, Synthesis] = {}
-    for side, like, loaded, opposite in zip(SIDES, formate, gear, gear[::-1], strict=True):
-        starts = [conjugate_pinion(like, assembly, height)]
-        if generated:
-            starts.insert(0, crown_gear_pinion(loaded, assembly, height, azimuth))
-        wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
-        pairs = [
-            GearPair(Member(assembly.pinion_teeth, sections[0], rounded(start, pinion_edge)), wheel, assembly)
-            for start in starts
-        ]
-        try:
-            pinion[side] = best_fit(pairs, targets[side], free, follow_root, blank.clearance)
-        except GeometryError as error:
-            reason = "" if free is None else f": {error}"
-            raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
-        require_usable(side, pinion[side].largest_residual, targets[side])
+    wheels = [Member(assembly.gear_teeth, sections[1], *each) for each in (gear, gear[::-1])]
+
+    def start(make: Callable[[int], GeneratingSurface]) -> dict[FlankName, GearPair]:
+        """The pair with the pinion flanks to start a fit from, on both sides."""
+        members = [Member(assembly.pinion_teeth, sections[0], rounded(make(k), pinion_edge)) for k in (0, 1)]
+        return {s: GearPair(*each, assembly) for s, each in zip(SIDES, zip(members, wheels, strict=True), strict=True)}
+
+    def conjugate() -> dict[FlankName, GearPair]:
+        return start(lambda k: conjugate_pinion(formate[k], assembly, height))
+
+    def crown(upright: bool) -> dict[FlankName, GearPair]:
+        rolled = gear if generated else flanks(generated_gear)
+        made = [crown_gear_pinion(flank, assembly, height, azimuth) for flank in rolled]
+        return start(lambda k: along_the_root(made[k], blank) if upright else made[k])
+
+    if method == "closest_fit":
+        pairs = [crown(upright=False), conjugate()] if generated else [conjugate()]
+        pinion = _closest(pairs, targets, free, follow_root, blank.clearance)
+    else:
+        limits = SettingLimits() if limits is None else limits
+        # A tilted cutter cuts the conjugate pinion of a Formate gear, both its flanks in one set-up.
+        further = [conjugate()] if not generated and method in ("tilt", "completing") else []
+        upright = crown(upright=True)
+        pinion = best_set_up(upright, further, targets, method, limits, blank, design.cutter_radius)
+    for side in SIDES:
+        require_usable(side, pinion[side].largest_residual, targets[side], ADVICE[method])
     thickness = _middle_thickness(blank, gear) if groups else None
     designed = PairDesign(blank, assembly, gear, pinion, thickness)
+    if method == "completing" and not groups:
+        designed = replace(designed, pinion_thickness=_left_thickness(designed.pair().pinion))
     for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:
             designed = _with_fitting_edges(designed, name, require)
     return designed
+
+
+def _closest(
+    starts: Sequence[Mapping[FlankName, GearPair]],
+    targets: Mapping[FlankName, EaseOffTarget],
+    free: Sequence[str] | None,
+    follow_root: bool,
+    clearance: float,
+) -> dict[FlankName, Synthesis]:
+    """The closest fit of both sides."""
+    pinion: dict[FlankName, Synthesis] = {}
+    for side in SIDES:
+        try:
+            pinion[side] = best_fit([pairs[side] for pairs in starts], targets[side], free, follow_root, clearance)
+        except GeometryError as error:
+            reason = "" if free is None else f": {error}"
+            raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
+    return pinion
 
 
 def _with_fitting_edges(designed: PairDesign, name: MemberName, require: ToothCheck) -> PairDesign:
@@ -173,127 +217,11 @@ def _with_fitting_edges(designed: PairDesign, name: MemberName, require: ToothCh
     )
 
 
-def residual_limits(target: EaseOffTarget) -> tuple[float, float]:
-    """Largest residuals of a good fit and of one that can be used at all [mm], by the target's range.
-
-    Examples
-    --------
-    >>> [round(limit, 6) for limit in residual_limits(EaseOffTarget(lengthwise_crowning=0.05))]
-    [0.005, 0.025]
-    """
-    size = target_range(target)
-    return max(SMALL_RESIDUAL, GOOD_SHARE * size), max(USABLE_RESIDUAL, USABLE_SHARE * size)
-
-
-def target_range(target: EaseOffTarget) -> float:
-    """Range of a target over the gear flank [mm]."""
-    t, h = np.meshgrid(np.linspace(0.0, 1.0, 15), np.linspace(0.0, 1.0, 11), indexing="ij")
-    return float(np.ptp(target(t, h)))
-
-
-def require_usable(side: FlankName, residual: float, target: EaseOffTarget) -> None:
-    """Refuse a fit that misses its target by more than the second of ``residual_limits``.
-
-    Parameters
-    ----------
-    side
-        Which side.
-    residual
-        Its largest residual [mm].
-    target
-        The wanted ease-off.
-
-    Raises
-    ------
-    GeometryError
-        If the fit is far off.
-    """
-    limit = residual_limits(target)[1]
-    if not residual <= limit:
-        raise GeometryError(
-            f"{side}: no pinion near the target ease-off was found: the best one misses it by up to "
-            f"{1e3 * residual:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
-            f"{1e3 * limit:.1f} um would do; free other settings of the pinion (free_settings), ask for less crowning "
-            f"and bias, or {BLANK_ADVICE}"
-        )
-
-
-def best_fit(
-    starts: Sequence[GearPair],
-    target: EaseOffTarget,
-    free: Sequence[str] | None,
-    follow_root: bool,
-    clearance: float,
-) -> Synthesis:
-    """The fit that comes nearest to target and root cone: the first good one, else the best of several.
-
-    Parameters
-    ----------
-    starts
-        The pair with each pinion flank to start from; that of a Formate gear last.
-    target
-        The wanted ease-off.
-    free, follow_root
-        As in ``design_pair``.
-    clearance
-        Of the blanks [mm]: blade tips further off the root cone are not good.
-
-    Raises
-    ------
-    GeometryError
-        If no fit succeeds.
-    """
-    best: Synthesis | None = None
-    failure = GeometryError("no start")
-    for attempt in _attempts(starts, target, free, follow_root):
-        try:
-            fit = attempt()
-        except GeometryError as error:
-            failure = error
-            continue
-        if best is None or _cost(fit, follow_root) < _cost(best, follow_root):
-            best = fit
-        enough = len(starts) > 1 or best.rms < RETRY_RESIDUAL
-        if enough and _good(best, target, clearance if follow_root else math.inf):
-            break
-    if best is None:
-        raise failure
-    return best
-
-
-def _attempts(
-    starts: Sequence[GearPair], target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool
-) -> Iterator[Callable[[], Synthesis]]:
-    """Fits to try, the most promising first."""
-    *crown_gear, conjugate = starts
-    choices = [free] if free is not None else [FREE_SETTINGS_WITH_ROOT_ANGLE, None] if follow_root else [None]
-    for pair in crown_gear:
-        for names in choices:
-            yield partial(fit_pinion, pair, target, free=names, follow_root=follow_root, fold_margin=FOLD_MARGIN)
-    yield partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
-    if follow_root and free is None:
-        yield partial(_form_first, conjugate, target)
-
-
-def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:
-    """A fit that takes the form of the flank first and the root cone then."""
-    form = fit_pinion(pair, target)
-    near = replace(pair, pinion=replace(pair.pinion, loaded=form.surface))
-    fit = fit_pinion(near, target, follow_root=True)
-    start = pair.pinion.loaded
-    return replace(fit, moved={name: (get_setting(start, name), end) for name, (_, end) in fit.moved.items()})
-
-
-def _cost(fit: Synthesis, follow_root: bool) -> float:
-    """Mean square of the residual [mm^2], with that of the root line as the fit weighs it."""
-    gap = np.nan_to_num(fit.root_gap, nan=LOST_ROOT_GAP) if follow_root else np.zeros(0)
-    return float(fit.rms**2 + np.sum((1e-3 * ROOT_WEIGHT * gap) ** 2) / fit.residual.size)
-
-
-def _good(fit: Synthesis, target: EaseOffTarget, root_limit: float) -> bool:
-    return fit.largest_residual <= residual_limits(target)[0] and (
-        math.isinf(root_limit) or bool(np.all(np.abs(fit.root_gap) <= root_limit))
-    )
+def _left_thickness(pinion: Member) -> float:
+    """Normal circular thickness that one cutter leaves of the pinion's tooth, in the middle of the flank [mm]."""
+    assert pinion.opposite is not None  # a designed pinion has both flanks
+    _, angle = middle_angle(pinion.section, pinion.loaded, pinion.opposite)
+    return angle % (2.0 * math.pi / pinion.teeth) * thickness_per_angle(pinion)
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:

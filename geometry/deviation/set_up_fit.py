@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.machine_resolution import resolution_of
+from ..cutting.machine_resolution import setting_step
 from ..cutting.named_settings import get_setting, scale_of, with_settings
 from ..design.root_line import RootLine
 from ..tooth.tooth_flanks import side
@@ -207,7 +207,7 @@ class SetUpFit:
         for it.
         """
         found = np.array(steps, dtype=float)
-        resolutions = [resolution_of(name) for name, _ in self.unknowns]
+        resolutions = [setting_step(name) for name, _ in self.unknowns]
         felt = np.linalg.norm(self.slopes, axis=0) * [r.step / r.factor for r in resolutions] / self.scale
         order = [int(number) for number in np.argsort(-felt)]
         for place, number in enumerate(order):

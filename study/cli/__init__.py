@@ -22,6 +22,7 @@ from .geometry_commands import correct, export
 from .inputs.case_commands import cases, convert, design
 from .inputs.new_command import new
 from .inputs.oil_command import oil
+from .inputs.sheet_command import sheet
 from .optimize_command import optimize
 from .options.shared_options import echo
 from .result_commands import cite, plot, report, show
@@ -139,6 +140,7 @@ for _command in (
     cases,
     new,
     design,
+    sheet,
     problems,
     library,
     compare,

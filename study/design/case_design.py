@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from ...cases.conversion import blank_design, ease_off_target, misalignment
+from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits
 from ...cases.deflections import misalignment_at
 from ...cases.mistakes import mistakes
 from ...cases.recording import blank_table, flank_settings
@@ -20,15 +20,14 @@ from ...contact.compliance.finite_elements.finite_element_tooth import require_s
 from ...core.errors import GeometryError
 from ...geometry.design.blank import BlankDimensions
 from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
+from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
 from ...geometry.design.pair_design import (
     BOTH_MEMBERS,
     SIDES,
     PairDesign,
     design_pair,
-    require_usable,
-    residual_limits,
-    target_range,
 )
+from ...geometry.design.set_up.pinion_method import ADVICE, at_limit
 from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.assembly import Assembly
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
@@ -61,6 +60,8 @@ class SideReport:
         Share of the gear flank that the pinion meets.
     uncut
         Share of the flanks of pinion and gear that is undercut or out of the cutter's reach.
+    at_limit
+        Names of the settings that stand at a limit of the machine or the cutter.
     root_gap
         Height of the pinion's blade tip above the root cone at toe, middle and heel (3) [mm]; negative where it cuts
         deeper, NaN where the root is undercut or out of the cutter's reach.
@@ -73,6 +74,7 @@ class SideReport:
     common_flank: float
     uncut: tuple[float, float]
     root_gap: Array
+    at_limit: tuple[str, ...] = ()
 
     @property
     def largest_residual(self) -> float:
@@ -152,6 +154,8 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         basic_data,
         assembly,
         {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
+        method=design.pinion.method,
+        limits=setting_limits(design.pinion.limits),
         free=design.pinion.free_settings,
         follow_root=design.pinion.follow_root,
         generated=design.gear.generation == "generated",
@@ -172,7 +176,6 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
 def _case(design: Design, designed: PairDesign) -> Case:
     blank, (convex, concave) = designed.blank, designed.gear
     teeth = designed.assembly.pinion_teeth, designed.assembly.gear_teeth
-    thickness = designed.gear_thickness
     return Case(
         easeoff_case=1,
         title=design.title,
@@ -181,6 +184,7 @@ def _case(design: Design, designed: PairDesign) -> Case:
         pinion=PinionTable(
             number_of_teeth=teeth[0],
             hand_of_spiral=design.pinion.hand_of_spiral,
+            mean_normal_circular_thickness=_recorded(designed.pinion_thickness),
             blank=blank_table(blank.pinion, blank.clearance),
             concave=flank_settings(designed.pinion["drive"].surface, teeth[0]),
             convex=flank_settings(designed.pinion["coast"].surface, teeth[0]),
@@ -188,7 +192,7 @@ def _case(design: Design, designed: PairDesign) -> Case:
         ),
         gear=MemberTable(
             number_of_teeth=teeth[1],
-            mean_normal_circular_thickness=None if thickness is None else round(thickness, 10),
+            mean_normal_circular_thickness=_recorded(designed.gear_thickness),
             blank=blank_table(blank.gear, blank.clearance),
             concave=flank_settings(concave, teeth[1]),
             convex=flank_settings(convex, teeth[1]),
@@ -202,20 +206,26 @@ def _case(design: Design, designed: PairDesign) -> Case:
     )
 
 
+def _recorded(thickness: float | None) -> float | None:
+    return None if thickness is None else round(thickness, 10)
+
+
 def _report(design: Design, designed: PairDesign) -> DesignReport:
     sides = {side: _side(design, designed, side) for side in SIDES}
     clearance = designed.blank.clearance
     warnings: list[str] = []
     for side, item in sides.items():
         wanted = ease_off_target(getattr(design.target, side))
-        # The fit of a generated gear leaves out what is near a fold; the flank does not.
-        require_usable(side, item.largest_residual, wanted)
+        # The fit may leave out what is near a fold; the flank does not.
+        require_usable(side, item.largest_residual, wanted, ADVICE[design.pinion.method])
         good, _ = residual_limits(wanted)
         if not item.largest_residual <= good:
             warnings.append(
-                f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; free other "
-                "settings of the pinion with free_settings, or change the target"
+                f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; "
+                f"{ADVICE[design.pinion.method]}, or change the target"
             )
+        for name in item.at_limit:
+            warnings.append(f"{side}: {name} stands at its limit, see [pinion.limits]")
         for name, share in zip(MEMBERS, item.uncut, strict=True):
             if not share <= UNDERCUT_LIMIT:
                 warnings.append(
@@ -295,7 +305,7 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     inside = found.status == NodeStatus.INSIDE
     wanted = ease_off_target(getattr(design.target, side))
     residual = fit.residual
-    if designed.gear[0].settings.generated:
+    if designed.gear[0].settings.generated or design.pinion.method != "closest_fit":
         residual = _left(found, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
     return SideReport(
@@ -306,7 +316,16 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
         common_flank=float(inside.mean()),
         uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
         root_gap=fit.root_gap,
+        at_limit=_at_limit(design, designed, side),
     )
+
+
+def _at_limit(design: Design, designed: PairDesign, side: FlankName) -> tuple[str, ...]:
+    if design.pinion.method == "closest_fit":
+        return ()
+    values = {name: value for name, (_, value) in designed.pinion[side].moved.items()}
+    limits = setting_limits(design.pinion.limits)
+    return at_limit(values, limits, designed.blank.pinion.root_angle, design.blank_design.cutter_radius)
 
 
 def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:

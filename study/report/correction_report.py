@@ -9,7 +9,7 @@ from dataclasses import asdict
 import numpy as np
 from tabulate import tabulate
 
-from ...geometry.cutting.machine_resolution import resolution_of
+from ...geometry.cutting.machine_resolution import setting_step
 from ...geometry.cutting.named_settings import get_setting
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
 from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
@@ -102,7 +102,7 @@ def _setting_rows(correction: Correction) -> Iterator[tuple[str, str, str, str, 
     for key, change in correction.changes.items():
         name, _, which = key.partition(".")
         start = get_setting(by_side[which] if which else correction.flanks[0].member.loaded.designed, name)  # type: ignore[index]
-        resolution = resolution_of(name)
+        resolution = setting_step(name)
         written = [resolution.written(value) + 0.0 for value in (start, start + change)]
         digits = resolution.decimals + 3
         difference = f"{written[1] - written[0]:+.{digits}f}" if all(map(math.isfinite, written)) else ""

@@ -28,8 +28,12 @@ MEANINGS = {
         "follow from the root line by the closed form",
         "",
     ),
-    "follow_root": ("whether the tips of the pinion's blades shall run along its root cone", ""),
-    "free_settings": ("pinion settings the fit may move, see below; the usual ones if left out", ""),
+    "method": ("how the pinion is cut, see [methods](#methods-of-the-pinion)", ""),
+    "follow_root": (
+        "closest fit: whether the tips of the pinion's blades shall run along its root cone; other methods always do",
+        "",
+    ),
+    "free_settings": ("closest fit: pinion settings it may move, see below; the usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "edge_contact": (
         "whether tooth edges may touch beside the contact lines, see "

@@ -61,6 +61,7 @@ def design_tables() -> str:
     own = (
         ("### Top level", design_model.Design),
         ("### `[pinion]`", design_model.DesignedPinion),
+        ("### `[pinion.limits]`", design_model.LimitsTable),
         ("### `[gear]`", design_model.DesignedGear),
     )
     return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own))

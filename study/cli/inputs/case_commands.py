@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,6 +20,10 @@ from ..options.shared_options import (
 )
 from ..terminal.terminal_bar import working
 from ..terminal.word_completion import case_names, design_names
+from .sheet_command import resolution_option
+
+if TYPE_CHECKING:
+    from ....geometry.cutting.machine_resolution import MachineResolution
 
 
 @click.command(cls=Command)
@@ -57,7 +62,11 @@ def _measured_title(name: str) -> str:
 @output_option("Case file to write, .toml.")
 @force_option
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
-def design(design: str, output: Path, force: bool, report: bool) -> None:
+@click.option("--round", "rounding", is_flag=True, help="Write settings rounded to the resolution of the machine.")
+@resolution_option
+def design(
+    design: str, output: Path, force: bool, report: bool, rounding: bool, resolution: MachineResolution | None
+) -> None:
     """Design a pair and write it as a case file.
 
     DESIGN is the name of a shipped design or the path of a design file: basic data and the wanted ease-off. The blanks
@@ -67,16 +76,26 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
     from ....cases.writing import require_replaceable
     from ....core.writing.output_file import check_writable
     from ...design.case_design import design_case
+    from ...design.rounded_settings import rounded_case, rounding_effect
     from ...report.design_report import design_report, summary_lines
+    from ...report.summary_sheet import effect_line
 
+    if resolution is not None and not rounding:
+        raise InputError("--resolution: must go with --round")
     check_writable(output, design, suffix=".toml")
     require_replaceable(output, force)
     checked = read_design(design, allow_outside=outside_allowed())
     with working("blanks, gear, and a pinion fitted to the ease-off"):
         case, found = design_case(checked)
+    effects = {}
+    if rounding:
+        exact, case = case, rounded_case(case, resolution)
+        effects = rounding_effect(exact, case)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")
     echo(design_report(found) if report else "\n".join(summary_lines(found)))
+    for side, effect in effects.items():
+        echo(effect_line(side, effect))
     table = case.friction
     outside = table is not None and table.seen_from(output.parent).is_outside
     next_commands(("run", output, "-o", output.with_suffix(".nc"), *(["--allow-outside"] if outside else [])))

@@ -1,0 +1,323 @@
+"""The fit of a pinion's set-up within the limits of the machine: each flank by its own, or both by one.
+
+The start is the pinion that the crown gear of the gear cuts: a machine without tilt whose cradle rolls as the gear's
+pitch cone does. Its machine root angle is then laid along the root cone of the pinion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.errors import GeometryError
+from ...cutting.generating_surface import GeneratingSurface
+from ...cutting.named_settings import get_setting, with_settings
+from ...flanks.blank_section import BlankSection
+from ...pair.ease_off import exact_ease_off
+from ...pair.gear_pair import FlankName, GearPair, grid
+from ..blank import BlankDimensions
+from ..ease_off_residual import ROOT_WEIGHT, EaseOffResidual, Tie
+from ..fit_quality import BLANK_ADVICE, residual_limits
+from ..root_line import RootLine
+from ..synthesis import EaseOffTarget, Synthesis
+from .mean_slot import MeanSlot
+from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
+from .upright_machine import root_tie
+
+Array = NDArray[Any]
+#: Pair to start from, target, and what ``root_gap`` gives for blade tips on the root cone.
+Side = tuple[GearPair, EaseOffTarget, Array]
+
+NODES = (9, 7)
+FOLD_MARGIN = 0.2  # see ``fit_pinion``
+SLOT_WEIGHT = 3e3  # [um/mm]: an error of the slot counts as much as three times the same ease-off at one node
+SLOT_STEP = 1e-4  # of the usual steps
+RESIDUAL_CHANGE = 1e-6  # relative change of the sum of squares at which a fit ends
+LARGEST_EVALUATIONS = 60
+FIRST_TILT = 0.02  # [rad]; with one cutter the conjugate pinion is out of reach, and without tilt nothing turns it
+INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
+
+
+@dataclass
+class SetUpResidual:
+    """Residuals of a set-up that cuts one flank or both.
+
+    Parameters
+    ----------
+    parts
+        Residuals of each flank.
+    shared
+        Number of machine settings that move, whose steps come first.
+    own
+        Number of settings of each blade, whose steps follow.
+    slot
+        The slot that one cutter leaves between both flanks; ``None`` where it leaves none.
+    """
+
+    parts: Sequence[EaseOffResidual]
+    shared: int
+    own: int
+    slot: MeanSlot | None
+
+    @property
+    def size(self) -> int:
+        """Number of steps."""
+        return self.shared + self.own * len(self.parts)
+
+    def columns(self, part: int) -> Array:
+        """Places of one flank's steps among all."""
+        first = self.shared + part * self.own
+        return np.concatenate([np.arange(self.shared), np.arange(first, first + self.own)])
+
+    def __call__(self, steps: Array) -> Array:
+        """Residuals [um] of every flank, and of the slot."""
+        rows = [part(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
+        if self.slot is not None:
+            rows.append(np.atleast_1d(self._slot_error(steps)))
+        return np.concatenate(rows)
+
+    def jacobian(self, steps: Array) -> Array:
+        """Derivatives of the residuals by the steps [um]."""
+        rows = []
+        for k, part in enumerate(self.parts):
+            columns = self.columns(k)
+            own = part.jacobian(steps[columns])
+            block = np.zeros((own.shape[0], self.size))
+            block[:, columns] = own
+            rows.append(block)
+        if self.slot is not None:
+            rows.append(self._slot_slopes(steps)[None, :])
+        return np.concatenate(rows)
+
+    def surfaces(self, steps: Array) -> list[GeneratingSurface]:
+        """The flanks at given steps."""
+        return [part.surface(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
+
+    def _slot_slopes(self, steps: Array) -> Array:
+        assert self.slot is not None
+        slopes = np.zeros(self.size)
+        for k, part in enumerate(self.parts):
+            columns = self.columns(k)
+            own = steps[columns]
+            here = part.surface(own)
+            for place, index in enumerate(columns):
+                shift = np.zeros(own.size)
+                shift[place] = SLOT_STEP
+                behind, ahead = part.surface(own - shift), part.surface(own + shift)
+                change = self.slot.change(here, behind, ahead, convex=k == 1)
+                slopes[index] += SLOT_WEIGHT * change / (2.0 * SLOT_STEP)
+        return slopes
+
+    def _slot_error(self, steps: Array) -> float:
+        assert self.slot is not None
+        concave, convex = self.surfaces(steps)
+        error = SLOT_WEIGHT * self.slot.error(concave, convex)
+        return error if np.isfinite(error) else 1e9
+
+
+def best_set_up(
+    upright: Mapping[FlankName, GearPair],
+    further: Sequence[Mapping[FlankName, GearPair]],
+    targets: Mapping[FlankName, EaseOffTarget],
+    method: SetUpMethod,
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+) -> dict[FlankName, Synthesis]:
+    """Fit the set-up of a pinion to the wanted ease-off of both sides: the first good fit, else the best of all.
+
+    Parameters
+    ----------
+    upright
+        The pair with the pinion flanks that a machine without tilt cuts along the root cone, see ``along_the_root``.
+    further
+        The same from other starts, to be tried before it where the cutter may be tilted.
+    targets
+        Wanted ease-off of both sides.
+    method
+        Customary method, see ``pinion_method``. ``completing`` cuts both flanks with one set of machine settings;
+        face-milled, the cutter also leaves the slot of the blank at the mean point.
+    limits
+        Of the settings.
+    blank
+        Dimensions of the pair.
+    cutter_radius
+        Mean radius of the cutter [mm].
+
+    Returns
+    -------
+    dict
+        The fit of each side.
+
+    Raises
+    ------
+    GeometryError
+        If no fit succeeds.
+    """
+    shared = shared_settings(method, limits, cutter_radius)
+    on_root = {side: root_gap(pair.pinion.loaded, pair.pinion.section) for side, pair in upright.items()}
+    first = _one_cutter(upright, blank) if method == "completing" else upright
+    starts = [*further, first] if "cutter_tilt" in shared else [first]
+    sides: list[tuple[FlankName, ...]] = [("drive", "coast")] if method == "completing" else [("drive",), ("coast",)]
+    found: dict[FlankName, Synthesis] = {}
+    for together in sides:
+        best: dict[FlankName, Synthesis] | None = None
+        failure = GeometryError("no start")
+        for start in starts:
+            try:
+                chosen = {side: (start[side], targets[side], on_root[side]) for side in together}
+                fits = _fit(chosen, shared, limits, blank, cutter_radius)
+            except GeometryError as error:
+                failure = error
+                continue
+            if best is None or _cost(fits) < _cost(best):
+                best = fits
+            if _good(best, chosen, blank.clearance):
+                break
+        if best is None:
+            raise GeometryError(
+                f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {failure}; "
+                f"choose another method, wider limits, or {BLANK_ADVICE}"
+            )
+        found |= best
+    return found
+
+
+def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> Mapping[FlankName, GearPair]:
+    """The start with the point width that leaves the blank's slot, where one face-milling cutter cuts both flanks.
+
+    The outside blade of a cutter stands at the larger radius; the crown gear's flanks, cut from the other side, would
+    have it at the smaller one, with a tooth of the crown gear between them.
+    """
+    concave, convex = (start[side].pinion for side in ("drive", "coast"))
+    if concave.loaded.settings.indexing_ratio != 0.0:
+        return start
+    slot = MeanSlot.of(concave.loaded, convex.loaded, concave.section, blank)
+    each = -0.5 * slot.error(concave.loaded, convex.loaded)
+    pairs: dict[FlankName, GearPair] = {}
+    for side, pair in start.items():
+        surface = pair.pinion.loaded
+        radius = get_setting(surface, "point_radius") + surface.blade.side_sign * each
+        moved = with_settings(surface, {"point_radius": radius})
+        pairs[side] = replace(pair, pinion=replace(pair.pinion, loaded=moved))
+    return pairs
+
+
+def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
+    """Mean square of the residuals [mm^2], with those of the root lines as the fit weighs them."""
+    return sum(fit.rms**2 + float(np.sum((1e-3 * ROOT_WEIGHT * fit.root_gap) ** 2)) for fit in fits.values())
+
+
+def _good(fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], clearance: float) -> bool:
+    return all(
+        fit.largest_residual <= residual_limits(sides[side][1])[0] and bool(np.all(np.abs(fit.root_gap) <= clearance))
+        for side, fit in fits.items()
+    )
+
+
+def set_up_residual(sides: Mapping[FlankName, Side], shared: tuple[str, ...], blank: BlankDimensions) -> SetUpResidual:
+    """Residuals of a set-up that cuts the given sides.
+
+    Parameters
+    ----------
+    sides
+        Pair, target and root line of the sides that are cut together; each begins from the same machine settings.
+    shared
+        Machine settings that move; each blade has its radius and its angle besides.
+    blank
+        Dimensions of the pair.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks do not meet on enough of the gear flank.
+    """
+    names, tie = (*shared, *BLADE_SETTINGS), root_tie(blank, shared)
+    parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]
+    slot = None
+    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0:
+        slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
+    return SetUpResidual(parts, len(shared), len(BLADE_SETTINGS), slot)
+
+
+def _fit(
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+) -> dict[FlankName, Synthesis]:
+    from scipy.optimize import least_squares
+
+    fit = set_up_residual(sides, shared, blank)
+    bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
+    for k, part in enumerate(fit.parts):
+        for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):
+            low, high = limits.allowed(name, blank.pinion.root_angle, cutter_radius)
+            bounds[place] = (low - origin) / scale, (high - origin) / scale
+            if name == "cutter_tilt" and origin == 0.0 and fit.slot is not None:
+                start[place] = FIRST_TILT / scale
+    inside = np.minimum(INTERIOR, 0.25 * (bounds[:, 1] - bounds[:, 0]))
+    found = least_squares(
+        fit,
+        np.clip(start, bounds[:, 0] + inside, bounds[:, 1] - inside),
+        fit.jacobian,
+        bounds=(bounds[:, 0], bounds[:, 1]),
+        method="trf",
+        xtol=1e-10,
+        ftol=RESIDUAL_CHANGE,
+        gtol=1e-10,
+        max_nfev=LARGEST_EVALUATIONS,
+    )
+    fit(found.x)
+    return {
+        side: _synthesis(pair, part, found.x[fit.columns(k)], root)
+        for k, (part, (side, (pair, _, root))) in enumerate(zip(fit.parts, sides.items(), strict=True))
+    }
+
+
+def _residual(
+    pair: GearPair, target: EaseOffTarget, names: Sequence[str], root: Array, tie: Tie | None
+) -> EaseOffResidual:
+    t, h = grid(NODES)
+    gear, pinion = pair.gear.flank(t, h), pair.pinion
+    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
+    root_line = RootLine.of(pinion.loaded, pinion.section) if tie is None else None
+    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    residual = EaseOffResidual(pair, gear, wanted, names, known, root_line, FOLD_MARGIN, root, tie)
+    if residual.lever.size < 2 * len(names):
+        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+    return residual
+
+
+def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array, on_root: Array) -> Synthesis:
+    """The fitted flank, its tilt written as a positive angle."""
+    surface, section = part.surface(steps), pair.pinion.section
+    left = 1e-3 * part(steps)[: part.lever.size]
+    fresh = exact_ease_off(part.gear, surface, section, pair.assembly)
+    if not np.allclose(part.error(fresh.angle), left, rtol=0.0, atol=1e-6):
+        raise GeometryError("the fitted settings cut the blank with another part of the cutter than the fit followed")
+    surface = with_positive_tilt(surface)
+    moved = {
+        name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
+    }
+    off_root = np.zeros(3) if part.tie is not None else root_gap(surface, section) - on_root
+    return Synthesis(surface, moved, left, off_root)
+
+
+def root_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
+    """Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], see ``RootLine``."""
+    return RootLine.of(surface, section).gap(surface)[0]
+
+
+def with_positive_tilt(surface: GeneratingSurface) -> GeneratingSurface:
+    """The same flank with a tilt of zero or more: a negative one is a positive one in the opposite direction."""
+    settings = surface.settings
+    if settings.cutter_tilt >= 0.0:
+        return surface
+    swivel = settings.cutter_swivel - np.copysign(np.pi, settings.cutter_swivel)
+    return replace(surface, settings=replace(settings, cutter_tilt=-settings.cutter_tilt, cutter_swivel=float(swivel)))

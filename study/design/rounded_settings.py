@@ -1,0 +1,144 @@
+"""Settings rounded to what a machine and a tool room can set, and what that changes of the ease-off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...cases.conversion import gear_pair
+from ...cases.schema.case_schema import Case
+from ...cases.schema.cutting_table import FlankSettings
+from ...core.errors import GeometryError
+from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.pair.ease_off import exact_ease_off
+from ...geometry.pair.gear_pair import FlankName, grid
+
+EFFECT_NODES = (15, 11)
+FLANKS = ("concave", "convex")
+
+
+_ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")
+_LENGTHS = (
+    "radial_distance",
+    "horizontal_distance",
+    "vertical_distance",
+    "work_offset",
+    "sliding_base",
+    "machine_center_to_crossing_point",
+)
+_ROLLS = tuple(f"modified_roll_{order}" for order in ("2c", "6d", "24e", "120f", "720g"))
+_BLADE_ANGLES = ("blade_pressure_angle", "blade_offset_angle", "blade_rake_angle", "blade_hook_angle")
+#: The resolution that each key takes; curved profiles and reliefs of a blade stay as they are.
+STEP_OF: Mapping[tuple[str, str], str] = {
+    **{("machine", key): "angle" for key in _ANGLES},
+    **{("machine", key): "length" for key in _LENGTHS},
+    **{("machine", key): "modified_roll" for key in _ROLLS},
+    ("machine", "ratio_of_roll"): "roll",
+    **{("motions", key): "motion" for key in (*_LENGTHS, *_ANGLES)},
+    **{("cutter", key): "blade_angle" for key in _BLADE_ANGLES},
+    ("cutter", "blade_point_radius"): "blade_radius",
+    ("cutter", "tool_edge_radius"): "edge_radius",
+}
+
+
+def rounded_case(case: Case, resolution: MachineResolution | None = None) -> Case:
+    """The case with the settings of every flank rounded.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    resolution
+        Steps; the usual ones if left out.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> rounded_case(read_case("fm-11x41")).pinion.concave.machine.cutter_tilt
+    14.012
+    """
+    steps = resolution or USUAL_RESOLUTION
+    members: dict[str, Any] = {}
+    for name in ("pinion", "gear"):
+        member = getattr(case, name)
+        flanks = {side: _flank(getattr(member, side), steps) for side in FLANKS if getattr(member, side) is not None}
+        members[name] = member.model_copy(update=flanks)
+    return case.model_copy(update=members)
+
+
+def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
+    """Greatest change of the ease-off on the common flank, up to a rotation of the gear [mm], of each side.
+
+    Parameters
+    ----------
+    case
+        The case as it was.
+    rounded
+        The same with other settings of its flanks.
+
+    Raises
+    ------
+    GeometryError
+        If the rounded flanks do not meet.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("fm-11x41")
+    >>> effect = rounding_effect(case, rounded_case(case))
+    >>> max(effect.values()) < 0.005
+    True
+    """
+    sides: dict[FlankName, str] = {"drive": "concave", "coast": "convex"}
+    return {
+        side: _change(case, rounded, side) for side, flank in sides.items() if getattr(case.pinion, flank) is not None
+    }
+
+
+def _change(case: Case, rounded: Case, side: FlankName) -> float:
+    t, h = grid(EFFECT_NODES)
+    found = []
+    for each in (case, rounded):
+        pair = gear_pair(each, side)
+        flank = pair.gear.flank(t, h)
+        found.append(exact_ease_off(flank, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+    before, after = found
+    known = before.inside & after.inside
+    if not np.any(known):
+        raise GeometryError(f"{side}: with rounded settings pinion and gear do not meet: take a finer resolution")
+    lever = before.lever_arm[known]
+    change = (after.angle - before.angle)[known] * lever
+    return float(np.abs(change - lever * float(lever @ change) / float(lever @ lever)).max())
+
+
+def _flank(settings: FlankSettings, steps: MachineResolution) -> FlankSettings:
+    machine = {key: _to_step(value, step_of(steps, "machine", key)) for key, value in settings.machine}
+    motions = {
+        key: tuple(_to_step(value, step_of(steps, "motions", key)) for value in values)
+        for key, values in settings.machine.motions
+    }
+    machine["motions"] = settings.machine.motions.model_copy(update=motions)
+    cutter = {key: _to_step(value, step_of(steps, "cutter", key)) for key, value in settings.cutter}
+    return settings.model_copy(
+        update={
+            "machine": settings.machine.model_copy(update=machine),
+            "cutter": settings.cutter.model_copy(update=cutter),
+        }
+    )
+
+
+def step_of(resolution: MachineResolution, table: str, key: str) -> float | None:
+    """Step of a key of the tables ``machine``, ``motions`` or ``cutter``; ``None`` where it is not rounded."""
+    return None if (name := STEP_OF.get((table, key))) is None else float(getattr(resolution, name))
+
+
+def _to_step(value: Any, step: float | None) -> Any:
+    """The nearest multiple of the step."""
+    if value is None or step is None or value == 0.0:
+        return value
+    count = round(value / step)
+    places = max(0, 2 - math.floor(math.log10(step)))
+    return round(count * step, places) + 0.0

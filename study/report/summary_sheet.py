@@ -1,0 +1,244 @@
+"""Summary sheet of a pair: blanks, cutters and machine settings as an operator sets them, as text or as a page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from html import escape
+
+from tabulate import tabulate
+
+from ...cases.recording import with_blanks
+from ...cases.schema.case_schema import Case
+from ...cases.schema.cutting_table import FlankSettings
+from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.pair.gear_pair import FlankName
+from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of
+
+#: Usual names of the settings beside those of REXS and of case files.
+USUAL_NAMES: Mapping[str, str] = {
+    "radial_distance": "radial setting",
+    "cradle_angle": "basic cradle angle",
+    "horizontal_distance": "horizontal setting",
+    "vertical_distance": "vertical setting",
+    "machine_root_angle": "machine root angle",
+    "work_offset": "blank offset",
+    "sliding_base": "sliding base",
+    "machine_center_to_crossing_point": "machine centre to back",
+    "cutter_tilt": "tilt",
+    "cutter_swivel": "swivel",
+    "ratio_of_roll": "ratio of roll",
+    "modified_roll_2c": "modified roll 2C",
+    "modified_roll_6d": "modified roll 6D",
+    "modified_roll_24e": "modified roll 24E",
+    "modified_roll_120f": "modified roll 120F",
+    "modified_roll_720g": "modified roll 720G",
+    "blade_point_radius": "cutter point radius",
+    "blade_pressure_angle": "blade angle",
+    "blade_offset_angle": "blade offset angle",
+    "blade_rake_angle": "blade rake angle",
+    "blade_hook_angle": "blade hook angle",
+    "blade_spheric_radius": "profile radius",
+    "blade_reference_height": "reference height",
+    "tool_edge_radius": "edge radius",
+    "toprem_depth": "toprem depth",
+    "toprem_angle": "toprem angle",
+    "toprem_radius": "toprem radius",
+    "flankrem_depth": "flankrem depth",
+    "flankrem_angle": "flankrem angle",
+    "flankrem_radius": "flankrem radius",
+    "number_of_blade_groups": "blade groups",
+}
+MOTION_NAMES = {"sliding_base": "helical motion", "work_offset": "vertical motion", "radial_distance": "radial motion"}
+ANGULAR = ("angle", "tilt", "swivel")
+LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
+NO_VALUE = "-"
+
+
+@dataclass(frozen=True)
+class SummarySheet:
+    """A summary sheet.
+
+    Parameters
+    ----------
+    title
+        Of the pair.
+    tables
+        Tables by heading, a row of texts each, the first row the head.
+    effects
+        What rounding changes of the ease-off, a line a side.
+
+    Examples
+    --------
+    >>> sheet = SummarySheet("A pair", {"Blanks": (("", "unit", "pinion"), ("teeth", "", "11"))}, ())
+    >>> sheet.text().splitlines()[0]
+    'A pair'
+    """
+
+    title: str
+    tables: Mapping[str, tuple[tuple[str, ...], ...]]
+    effects: tuple[str, ...]
+
+    def text(self) -> str:
+        """The sheet as text."""
+        parts = [self.title]
+        for heading, (head, *rows) in self.tables.items():
+            table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
+            parts += [heading, table]
+        return "\n\n".join([*parts, "\n".join(self.effects)]) + "\n"
+
+    def page(self) -> str:
+        """The sheet as an HTML page that needs nothing else."""
+        parts = []
+        for heading, (head, *rows) in self.tables.items():
+            table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
+            parts += [f"<h2>{escape(heading)}</h2>", table]
+        effects = "".join(f"<p>{escape(line)}</p>" for line in self.effects)
+        return PAGE.format(title=escape(self.title), body="\n".join([*parts, effects]))
+
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font-family: sans-serif; margin: 2em; }}
+table {{ border-collapse: collapse; }}
+th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+{body}
+</body>
+</html>
+"""
+
+
+def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> SummarySheet:
+    """Summary sheet of a case, its settings rounded to a resolution.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    resolution
+        Steps; the usual ones if left out.
+
+    Returns
+    -------
+    SummarySheet
+        Blanks, cutters and machine settings of every flank, with the resolution of each setting and what rounding
+        changes of the ease-off.
+
+    Raises
+    ------
+    GeometryError
+        If the rounded flanks do not meet.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> sheet = summary_sheet(read_case("fm-11x41"))
+    >>> list(sheet.tables)
+    ['Blanks', 'Cutters', 'Machine settings']
+    """
+    steps = resolution or USUAL_RESOLUTION
+    rounded = with_blanks(rounded_case(case, steps))
+    effect = rounding_effect(case, rounded_case(case, steps))
+    return SummarySheet(
+        case.title,
+        {
+            "Blanks": tuple(_blanks(rounded)),
+            "Cutters": tuple(_settings(rounded, steps, "cutter")),
+            "Machine settings": tuple(_settings(rounded, steps, "machine")),
+        },
+        tuple(effect_line(side, value) for side, value in effect.items()),
+    )
+
+
+def effect_line(side: FlankName, effect: float) -> str:
+    """What rounding changes of the ease-off of a side, in one line; the effect in mm."""
+    return f"{side}: rounding the settings changes the ease-off by up to {1e3 * effect:.2f} um"
+
+
+def _alignment(columns: int) -> tuple[str, ...]:
+    return ("left", "left", *("right",) * (columns - 2))  # names at the left, numbers at the right
+
+
+def _blanks(case: Case) -> Iterator[tuple[str, ...]]:
+    yield "", "unit", "pinion", "gear"
+    members = case.pinion, case.gear
+    hand = case.pinion.hand_of_spiral
+    yield "number of teeth", "", *(str(member.number_of_teeth) for member in members)
+    yield "hand of spiral", "", hand, "left" if hand == "right" else "right"
+    yield "shaft angle", "deg", *(f"{case.pair.shaft_angle:.4f}",) * 2
+    yield "hypoid offset", "mm", *(f"{case.pair.hypoid_offset:.4f}",) * 2
+    tables = [member.blank.model_dump() if member.blank is not None else {} for member in members]
+    for key in tables[0]:
+        if all(table.get(key) is not None for table in tables):
+            unit = "deg" if key.endswith("angle") else "mm"
+            yield key.replace("_", " "), unit, *(f"{table[key]:.4f}" for table in tables)
+
+
+def _flanks(case: Case) -> dict[str, FlankSettings]:
+    found = {}
+    for name, member in (("pinion", case.pinion), ("gear", case.gear)):
+        for side in FLANKS:
+            if (settings := getattr(member, side)) is not None:
+                found[f"{name} {side}"] = settings
+    return found
+
+
+def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tuple[str, ...]]:
+    """Rows of the settings that a flank has, with their names, units and resolutions."""
+    flanks = _flanks(case)
+    yield "setting", "REXS, case file", "unit", "step", *flanks
+    if table == "cutter":
+        yield "blade", "", "", "", *("outside" if name.endswith("concave") else "inside" for name in flanks)
+    tables = {name: getattr(settings, table).model_dump() for name, settings in flanks.items()}
+    for key in next(iter(tables.values())):
+        if key == "motions":
+            yield from _motions(flanks, steps)
+            continue
+        values = [each[key] for each in tables.values()]
+        if not any(values):
+            continue
+        unit = "deg" if key.endswith(ANGULAR) else "mm" if key.endswith(LENGTHS) else ""
+        yield USUAL_NAMES[key], key, unit, *_row(values, step_of(steps, table, key))
+    if table == "cutter":
+        yield from _point_width(case)
+
+
+def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:
+    motions = [settings.machine.motions.model_dump() for settings in flanks.values()]
+    for key in motions[0]:
+        for order in range(max(len(each[key]) for each in motions)):
+            values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
+            unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
+            usual = MOTION_NAMES.get(key, f"motion of {USUAL_NAMES[key]}")
+            yield f"{usual}, order {order + 1}", f"motions.{key}", unit, *_row(values, step_of(steps, "motions", key))
+
+
+def _point_width(case: Case) -> Iterator[tuple[str, ...]]:
+    """Point width of the members whose flanks one face-milling cutter cuts."""
+    widths = []
+    for member in (case.pinion, case.gear):
+        outside, inside = member.concave, member.convex
+        if outside is None or inside is None:
+            widths += [NO_VALUE]
+        elif outside.machine != inside.machine or outside.cutter.number_of_blade_groups:
+            widths += [NO_VALUE, NO_VALUE]
+        else:
+            widths += [f"{outside.cutter.blade_point_radius - inside.cutter.blade_point_radius:.3f}"] * 2
+    if any(width != NO_VALUE for width in widths):
+        yield "point width", "", "mm", "", *widths
+
+
+def _row(values: list[float | int | None], step: float | None) -> tuple[str, ...]:
+    """Resolution and values with as many decimals as it has."""
+    if step is None:
+        return NO_VALUE, *(NO_VALUE if value is None else f"{value:g}" for value in values)
+    places = max(0, len(f"{step:.10f}".rstrip("0").partition(".")[2]))
+    return f"{step:g}", *(NO_VALUE if value is None else f"{value:.{places}f}" for value in values)

@@ -1,0 +1,142 @@
+"""Summary sheets: settings are multiples of their steps, and the stated effect is that of the rounded settings."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from easeoff import InputError
+from easeoff.cases import case_toml, gear_pair, parse_case, read_case, shipped_cases
+from easeoff.geometry import MachineResolution, ease_off
+from easeoff.study import rounded_case, rounding_effect, summary_sheet
+from easeoff.study.cli import main
+from easeoff.study.design.rounded_settings import STEP_OF
+
+SIDES: tuple[Any, Any] = ("drive", "coast")
+COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
+
+
+@pytest.mark.parametrize("name", list(shipped_cases()))
+@pytest.mark.quick(2)
+def test_rounded_settings_are_multiples_of_their_steps(name: str) -> None:
+    """Within half a step of what they were; rounding again changes nothing, and the case file keeps them."""
+    case = read_case(name)
+    rounded = rounded_case(case, COARSE)
+    for member in ("pinion", "gear"):
+        for flank in ("concave", "convex"):
+            before, after = (getattr(getattr(each, member), flank) for each in (case, rounded))
+            if before is None:
+                assert after is None
+                continue
+            for (table, key), _ in STEP_OF.items():
+                if table == "motions":
+                    continue
+                old, new = (getattr(getattr(each, table), key) for each in (before, after))
+                step = COARSE.step(table, key)
+                if old is None or step is None:
+                    assert new == old
+                    continue
+                assert new / step == pytest.approx(round(new / step), abs=1e-7), key
+                assert abs(new - old) <= 0.5 * step * (1 + 1e-9), key
+    assert rounded_case(rounded, COARSE).model_dump() == rounded.model_dump()
+    assert parse_case(case_toml(rounded)).model_dump() == rounded.model_dump()
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+@pytest.mark.quick(2)
+def test_rounded_settings_analysed_anew_are_within_the_stated_effect(name: str, side: Any) -> None:
+    """By the public ease-off on a grid that the statement did not use."""
+    case = read_case(name)
+    rounded = rounded_case(case, COARSE)
+    stated = rounding_effect(case, rounded)[side]
+    before, after = (ease_off(gear_pair(each, side), (13, 9)) for each in (case, rounded))
+    known = before["inside"].values.astype(bool) & after["inside"].values.astype(bool)
+    lever = before["lever_arm"].values[known]
+    change = 1e-3 * (after["ease_off"].values - before["ease_off"].values)[known]
+    change = change - lever * (lever @ change) / (lever @ lever)
+    assert 0.5 * stated < np.abs(change).max() < 1.2 * stated
+
+
+def test_effect_falls_with_the_steps() -> None:
+    """Linearly: a tenth of the steps leaves about a tenth, and steps below the file's rounding nothing."""
+    case = read_case("fm-11x41")
+    fine = MachineResolution(*(1e-9,) * 9)
+    assert max(rounding_effect(case, rounded_case(case, fine)).values()) < 1e-7
+    usual, coarse = (max(rounding_effect(case, rounded_case(case, each)).values()) for each in (None, COARSE))
+    assert usual < 1e-3 < coarse
+
+
+class _Cells(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.cells: list[str] = []
+
+    def handle_data(self, data: str) -> None:
+        if data.strip():
+            self.cells.append(data.strip())
+
+
+def test_sheet_holds_the_settings_as_text_and_as_a_page() -> None:
+    case = read_case("fm-11x41")
+    made = summary_sheet(case)
+    page = _Cells()
+    page.feed(made.page())
+    concave = rounded_case(case).pinion.concave
+    assert concave is not None
+    for value in (f"{concave.machine.radial_distance:.3f}", f"{concave.machine.cutter_tilt:.3f}"):
+        assert value in made.text()
+        assert value in page.cells
+    for word in ("machine centre to back", "machine_center_to_crossing_point", "point width", "modified roll 2C"):
+        assert word in made.text()
+        assert word in page.cells
+    assert re.search(r"drive: rounding the settings changes the ease-off by up to \d", made.text())
+
+
+def test_command_writes_sheets(tmp_path: Path) -> None:
+    for name in ("sheet.txt", "sheet.html"):
+        outcome = CliRunner().invoke(
+            main, ["sheet", "fm-11x41", "-o", str(tmp_path / name), "--resolution", "length=0.01,angle=0.05"]
+        )
+        assert outcome.exit_code == 0, outcome.output
+        assert "ease-off by up to" in outcome.output
+        assert "0.05" in (tmp_path / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["sheet", "fm-11x41", "-o", "x.pdf"], ["x.pdf", ".txt or .html"]),
+        (["sheet", "fm-11x41", "-o", "x.txt", "--resolution", "tilt=1"], ["'tilt'", "must be one of", "angle"]),
+        (["sheet", "fm-11x41", "-o", "x.txt", "--resolution", "angle=0"], ["resolution of angle = 0", "above 0"]),
+        (["design", "fm-11x41", "-o", "x.toml", "--resolution", "angle=0.1"], ["--resolution", "--round"]),
+    ],
+)
+def test_mistakes_are_told(arguments: list[str], words: list[str], tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    outcome = CliRunner().invoke(main, arguments)
+    assert outcome.exit_code == 2
+    for word in words:
+        assert word in outcome.output
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.thorough
+def test_design_writes_rounded_settings(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    outcome = CliRunner().invoke(main, ["design", "fh-design-a", "-o", str(path), "--round"])
+    assert outcome.exit_code == 0, outcome.output
+    assert "coast: rounding the settings changes the ease-off by up to" in outcome.output
+    case = read_case(path)
+    assert rounded_case(case).model_dump() == case.model_dump()
+
+
+def test_steps_must_be_positive() -> None:
+    with pytest.raises(InputError, match="resolution of length = 0"):
+        MachineResolution(length=0.0)
