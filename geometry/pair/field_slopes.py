@@ -1,0 +1,176 @@
+"""Derivatives of a pair's ease-off, roll angle and what else the contact needs by machine and cutter settings.
+
+At a fixed node of the gear flank (a fixed axial and radial coordinate) every field is an analytic function of the
+settings, by the meshing conditions that Newton's method solves to rounding. It is differentiated by the fourth-order
+difference of solutions close by, each found from the known one in two or three steps. Steps are so short that neither
+truncation nor rounding reaches 1e-9 of a derivative. The ease-off's own derivative has a closed form, too: the normal
+motion of a flank over its moment about the gear axis, ``ease_off_slope``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..vectors import dot
+from .datasets import first_contact
+from .gear_pair import GearPair, PairGeometry
+from .near_pair import NearPair
+from .pair_setting import PairSetting
+
+Array = NDArray[Any]
+
+STEP_SHARE = 0.02  # of the usual step of a setting
+ZERO_STEP = 1e-9  # [rad], of the ease-off: its zero is that of the same node on either side
+PLACES = (-2.0, -1.0, 1.0, 2.0)  # of a fourth-order difference, in steps
+
+
+def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dict[str, Array]:
+    """Derivatives of the fields on the gear flank.
+
+    The tooth bodies are held: they say where a force's normal meets the middle of a tooth, which a setting that moves
+    the flank by micrometres changes by as much.
+
+    Parameters
+    ----------
+    geometry
+        The pair. An ease-off that was modified keeps its addition along the normal.
+    settings
+        By what to differentiate (j).
+
+    Returns
+    -------
+    dict
+        By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
+        ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
+        ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
+        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point.
+
+    Raises
+    ------
+    GeometryError
+        If the middle of the pinion flank has no conjugate point.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> slopes = field_slopes(geometry, [PairSetting("pinion", "radial_distance"), PairSetting("gear", "cradle_angle")])
+    >>> slopes["roll_angle"].shape, bool((slopes["roll_angle"][..., 1] == 0.0).all())
+    ((9, 7, 2), True)
+    """
+    known = NearPair.of(geometry)
+    at_node = _Fields(geometry)
+    columns: list[dict[str, Array]] = []
+    for setting in settings:
+        step = STEP_SHARE * setting.scale
+        each = [at_node(known.at(setting.moved(geometry.pair, step * place))) for place in PLACES]
+        columns.append({name: _rate([one[name] for one in each], step) for name in each[0]})
+        columns[-1]["ease_off_angle"] = at_node.from_first_contact(columns[-1]["ease_off_angle"])
+    names = columns[0] if columns else at_node(known)
+    return {name: np.stack([one[name] for one in columns], axis=-1) for name in names}
+
+
+def _rate(values: Sequence[Array], step: float) -> Array:
+    """Derivative from values at the ``PLACES``; zero to the bit where nothing changes."""
+    far_behind, behind, ahead, far_ahead = values
+    return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
+
+
+class _Fields:
+    """Fields of a pair near a known one, with its bodies and its modification."""
+
+    def __init__(self, geometry: PairGeometry) -> None:
+        self.geometry = geometry
+        exact, told = geometry.exact, geometry.ease_off
+        angle = told["ease_off_angle"].transpose("lengthwise", "profile").values.ravel()
+        added = (angle + told.attrs["first_contact_rad"] - exact.angle) * exact.lever_arm
+        # Without a modification nothing but rounding is left.
+        self.added = np.where(np.abs(added) > 1e-12, added, 0.0)
+        self.angle, self.inside = angle.reshape(geometry.nodes), exact.inside.reshape(geometry.nodes)
+
+    def __call__(self, near: NearPair) -> dict[str, Array]:
+        exact, gear, nodes = near.exact, near.gear, self.geometry.nodes
+        angle = (exact.angle + self.added / exact.lever_arm).reshape(nodes)
+        values = {
+            "ease_off_angle": angle,
+            "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
+        }
+        for name in ("roll_angle", "lever_arm", "separation_curvature", "separation_skew"):
+            values[name] = getattr(exact, name).reshape(nodes)
+        for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
+            values[name] = getattr(exact, name).reshape(nodes)
+        bodies = self.geometry.members.bodies
+        loaded = ((exact.pinion_position, exact.pinion_normal), (gear.position, gear.normal))
+        for member, body, point in zip(("pinion", "gear"), bodies, loaded, strict=True):
+            values[f"depth_{member}"] = body.shell_coordinates(*point).depth.reshape(nodes)
+        return values
+
+
+    def from_first_contact(self, slope: Array) -> Array:
+        """Derivative of the ease-off (nt, nh), less that of its zero, the paraboloid about the lowest node."""
+        relative = slope - slope[np.unravel_index(np.argmin(np.where(self.inside, self.angle, np.inf)), slope.shape)]
+        step = ZERO_STEP / max(float(np.nanmax(np.abs(relative))), 1e-300)
+        ahead, behind = (first_contact(self.angle + sign * step * relative, self.inside) for sign in (1.0, -1.0))
+        return np.asarray(relative - (ahead - behind) / (2.0 * step))
+
+
+def ease_off_slope(geometry: PairGeometry, setting: PairSetting) -> Array:
+    """Derivative (n) of the ease-off angle at the nodes by one setting, in closed form and up to a constant.
+
+    The conjugate gear is the envelope of the moving pinion flank: where a setting moves the flank along its normal, it
+    moves the envelope as far (the envelope theorem); so does an assembly error. The motion of the gear's flank is that
+    of the flank itself. Over the moment of the normal about the gear axis it is a gear angle.
+
+    Parameters
+    ----------
+    geometry
+        The pair.
+    setting
+        By what to differentiate.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> by_roll = PairSetting("pinion", "ratio_of_roll")
+    >>> closed = ease_off_slope(geometry, by_roll)
+    >>> full = field_slopes(geometry, [by_roll])["ease_off_angle"].ravel()
+    >>> bool(np.ptp(closed - full) < 1e-8 * np.ptp(full))
+    True
+    """
+    exact, gear = geometry.exact, geometry.members.gear
+    motion, step = exact.motion, STEP_SHARE * setting.scale
+    pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+
+    if setting.of == "gear":
+        moved = _rate([_points(pair.gear.loaded.flank_parts, gear.part, gear.parameters) for pair in pairs], step)
+        moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]
+        return np.asarray(-motion.pinion_sense * dot(moved, gear.normal) / moment)
+    turned = exact.roll_angle + motion.center
+
+    def in_space(pair: GearPair) -> Array:
+        own = _points(pair.pinion.loaded.flank_parts, exact.part, exact.pinion_parameters)
+        there = type(motion)(motion.surface, pair.assembly, motion.pinion_sense)
+        # Seen from the gear, which an error may move along its axis.
+        return there.turned(*pair.assembly.pinion_to_global(own, own), turned)[0] - _origin(pair)
+
+    moved = _rate([in_space(pair) for pair in pairs], step)
+    arm = exact.action_position - _origin(geometry.pair)
+    moment = arm[0] * exact.action_normal[1] - arm[1] * exact.action_normal[0]
+    return np.asarray(motion.pinion_sense * dot(moved, exact.action_normal) / moment)
+
+
+def _points(parts: Sequence[Any], part: NDArray[np.int8], parameters: Array) -> Array:
+    from ..flanks.flank_parts import on_parts
+
+    return on_parts(parts, part, parameters, lambda surface, p: surface.evaluate(p)[0])
+
+
+def _origin(pair: GearPair) -> Array:
+    return pair.assembly.gear_origin.reshape(3, 1)
