@@ -1,31 +1,34 @@
 """Derivatives of a pair's ease-off, roll angle and what else the contact needs by machine and cutter settings.
 
 At a fixed node of the gear flank (a fixed axial and radial coordinate) every field is an analytic function of the
-settings, by the meshing conditions that Newton's method solves to rounding. It is differentiated by the fourth-order
-difference of solutions close by, each found from the known one in two or three steps. Steps are so short that neither
-truncation nor rounding reaches 1e-9 of a derivative. The ease-off's own derivative has a closed form, too: the normal
-motion of a flank over its moment about the gear axis, ``ease_off_slope``.
+settings. How the surface parameters at a node follow a setting is known implicitly, see ``near_pair``; along that path
+the closed-form fields are differentiated by differences of fourth order. Their steps are so short that truncation and
+rounding stay near 1e-9 of a derivative, and near 1e-7 of that of the separation skew. The ease-off's own derivative has
+a closed form, too: the normal motion of a flank over its moment about the gear axis, ``ease_off_slope``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.flank_parts import on_parts
 from ..vectors import dot
 from .datasets import first_contact
 from .gear_pair import GearPair, PairGeometry
-from .near_pair import NearPair
+from .modification import Modification
+from .near_pair import PLACES, KnownPair, NearPair, rate
 from .pair_setting import PairSetting
 
 Array = NDArray[Any]
 
 STEP_SHARE = 0.02  # of the usual step of a setting
 ZERO_STEP = 1e-9  # [rad], of the ease-off: its zero is that of the same node on either side
-PLACES = (-2.0, -1.0, 1.0, 2.0)  # of a fourth-order difference, in steps
 
 
 def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dict[str, Array]:
@@ -63,22 +66,20 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
     >>> slopes["roll_angle"].shape, bool((slopes["roll_angle"][..., 1] == 0.0).all())
     ((9, 7, 2), True)
     """
-    known = NearPair.of(geometry)
+    known = KnownPair(geometry)
     at_node = _Fields(geometry)
     columns: list[dict[str, Array]] = []
     for setting in settings:
+        if setting.of == "modification":
+            columns.append(at_node.by_term(setting.name))
+            continue
         step = STEP_SHARE * setting.scale
-        each = [at_node(known.at(setting.moved(geometry.pair, step * place))) for place in PLACES]
-        columns.append({name: _rate([one[name] for one in each], step) for name in each[0]})
+        pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+        each = [at_node(near) for near in known.along(pairs, step)]
+        columns.append({name: rate([one[name] for one in each], step) for name in each[0]})
         columns[-1]["ease_off_angle"] = at_node.from_first_contact(columns[-1]["ease_off_angle"])
-    names = columns[0] if columns else at_node(known)
+    names = columns[0] if columns else at_node.known
     return {name: np.stack([one[name] for one in columns], axis=-1) for name in names}
-
-
-def _rate(values: Sequence[Array], step: float) -> Array:
-    """Derivative from values at the ``PLACES``; zero to the bit where nothing changes."""
-    far_behind, behind, ahead, far_ahead = values
-    return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
 
 
 class _Fields:
@@ -92,6 +93,11 @@ class _Fields:
         # Without a modification nothing but rounding is left.
         self.added = np.where(np.abs(added) > 1e-12, added, 0.0)
         self.angle, self.inside = angle.reshape(geometry.nodes), exact.inside.reshape(geometry.nodes)
+
+    @cached_property
+    def known(self) -> dict[str, Array]:
+        """Of the pair itself."""
+        return self(NearPair(self.geometry.members.gear, self.geometry.exact))
 
     def __call__(self, near: NearPair) -> dict[str, Array]:
         exact, gear, nodes = near.exact, near.gear, self.geometry.nodes
@@ -110,6 +116,16 @@ class _Fields:
             values[f"depth_{member}"] = body.shell_coordinates(*point).depth.reshape(nodes)
         return values
 
+
+    def by_term(self, name: str) -> dict[str, Array]:
+        """Derivatives by a term of a modification [um], which adds to the ease-off alone."""
+        members = self.geometry.members
+        lengthwise, profile = np.meshgrid(members.lengthwise, members.profile, indexing="ij")
+        added = 1e-3 * Modification({name: 1.0})(lengthwise, profile)
+        slopes = {field: np.zeros_like(values) for field, values in self.known.items()}
+        lever_arm = self.geometry.exact.lever_arm.reshape(self.geometry.nodes)
+        slopes["ease_off_angle"] = self.from_first_contact(added / lever_arm)
+        return slopes
 
     def from_first_contact(self, slope: Array) -> Array:
         """Derivative of the ease-off (nt, nh), less that of its zero, the paraboloid about the lowest node."""
@@ -149,7 +165,7 @@ def ease_off_slope(geometry: PairGeometry, setting: PairSetting) -> Array:
     pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
 
     if setting.of == "gear":
-        moved = _rate([_points(pair.gear.loaded.flank_parts, gear.part, gear.parameters) for pair in pairs], step)
+        moved = rate([_points(pair.gear.loaded.flank_parts, gear.part, gear.parameters) for pair in pairs], step)
         moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]
         return np.asarray(-motion.pinion_sense * dot(moved, gear.normal) / moment)
     turned = exact.roll_angle + motion.center
@@ -160,15 +176,13 @@ def ease_off_slope(geometry: PairGeometry, setting: PairSetting) -> Array:
         # Seen from the gear, which an error may move along its axis.
         return there.turned(*pair.assembly.pinion_to_global(own, own), turned)[0] - _origin(pair)
 
-    moved = _rate([in_space(pair) for pair in pairs], step)
+    moved = rate([in_space(pair) for pair in pairs], step)
     arm = exact.action_position - _origin(geometry.pair)
     moment = arm[0] * exact.action_normal[1] - arm[1] * exact.action_normal[0]
     return np.asarray(motion.pinion_sense * dot(moved, exact.action_normal) / moment)
 
 
-def _points(parts: Sequence[Any], part: NDArray[np.int8], parameters: Array) -> Array:
-    from ..flanks.flank_parts import on_parts
-
+def _points(parts: Sequence[GeneratingSurface], part: NDArray[np.int8], parameters: Array) -> Array:
     return on_parts(parts, part, parameters, lambda surface, p: surface.evaluate(p)[0])
 
 
