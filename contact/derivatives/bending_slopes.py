@@ -16,7 +16,8 @@ from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.elastic_model import body_coupling, member_points
 from ..compliance.finite_elements.flank_compliance import FlankCompliance
-from ..compliance.spread_deflection import SpreadDeflection
+from ..compliance.material import Material
+from ..compliance.spread_deflection import SpreadDeflection, gaussians
 from ..lines.flank_splines import SLOPES
 from ..lines.opposite_points import PINION_FRACTIONS
 from ..segments import LineSegments, Segments
@@ -26,6 +27,7 @@ from .segment_slopes import SegmentSlopes
 Array = NDArray[Any]
 
 POINT_STEP = 1e-6  # fraction of the flank; shape functions are quadratic
+PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetres wide
 
 
 @dataclass(frozen=True)
@@ -172,19 +174,79 @@ def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
 def _spread(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
     """Unit loads (n, k) of the spread deflection of both members, and their derivatives (j, n, k)."""
     points, weights = on_lines.quadrature
-    by_segment = (2, -1, weights.size)
-    materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
-    count, size = directions.count, points.reshape(by_segment).shape[1]
+    size = points[0].size // weights.size
     if not on_lines.spread:
-        return np.zeros((size, 0)), np.zeros((count, size, 0))
-    loads = np.concatenate([one.loads(on_lines.fields, points.reshape(by_segment), weights) for one in on_lines.spread])
-    change = np.empty((count, *loads.T.shape))
-    for j, step in enumerate(segments.steps):
-        sides = []
-        for sign in (1.0, -1.0):
-            fields = directions.moved(j, sign * step)
-            moved = (points + sign * step * segments.points[..., j]).reshape(by_segment)
-            spread = [SpreadDeflection.of(fields, *one) for one in zip(MEMBERS, materials, strict=True)]
-            sides.append(np.concatenate([one.loads(fields, moved, weights) for one in spread]))
-        change[j] = (sides[0] - sides[1]).T / (2.0 * step)
-    return loads.T, change
+        return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
+    materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
+    found = []
+    for member, material, spread in zip(MEMBERS, materials, on_lines.spread, strict=True):
+        names = ["position", spread.depth]
+        place = on_lines.fields.evaluate(names, points)
+        change = directions.slopes.evaluate(names, points)
+        tangents = directions.base.derivatives(names, points, SLOPES)
+        moved, deeper = (
+            np.moveaxis(change[name], -3, -1)
+            + sum(tangent[name][..., None] * way for tangent, way in zip(tangents, segments.points, strict=True))
+            for name in names
+        )
+        turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
+        along = np.einsum("x,xmq->mq", spread.direction, place["position"])
+        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum("xmq,jx->mqj", place["position"], turned)
+        unit = _Gaussians(spread, along, place[spread.depth], weights)
+        # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
+        by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
+        relative, own = (shifted - along_moved).reshape(size, -1, directions.count), deeper.reshape(size, -1, directions.count)
+        slope = np.einsum("kng,ngj,g->jnk", by_shift, relative, weights, optimize=True)
+        slope += np.einsum("kng,ngj,g->jnk", by_depth, own, weights, optimize=True)
+        slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
+        found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
+    loads, slopes = zip(*found, strict=True)
+    return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _nodes_motion(
+    directions: FieldDirections, steps: Array, member: str, material: Material
+) -> tuple[Array, Array, Array]:
+    """Derivatives of the direction (j, 3), the first node (j) [mm] and the spacing (j) [mm] of a spread deflection."""
+    turned, shifted, wider = np.zeros((steps.size, 3)), np.zeros(steps.size), np.zeros(steps.size)
+    for j, step in enumerate(steps):
+        ahead, behind = (SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0))
+        if ahead.nodes.size != behind.nodes.size:
+            continue  # as many nodes as fit: between two numbers of them, where they stand plays no part
+        turned[j] = (ahead.direction - behind.direction) / (2.0 * step)
+        shifted[j] = (ahead.nodes[0] - behind.nodes[0]) / (2.0 * step)
+        wider[j] = (np.diff(ahead.nodes)[0] - np.diff(behind.nodes)[0]) / (2.0 * step)
+    return turned, shifted, wider
+
+
+@dataclass(frozen=True)
+class _Gaussians:
+    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (m, q) [mm]."""
+
+    spread: SpreadDeflection
+    along: Array
+    depth: Array
+    weights: Array
+
+    def at(self, shift: float = 0.0, deeper: float = 0.0, wider: float = 0.0) -> Array:
+        nodes, shape = self.spread.nodes, (-1, self.weights.size)
+        spacing = nodes[1] - nodes[0] + wider
+        moved = nodes[0] + shift + spacing * np.arange(nodes.size)
+        along, depth = self.along.reshape(shape), self.depth.reshape(shape) + deeper
+        return gaussians(moved, along, depth, self.spread.flexibility * spacing)
+
+    def _slope(self, name: str) -> Array:
+        ahead, behind = (self.at(**{name: sign * PLACE_STEP}) for sign in (1.0, -1.0))
+        return (ahead - behind) / (2.0 * PLACE_STEP)
+
+    @property
+    def by_shift(self) -> Array:
+        return self._slope("shift")
+
+    @property
+    def by_depth(self) -> Array:
+        return self._slope("deeper")
+
+    @property
+    def by_spacing(self) -> Array:
+        return self._slope("wider")

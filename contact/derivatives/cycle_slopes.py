@@ -1,4 +1,4 @@
-"""Derivatives of a mesh cycle as a dataset: ease-off, roll angle, and the loaded contact's numbers."""
+"""Derivatives of a mesh cycle as a dataset: ease-off, roll angle, unloaded and loaded contact."""
 
 from __future__ import annotations
 
@@ -9,20 +9,36 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.attributes import labelled
 from ...core.ordered_values import ordered
 from ...geometry.pair.field_slopes import field_slopes
 from ...geometry.pair.pair_setting import PairSetting
-from ..loaded_cases import LoadedCase
+from ..loaded_cases import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
 from ..mesh_cycle import MeshCycle
+from ..pair_errors import ENVELOPE_REFINEMENT
 from .bending_slopes import BendingSlopes
 from .field_directions import FieldDirections
 from .line_motion import line_motion
 from .loaded_slopes import CaseSlopes, case_slopes
 from .segment_slopes import SegmentSlopes
+from .unloaded_slopes import unloaded_slopes
 
 Array = NDArray[Any]
 
 _GRID = ("lengthwise", "profile")
+#: Variables of the ease-off and of the loaded contact that are differentiated.
+ON_FLANK = ("ease_off", "ease_off_angle", "roll_angle", "lever_arm")
+OF_LOAD = (
+    "transmission_error",
+    "mean_level",
+    "peak_to_peak",
+    "harmonic",
+    "rms",
+    "load_share",
+    "force",
+    "pressure",
+    "max_pressure",
+)
 
 
 def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, tuple[tuple[str, ...], Array]]:
@@ -44,8 +60,8 @@ def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, 
 
 def cycle_slopes(
     cycle: MeshCycle, settings: Sequence[PairSetting], loaded: xr.Dataset, cases: Sequence[LoadedCase]
-) -> xr.Dataset:
-    """Derivatives of the loaded contact of a mesh cycle by settings, and last by the torque.
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Numbers of a mesh cycle, and their derivatives by settings, and last by the torque.
 
     Parameters
     ----------
@@ -58,9 +74,10 @@ def cycle_slopes(
 
     Returns
     -------
-    xr.Dataset
-        Variables of ``loaded``, and of the ease-off, over their dimensions and ``setting``, by mm, rad or the unit of
-        the setting, last by the torque at the pinion [N m]. NaN where the contact has a kink.
+    tuple
+        Variables of ``loaded``, of the unloaded contact and of the ease-off; and their derivatives, over ``setting`` as
+        well, by mm, rad or the unit of the setting, last by the torque at the pinion [N m]. NaN where the contact has a
+        kink.
 
     Raises
     ------
@@ -76,7 +93,7 @@ def cycle_slopes(
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
     >>> settings = [PairSetting("pinion", "radial_distance"), PairSetting("assembly", "offset")]
-    >>> slopes = cycle_slopes(cycle, settings, *cycle.loaded([100.0], edge_contact=False))
+    >>> values, slopes = cycle_slopes(cycle, settings, *cycle.loaded([100.0], edge_contact=False))
     >>> dict(slopes["transmission_error"].sizes)
     {'torque': 1, 'mesh_position': 2, 'setting': 3}
     """
@@ -87,12 +104,30 @@ def cycle_slopes(
     slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines))
     bending = BendingSlopes.of(cycle.segments.on_lines, directions, slopes)
     found = case_slopes(cycle.segments, slopes, bending, cases, 1e3 * cycle.ratio)
+    values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
     data: dict[str, Any] = {}
-    for name, (dims, values) in ease_off_slopes(cycle, by_node).items():
-        data[name] = (dims, np.pad(values, ((0, 0), (0, 0), (0, 1))))
+    for name, (dims, change) in ease_off_slopes(cycle, by_node).items():
+        data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
     data |= _loaded(loaded, found)
-    coords = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
-    return xr.Dataset(data, coords=coords | {name: told[name] for name in _GRID})
+    error, change = unloaded_slopes(cycle.geometry, cycle.lines, settings, by_node)
+    numbers = _unloaded(error, np.pad(change, ((0, 0), (0, 1))))
+    values |= numbers[0]
+    coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
+    coords |= {name: told[name] for name in _GRID}
+    return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False)), xr.Dataset(data | numbers[1], coords=coords)
+
+
+def _unloaded(error: Array, slopes: Array) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of the unloaded transmission error (n) [rad], and their derivatives from its own (n, j)."""
+    fine, change = 1e6 * error[None], 1e6 * slopes[None]
+    names = ("mean_level", "harmonic", "rms")
+    own, by_setting = rotation_numbers(fine), _rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
+    values = {f"unloaded_{name}": (own[name][0][1:], own[name][1][0]) for name in names}
+    data = {f"unloaded_{name}": (by_setting[name][0][1:], by_setting[name][1][0]) for name in names}
+    envelope = "unloaded_transmission_error_envelope"
+    values[envelope] = (("mesh_position",), fine[0, ::ENVELOPE_REFINEMENT])
+    data[envelope] = (("mesh_position", "setting"), change[0, ::ENVELOPE_REFINEMENT])
+    return values, data
 
 
 def _loaded(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ At a fixed node of the gear flank (a fixed axial and radial coordinate) every fi
 settings. How the surface parameters at a node follow a setting is known implicitly, see ``near_pair``; along that path
 the closed-form fields are differentiated by differences of fourth order. Their steps are so short that truncation and
 rounding stay near 1e-9 of a derivative, and near 1e-7 of that of the separation skew. The ease-off's own derivative has
-a closed form, too: the normal motion of a flank over its moment about the gear axis, ``ease_off_slope``.
+a closed form, too, see ``gap_slopes``.
 """
 
 from __future__ import annotations
@@ -16,11 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cutting.generating_surface import GeneratingSurface
-from ..flanks.flank_parts import on_parts
-from ..vectors import dot
 from .datasets import first_contact
-from .gear_pair import GearPair, PairGeometry
+from .gear_pair import PairGeometry
 from .modification import Modification
 from .near_pair import PLACES, KnownPair, NearPair, rate
 from .pair_setting import PairSetting
@@ -50,7 +47,8 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
         ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
         ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
-        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point.
+        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point. Beside these ``put_in`` of what is
+        added to the gap of the flanks: a modification, less the zero of the ease-off [rad].
 
     Raises
     ------
@@ -77,7 +75,9 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
         each = [at_node(near) for near in known.along(pairs, step)]
         columns.append({name: rate([one[name] for one in each], step) for name in each[0]})
-        columns[-1]["ease_off_angle"] = at_node.from_first_contact(columns[-1]["ease_off_angle"])
+        angle = columns[-1]["ease_off_angle"]
+        columns[-1]["ease_off_angle"] = at_node.from_first_contact(angle)
+        columns[-1]["put_in"] += columns[-1]["ease_off_angle"] - angle
     names = columns[0] if columns else at_node.known
     return {name: np.stack([one[name] for one in columns], axis=-1) for name in names}
 
@@ -101,9 +101,10 @@ class _Fields:
 
     def __call__(self, near: NearPair) -> dict[str, Array]:
         exact, gear, nodes = near.exact, near.gear, self.geometry.nodes
-        angle = (exact.angle + self.added / exact.lever_arm).reshape(nodes)
+        put_in = self.added / exact.lever_arm
         values = {
-            "ease_off_angle": angle,
+            "ease_off_angle": (exact.angle + put_in).reshape(nodes),
+            "put_in": put_in.reshape(nodes),
             "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
         }
         for name in ("roll_angle", "lever_arm", "separation_curvature", "separation_skew"):
@@ -124,7 +125,7 @@ class _Fields:
         added = 1e-3 * Modification({name: 1.0})(lengthwise, profile)
         slopes = {field: np.zeros_like(values) for field, values in self.known.items()}
         lever_arm = self.geometry.exact.lever_arm.reshape(self.geometry.nodes)
-        slopes["ease_off_angle"] = self.from_first_contact(added / lever_arm)
+        slopes["ease_off_angle"] = slopes["put_in"] = self.from_first_contact(added / lever_arm)
         return slopes
 
     def from_first_contact(self, slope: Array) -> Array:
@@ -133,58 +134,3 @@ class _Fields:
         step = ZERO_STEP / max(float(np.nanmax(np.abs(relative))), 1e-300)
         ahead, behind = (first_contact(self.angle + sign * step * relative, self.inside) for sign in (1.0, -1.0))
         return np.asarray(relative - (ahead - behind) / (2.0 * step))
-
-
-def ease_off_slope(geometry: PairGeometry, setting: PairSetting) -> Array:
-    """Derivative (n) of the ease-off angle at the nodes by one setting, in closed form and up to a constant.
-
-    The conjugate gear is the envelope of the moving pinion flank: where a setting moves the flank along its normal, it
-    moves the envelope as far (the envelope theorem); so does an assembly error. The motion of the gear's flank is that
-    of the flank itself. Over the moment of the normal about the gear axis it is a gear angle.
-
-    Parameters
-    ----------
-    geometry
-        The pair.
-    setting
-        By what to differentiate.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> by_roll = PairSetting("pinion", "ratio_of_roll")
-    >>> closed = ease_off_slope(geometry, by_roll)
-    >>> full = field_slopes(geometry, [by_roll])["ease_off_angle"].ravel()
-    >>> bool(np.ptp(closed - full) < 1e-8 * np.ptp(full))
-    True
-    """
-    exact, gear = geometry.exact, geometry.members.gear
-    motion, step = exact.motion, STEP_SHARE * setting.scale
-    pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
-
-    if setting.of == "gear":
-        moved = rate([_points(pair.gear.loaded.flank_parts, gear.part, gear.parameters) for pair in pairs], step)
-        moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]
-        return np.asarray(-motion.pinion_sense * dot(moved, gear.normal) / moment)
-    turned = exact.roll_angle + motion.center
-
-    def in_space(pair: GearPair) -> Array:
-        own = _points(pair.pinion.loaded.flank_parts, exact.part, exact.pinion_parameters)
-        there = type(motion)(motion.surface, pair.assembly, motion.pinion_sense)
-        # Seen from the gear, which an error may move along its axis.
-        return there.turned(*pair.assembly.pinion_to_global(own, own), turned)[0] - _origin(pair)
-
-    moved = rate([in_space(pair) for pair in pairs], step)
-    arm = exact.action_position - _origin(geometry.pair)
-    moment = arm[0] * exact.action_normal[1] - arm[1] * exact.action_normal[0]
-    return np.asarray(motion.pinion_sense * dot(moved, exact.action_normal) / moment)
-
-
-def _points(parts: Sequence[GeneratingSurface], part: NDArray[np.int8], parameters: Array) -> Array:
-    return on_parts(parts, part, parameters, lambda surface, p: surface.evaluate(p)[0])
-
-
-def _origin(pair: GearPair) -> Array:
-    return pair.assembly.gear_origin.reshape(3, 1)

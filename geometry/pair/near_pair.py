@@ -151,8 +151,8 @@ class KnownPair:
             exact = [self._facing(*each) for each in zip(exact, gear, strict=True)]
         return [NearPair(*each) for each in zip(gear, exact, strict=True)]
 
-    def _motion(self, pair: GearPair) -> ConjugateMotion:
-        """Conjugate motion with the zero of the roll angle at the pinion's mean point."""
+    def motion(self, pair: GearPair) -> ConjugateMotion:
+        """Conjugate motion of a pair near this one, with the zero of the roll angle at its pinion's mean point."""
         section, before = pair.pinion.section, self.exact.motion
         designed = pair.pinion.loaded.designed.on("profile")
         start = mean_parameters(self.geometry.pair.pinion.loaded.designed, section)
@@ -164,7 +164,7 @@ class KnownPair:
 
     def _with_pinion(self, pairs: Sequence[GearPair], step: float) -> list[EaseOff]:
         known, held = self.exact, self.exact.pinion_parameters
-        motions = [self._motion(pair) for pair in pairs]
+        motions = [self.motion(pair) for pair in pairs]
 
         def place(motion: ConjugateMotion) -> Array:
             def of_part(surface: GeneratingSurface, parameters: Array) -> Array:

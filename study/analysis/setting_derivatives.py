@@ -38,19 +38,6 @@ CUTTER_KEYS = {
 }
 ERRORS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
 SIDES = {"drive": {"pinion": "concave", "gear": "convex"}, "coast": {"pinion": "convex", "gear": "concave"}}
-#: What the derivatives give the values of, too.
-VALUES = (
-    "transmission_error",
-    "mean_level",
-    "peak_to_peak",
-    "harmonic",
-    "rms",
-    "load_share",
-    "force",
-    "pressure",
-    "max_pressure",
-    "status",
-)
 
 
 @dataclass(frozen=True)
@@ -139,8 +126,9 @@ def derivatives(
     Returns
     -------
     xr.DataTree
-        ``values`` with transmission error, its numbers, load shares and pressures over the torque; ``derivatives`` with
-        the same variables, and ease-off and roll angle, over ``setting`` as well, in their units per ``setting_units``.
+        ``values`` with ease-off and roll angle, unloaded and loaded transmission error and their numbers, load shares,
+        forces and pressures; ``derivatives`` with the same variables over ``setting`` as well, in their units per
+        ``setting_units``. NaN where the contact has a kink.
 
     Raises
     ------
@@ -192,14 +180,13 @@ def contact_derivatives(
     loaded, cases = cycle.loaded(load, edge_contact=False)
     if not all(one.solution.status == Status.CERTIFIED for one in cases):
         raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-    slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
+    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
     order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
     factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
     found = (slopes.isel(setting=order) * factors).assign_coords(
         setting=("setting", names),
         setting_units=("setting", [swept_quantity(name).units for name in names]),
     )
-    values = loaded[list(VALUES)].drop_attrs(deep=False)
     attributes: dict[str, Any] = {
         **case_attributes(case, "derivatives"),
         **state.attributes,
