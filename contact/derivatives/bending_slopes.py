@@ -165,9 +165,7 @@ def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
     single = points.reshape(2, -1, 1)
     step = np.zeros((2, 1, 1))
     step[axis] = POINT_STEP
-    ahead, behind = (
-        np.concatenate(tooth.unit_loads(single + sign * step, np.ones(1)), axis=1) for sign in (1.0, -1.0)
-    )
+    ahead, behind = (np.concatenate(tooth.unit_loads(single + sign * step, np.ones(1)), axis=1) for sign in (1.0, -1.0))
     return np.asarray((ahead - behind) / (2.0 * POINT_STEP)).reshape(*points.shape[1:], -1)
 
 
@@ -191,11 +189,16 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         )
         turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
         along = np.einsum("x,xmq->mq", spread.direction, place["position"])
-        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum("xmq,jx->mqj", place["position"], turned)
+        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum(
+            "xmq,jx->mqj", place["position"], turned
+        )
         unit = _Gaussians(spread, along, place[spread.depth], weights)
         # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
         by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
-        relative, own = (shifted - along_moved).reshape(size, -1, directions.count), deeper.reshape(size, -1, directions.count)
+        relative, own = (
+            (shifted - along_moved).reshape(size, -1, directions.count),
+            deeper.reshape(size, -1, directions.count),
+        )
         slope = np.einsum("kng,ngj,g->jnk", by_shift, relative, weights, optimize=True)
         slope += np.einsum("kng,ngj,g->jnk", by_depth, own, weights, optimize=True)
         slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
@@ -210,7 +213,9 @@ def _nodes_motion(
     """Derivatives of the direction (j, 3), the first node (j) [mm] and the spacing (j) [mm] of a spread deflection."""
     turned, shifted, wider = np.zeros((steps.size, 3)), np.zeros(steps.size), np.zeros(steps.size)
     for j, step in enumerate(steps):
-        ahead, behind = (SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0))
+        ahead, behind = (
+            SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0)
+        )
         if ahead.nodes.size != behind.nodes.size:
             continue  # as many nodes as fit: between two numbers of them, where they stand plays no part
         turned[j] = (ahead.direction - behind.direction) / (2.0 * step)

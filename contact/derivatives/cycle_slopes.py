@@ -114,7 +114,9 @@ def cycle_slopes(
     values |= numbers[0]
     coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
     coords |= {name: told[name] for name in _GRID}
-    return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False)), xr.Dataset(data | numbers[1], coords=coords)
+    return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False)), xr.Dataset(
+        data | numbers[1], coords=coords
+    )
 
 
 def _unloaded(error: Array, slopes: Array) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
-from ..lines.contact_lines import BOUNDARY_FIELDS, bend_and_slope
 from ..lines.closest_approach import SEPARATION_FIELDS
+from ..lines.contact_lines import BOUNDARY_FIELDS, bend_and_slope
 from ..lines.flank_splines import FlankSplines, fit
 from ..lines.tensor_spline import TensorSpline
 
@@ -79,7 +79,9 @@ class FieldDirections:
         }
         found = fit(fields.lengthwise, fields.profile, {name: given[name] for name in FIELDS})
         if not np.array_equal(found.holes, fields.holes):
-            raise GeometryError("the flanks have no derivatives at some nodes: a setting moves the end of the flank there")
+            raise GeometryError(
+                "the flanks have no derivatives at some nodes: a setting moves the end of the flank there"
+            )
         return cls(_part(fields), found, given["roll_angle"].shape[-1])
 
     def moved(self, setting: int, step: float) -> FlankSplines:

@@ -72,7 +72,9 @@ def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:
     across = cramers_rule(metric[:2], metric[1:], roll)
     across = across / np.sum(roll * across, axis=0)  # a unit of roll angle across the line
     along = np.stack([-roll[1], roll[0]])
-    along = along / np.sqrt(metric[0] * along[0] ** 2 + 2.0 * metric[1] * along[0] * along[1] + metric[2] * along[1] ** 2)
+    along = along / np.sqrt(
+        metric[0] * along[0] ** 2 + 2.0 * metric[1] * along[0] * along[1] + metric[2] * along[1] ** 2
+    )
     forwards = np.sign(np.sum(np.gradient(points, axis=-1) * along, axis=0))
     along = along * forwards  # a millimetre along the line
     change = directions.slopes.evaluate(["roll_angle", "position"], points)

@@ -43,8 +43,8 @@ def unloaded_slopes(
     Returns
     -------
     tuple
-        Transmission error (n) [rad] and derivatives (n, j) at ``ENVELOPE_REFINEMENT`` times as many rotations; these are
-        NaN where an edge of the pinion or the end of a blade touches, which moves with the settings.
+        Transmission error (n) [rad] and derivatives (n, j) at ``ENVELOPE_REFINEMENT`` times as many rotations; these
+        are NaN where an edge of the pinion or the end of a blade touches, which moves with the settings.
     """
     count = ENVELOPE_REFINEMENT * mesh.rotations.size
     mesh = replace(mesh, rotations=mesh.rotations[0] + np.arange(count) / count * mesh.pinion_pitch)

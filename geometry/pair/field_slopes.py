@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..flanks.flank import Flank
 from .datasets import first_contact
+from .ease_off import EaseOff
 from .gear_pair import PairGeometry
 from .modification import Modification
 from .near_pair import PLACES, KnownPair, NearPair, rate
@@ -47,8 +49,8 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
         ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
         ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
-        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point. Beside these ``put_in`` of what is
-        added to the gap of the flanks: a modification, less the zero of the ease-off [rad].
+        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point. Beside these ``put_in`` of what
+        is added to the gap of the flanks: a modification, less the zero of the ease-off [rad].
 
     Raises
     ------
@@ -111,12 +113,24 @@ class _Fields:
             values[name] = getattr(exact, name).reshape(nodes)
         for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
             values[name] = getattr(exact, name).reshape(nodes)
-        bodies = self.geometry.members.bodies
-        loaded = ((exact.pinion_position, exact.pinion_normal), (gear.position, gear.normal))
-        for member, body, point in zip(("pinion", "gear"), bodies, loaded, strict=True):
-            values[f"depth_{member}"] = body.shell_coordinates(*point).depth.reshape(nodes)
+        # Most settings leave one of both members alone.
+        same = exact.pinion_position is self.geometry.exact.pinion_position
+        values["depth_pinion"] = self._known_depths[0] if same else self._pinion_depth(exact)
+        same = gear.position is self.geometry.members.gear.position
+        values["depth_gear"] = self._known_depths[1] if same else self._gear_depth(gear)
         return values
 
+    def _pinion_depth(self, exact: EaseOff) -> Array:
+        depth = self.geometry.members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal).depth
+        return depth.reshape(self.geometry.nodes)
+
+    def _gear_depth(self, gear: Flank) -> Array:
+        depth = self.geometry.members.bodies[1].shell_coordinates(gear.position, gear.normal).depth
+        return depth.reshape(self.geometry.nodes)
+
+    @cached_property
+    def _known_depths(self) -> tuple[Array, Array]:
+        return self._pinion_depth(self.geometry.exact), self._gear_depth(self.geometry.members.gear)
 
     def by_term(self, name: str) -> dict[str, Array]:
         """Derivatives by a term of a modification [um], which adds to the ease-off alone."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.surface_points import SurfacePoints, axial_and_radial
+from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank
 from ..flanks.flank_parts import on_parts, pick
 from ..flanks.seed_lattice import mean_parameters
@@ -57,6 +58,13 @@ class NearPair:
 
     gear: Flank
     exact: EaseOff
+
+
+@lru_cache(maxsize=256)
+def _mean_near(surface: GeneratingSurface, known: GeneratingSurface, section: BlankSection) -> Array:
+    """Parameters (2, 1) of the mean point of a flank near a known one."""
+    middle = section.points(np.array([0.5]), np.array([0.5]))
+    return solve(surface.axial_and_radial, mean_parameters(known, section), middle, surface.max_step).parameters
 
 
 @dataclass(frozen=True)
@@ -153,12 +161,9 @@ class KnownPair:
 
     def motion(self, pair: GearPair) -> ConjugateMotion:
         """Conjugate motion of a pair near this one, with the zero of the roll angle at its pinion's mean point."""
-        section, before = pair.pinion.section, self.exact.motion
         designed = pair.pinion.loaded.designed.on("profile")
-        start = mean_parameters(self.geometry.pair.pinion.loaded.designed, section)
-        middle = section.points(np.array([0.5]), np.array([0.5]))
-        mean = solve(designed.axial_and_radial, start, middle, designed.max_step).parameters
-        motion = replace(before, surface=designed, assembly=pair.assembly)
+        mean = _mean_near(designed, self.geometry.pair.pinion.loaded.designed, pair.pinion.section)
+        motion = replace(self.exact.motion, surface=designed, assembly=pair.assembly)
         center = float(motion.rotation(*motion.pinion_point(mean))[0])
         return replace(motion, surface=pair.pinion.loaded.on("profile"), center=center)
 

@@ -84,7 +84,9 @@ class PairSetting:
         if self.of not in ("pinion", "gear"):
             return True
         surface = _designed(pair, self.of)
-        rolling = self.name == "ratio_of_roll" or self.name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(self.name)
+        rolling = (
+            self.name == "ratio_of_roll" or self.name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(self.name)
+        )
         if rolling and not surface.settings.generated:
             return False
         return not (self.name in ("rake_angle", "hook_angle") and surface.settings.indexing_ratio == 0.0)

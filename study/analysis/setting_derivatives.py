@@ -86,13 +86,17 @@ def _settings(pair: GearPair, flank: FlankName) -> list[_Named]:
 def _chosen(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tuple[list[_Named], list[str]]:
     """The settings to differentiate by, and the names asked for, in their order."""
     known = {one.name: one for one in _settings(pair, flank)}
-    known |= {f"modification.{term}": _Named(f"modification.{term}", PairSetting("modification", term), 1.0) for term in TERM_POWERS}
+    known |= {
+        f"modification.{term}": _Named(f"modification.{term}", PairSetting("modification", term), 1.0)
+        for term in TERM_POWERS
+    }
     wanted = list(derivative_settings(pair, flank)) if names is None else list(names)
     for name in wanted:
         if name not in known and name != "torque":
             raise InputError(
                 f"setting = {shown(name)}: must be a machine or cutter setting of the {flank} flanks such as "
-                f"{next(iter(known))}, E, P, G, Sigma, modification.TERM or torque{suggestion(name, [*known, 'torque'])}"
+                f"{next(iter(known))}, E, P, G, Sigma, modification.TERM or torque"
+                f"{suggestion(name, [*known, 'torque'])}"
             )
     if not wanted or len(set(wanted)) != len(wanted):
         raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")

@@ -138,7 +138,9 @@ class Sensitivity:
             opening, force = np.where(undetermined, 0.0, opening), np.full(size, np.nan)
         return SolutionChange(force, rotation, opening, energy, system.active, bool(self.weak.any()))
 
-    def forward_all(self, *, torque: ArrayLike, separation: ArrayLike, lever_arm: ArrayLike, bent: ArrayLike) -> Changes:
+    def forward_all(
+        self, *, torque: ArrayLike, separation: ArrayLike, lever_arm: ArrayLike, bent: ArrayLike
+    ) -> Changes:
         """Return the derivatives in many directions at once (q), with one system for all.
 
         Parameters
