@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
-from easeoff.contact.derivatives.cycle_slopes import cycle_slopes
+from easeoff.contact.evaluation.derivatives.cycle_slopes import cycle_slopes
 from easeoff.contact.loaded_cases import rotation_numbers
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry

@@ -179,7 +179,8 @@ class KnownPair:
             return on_parts(motion.surface.flank_parts, known.part, held, of_part)
 
         with np.errstate(all="ignore"):
-            moved = -cramers_rule(*self._pinion_slopes, rate([place(motion) for motion in motions], step))
+            first, second = self._pinion_slopes
+            moved = -cramers_rule(first, second, rate([place(motion) for motion in motions], step))
         moved = np.where(np.isfinite(moved), moved, 0.0)
         found = []
         for number, motion in zip(PLACES, motions, strict=True):
@@ -195,7 +196,7 @@ class KnownPair:
     def _joined(self, motion: ConjugateMotion, parts: list[EaseOff]) -> EaseOff:
         known = self.exact
         names = [f.name for f in fields(EaseOff) if f.name not in ("motion", "pinion_section", "status", "part")]
-        picked = {name: pick([getattr(one, name) for one in parts], known.part) for name in names}
+        picked: dict[str, Any] = {name: pick([getattr(one, name) for one in parts], known.part) for name in names}
         # Azimuths are known but for whole turns.
         apart = np.nanmedian(picked["angle"] - known.angle)
         picked["angle"] = picked["angle"] - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
@@ -217,7 +218,8 @@ class KnownPair:
             return np.stack([z, np.hypot(x, y)])
 
         with np.errstate(all="ignore"):
-            moved = -cramers_rule(*self._gear_slopes, rate([place(surface) for surface in surfaces], step))
+            first, second = self._gear_slopes
+            moved = -cramers_rule(first, second, rate([place(surface) for surface in surfaces], step))
         moved = np.where(np.isfinite(moved), moved, 0.0)
         found = []
         for number, surface in zip(PLACES, surfaces, strict=True):

@@ -13,7 +13,7 @@ import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
-from ...contact.derivatives.cycle_slopes import cycle_slopes
+from ...contact.evaluation.derivatives.cycle_slopes import cycle_slopes
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.checks import shown

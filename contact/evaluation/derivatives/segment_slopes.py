@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lines.closest_approach import closest_approach
-from ..lines.flank_splines import FlankSplines
-from ..segments import DEPTHS, CycleSegments
+from ...lines.closest_approach import closest_approach
+from ...lines.flank_splines import FlankSplines
+from ...segments import DEPTHS, CycleSegments
 from .field_directions import FieldDirections
 from .line_motion import LineMotion
 

@@ -9,13 +9,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
-from ...core.ordered_values import ordered
-from ...geometry.pair.field_slopes import field_slopes
-from ...geometry.pair.pair_setting import PairSetting
-from ..loaded_cases import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
-from ..mesh_cycle import MeshCycle
-from ..pair_errors import ENVELOPE_REFINEMENT
+from ....core.attributes import labelled
+from ....core.ordered_values import ordered
+from ....geometry.pair.field_slopes import field_slopes
+from ....geometry.pair.pair_setting import PairSetting
+from ...loaded_cases import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
+from ...mesh_cycle import MeshCycle
+from ...pair_errors import ENVELOPE_REFINEMENT
 from .bending_slopes import BendingSlopes
 from .field_directions import FieldDirections
 from .line_motion import line_motion

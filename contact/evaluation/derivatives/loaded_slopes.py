@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-from ..compliance import WeberLineContact
-from ..line_contact.line_contact_sensitivity import line_contact_sensitivity
-from ..loaded_cases import LoadedCase
-from ..segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM, CycleSegments
+from ....core.errors import InputError
+from ...compliance import WeberLineContact
+from ...line_contact.line_contact_sensitivity import line_contact_sensitivity
+from ...loaded_cases import LoadedCase
+from ...segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM, CycleSegments
 from .bending_slopes import BendingSlopes
 from .segment_slopes import SegmentSlopes
 

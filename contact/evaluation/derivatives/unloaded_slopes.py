@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.flanks.flank import solve_flank
-from ...geometry.pair.gap_slopes import gap_slopes
-from ...geometry.pair.gear_pair import PairGeometry
-from ...geometry.pair.pair_setting import PairSetting
-from ..lines.flank_splines import fit
-from ..lines.mesh_lines import MeshLines
-from ..lines.turned_flanks import BOUNDS, TurnedFlanks
-from ..pair_errors import ENVELOPE_REFINEMENT, PairErrors
+from ....geometry.flanks.flank import solve_flank
+from ....geometry.pair.gap_slopes import gap_slopes
+from ....geometry.pair.gear_pair import PairGeometry
+from ....geometry.pair.pair_setting import PairSetting
+from ...lines.flank_splines import fit
+from ...lines.mesh_lines import MeshLines
+from ...lines.turned_flanks import BOUNDS, TurnedFlanks
+from ...pair_errors import ENVELOPE_REFINEMENT, PairErrors
 
 Array = NDArray[Any]
 

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError
-from ...geometry.newton import cramers_rule
-from ..lines.contact_lines import BOUNDARY_FIELDS, ContactLines, length_through
-from ..lines.flank_splines import SLOPES, VALUE_AND_SLOPES
-from ..lines.mesh_lines import MeshLines, gauss_points
+from ....core.errors import GeometryError
+from ....geometry.newton import cramers_rule
+from ...lines.contact_lines import BOUNDARY_FIELDS, ContactLines, length_through
+from ...lines.flank_splines import SLOPES, VALUE_AND_SLOPES
+from ...lines.mesh_lines import MeshLines, gauss_points
 from .field_directions import FieldDirections
 
 Array = NDArray[Any]

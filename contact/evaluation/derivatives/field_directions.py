@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError
-from ..lines.closest_approach import SEPARATION_FIELDS
-from ..lines.contact_lines import BOUNDARY_FIELDS, bend_and_slope
-from ..lines.flank_splines import FlankSplines, fit
-from ..lines.tensor_spline import TensorSpline
+from ....core.errors import GeometryError
+from ...lines.closest_approach import SEPARATION_FIELDS
+from ...lines.contact_lines import BOUNDARY_FIELDS, bend_and_slope
+from ...lines.flank_splines import FlankSplines, fit
+from ...lines.tensor_spline import TensorSpline
 
 Array = NDArray[Any]
 

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-from ...geometry.pair.gear_pair import MEMBERS
-from ..compliance.elastic_model import body_coupling, member_points
-from ..compliance.finite_elements.flank_compliance import FlankCompliance
-from ..compliance.material import Material
-from ..compliance.spread_deflection import SpreadDeflection, gaussians
-from ..lines.flank_splines import SLOPES
-from ..lines.opposite_points import PINION_FRACTIONS
-from ..segments import LineSegments, Segments
+from ....core.errors import InputError
+from ....geometry.pair.gear_pair import MEMBERS
+from ...compliance.elastic_model import body_coupling, member_points
+from ...compliance.finite_elements.flank_compliance import FlankCompliance
+from ...compliance.material import Material
+from ...compliance.spread_deflection import SpreadDeflection, gaussians
+from ...lines.flank_splines import SLOPES
+from ...lines.opposite_points import PINION_FRACTIONS
+from ...segments import LineSegments, Segments
 from .field_directions import FieldDirections
 from .segment_slopes import SegmentSlopes
 
@@ -151,7 +151,7 @@ class BendingSlopes:
     def _moved(self, member: MemberLoads, own: Array, held: Array) -> Array:
         """Change (s, j) of the deflections under held amplitudes of the loads (k)."""
         slope = member.by_point[:, own] @ held
-        return np.einsum("csg,csgj,g->sj", slope, member.motion[:, own], self.weights)
+        return np.asarray(np.einsum("csg,csgj,g->sj", slope, member.motion[:, own], self.weights))
 
     def _amplitude_change(self, member: MemberLoads, own: Array, force: Array) -> Array:
         """Change (k, j) of the amplitudes of the loads under held forces."""
