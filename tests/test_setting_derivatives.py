@@ -113,6 +113,7 @@ def check_settings(name: str, settings: list[PairSetting]) -> None:
         assert best[np.isfinite(best)].max() < TOLERANCE * np.abs(own).max(), setting
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
 def test_fields_agree_with_differences_of_solutions(name: str) -> None:
     """The implicit path has the tangent of the solutions that Newton's method finds anew."""
@@ -140,6 +141,7 @@ def test_fields_agree_with_differences_of_solutions(name: str) -> None:
             assert np.abs(change - own).max() <= 1e-6 * np.abs(own).max() + 1e-10, (setting, field)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", CASES)
 def test_ease_off_moves_as_the_flanks_do_along_their_normals(name: str) -> None:
     geometry = pair_geometry(gear_pair(read_case(name)), (9, 7))
