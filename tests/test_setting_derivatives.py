@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -89,10 +90,10 @@ def test_loaded_contact_agrees_with_differences_for_all_settings(name: str, monk
 
 def test_loaded_contact_agrees_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
-    check_settings("fm-11x41", [PairSetting("pinion", "radial_distance"), PairSetting("gear", "point_radius")])
+    check_settings("fm-11x41", [PairSetting("pinion", "radial_distance")], STEPS[1:2])
 
 
-def check_settings(name: str, settings: list[PairSetting]) -> None:
+def check_settings(name: str, settings: list[PairSetting], steps: Sequence[float] = STEPS) -> None:
     cycle, torque = cycle_of(name), TORQUES.get(name, 300.0)
     pair = cycle.geometry.pair
     cases = cycle.solved([torque])
@@ -100,7 +101,7 @@ def check_settings(name: str, settings: list[PairSetting]) -> None:
     for number, setting in enumerate(settings):
         own = 1e-6 * slopes["transmission_error"].values[0, :, number]
         best = np.full(own.size, np.inf)
-        for share in STEPS:
+        for share in steps:
             step = share * setting.scale
             ahead, behind = (anew(name, setting.moved(pair, sign * step)).solved([torque]) for sign in (1.0, -1.0))
             for at, case in enumerate(cases):
