@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -24,7 +25,12 @@ def numeric_keys() -> dict[str, tuple[str, str]]:
     >>> numeric_keys()["pinion.concave.machine.radial_distance"]
     ('mm', 'cutter centre to cradle axis')
     """
-    return dict(_keys(Case, ""))
+    return dict(_every_key())
+
+
+@cache
+def _every_key() -> list[tuple[str, tuple[str, str]]]:
+    return _keys(Case, "")
 
 
 def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str]]]:

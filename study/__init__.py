@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from . import compare, library, plot, sweep
     from .analysis.contact_analysis import contact_analysis
     from .analysis.joined_analysis import Analysis
+    from .analysis.setting_derivatives import contact_derivatives, derivative_settings, derivatives
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
@@ -46,7 +47,10 @@ __all__ = [
     "analyze_load_cases",
     "compare",
     "contact_analysis",
+    "contact_derivatives",
     "correct_case",
+    "derivative_settings",
+    "derivatives",
     "design_case",
     "duty_means",
     "equivalent_torque",
@@ -83,7 +87,10 @@ _MODULES = {
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
+    "contact_derivatives": ".analysis.setting_derivatives",
     "correct_case": ".deviations.case_correction",
+    "derivative_settings": ".analysis.setting_derivatives",
+    "derivatives": ".analysis.setting_derivatives",
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",
     "equivalent_torque": ".load_cases.duty_means",

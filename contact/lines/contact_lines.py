@@ -26,6 +26,8 @@ BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # e
 POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
 LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
 SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the interpolation alone
+SPACING_ROUNDS = 2  # of even spacing; what is left depends on where the curve was traced by 1e-8 of its length
+BORDER_STEPS, BORDER_STEP = 4, 0.05  # of Newton's method along the border, and the longest one, a fraction
 CROSSING_ITERATIONS = 40  # false position on the boundary; five are usual, a hole takes thirty
 CROSSING_TOLERANCE = 1e-12  # distance from the boundary at which a crossing is found
 CONVERGED_STEP = 1e-8  # of a fraction; quadratic convergence leaves nothing to gain after such a step
@@ -54,15 +56,18 @@ def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str
     # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
     # arc tangent, and the derivative of that by the rotation, stay finite; ``curvature_and_skew`` takes them back.
     curvature, skew = (ordered(ease_off, n, *order) for n in ("separation_curvature", "separation_skew"))
-    share = curvature / SEPARATION_CURVATURE_SCALE
-    fields |= {
-        "separation_bend": np.arctan(share),
-        "separation_bend_slope": skew / (1.0 + share**2) / SEPARATION_CURVATURE_SCALE,
-    }
+    bend, slope = bend_and_slope(curvature, skew)
+    fields |= {"separation_bend": bend, "separation_bend_slope": slope}
     gear = int(np.flatnonzero(ordered(flanks, "member", "member") == "gear")[0])
     fields["position"] = ordered(flanks, "position", "member", *order, "xyz")[gear]
     fields |= extra or {}
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
+
+
+def bend_and_slope(curvature: Array, skew: Array) -> tuple[Array, Array]:
+    """The fields ``separation_bend`` and its slope from separation curvature [1/rad] and skew [1/rad^2]."""
+    share = curvature / SEPARATION_CURVATURE_SCALE
+    return np.arctan(share), skew / (1.0 + share**2) / SEPARATION_CURVATURE_SCALE
 
 
 def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
@@ -157,12 +162,16 @@ def evenly_spaced(points: Array, measure: Array, count: int) -> Array:
 
 
 def arc_length(splines: FlankSplines, points: Array) -> Array:
-    """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point.
+    """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point."""
+    return length_through(splines("position", points))
+
+
+def length_through(position: Array) -> Array:
+    """Length (m, k) [mm] along smooth curves through points in space (3, m, k), from their first point.
 
     Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
     points nearly coincide, as a short curve's do in a corner of the flank, there is no bend to speak of: chords alone.
     """
-    position = splines("position", points)
     chord = np.linalg.norm(np.diff(position, axis=-1), axis=0)
     second = np.zeros_like(position)
     second[..., 1:-1] = position[..., 2:] - 2.0 * position[..., 1:-1] + position[..., :-2]
@@ -206,7 +215,9 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
 
 def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
+    raw_ends = points[:, :, [0, -1]]
     points = onto_level(splines, points, levels[index][:, None])
+    points[:, :, [0, -1]] = _onto_border(splines, raw_ends, points[:, :, [0, -1]], levels[index][:, None])
     distance = boundary_distance(splines, points)
     changes = np.diff(np.pad(distance > 0.0, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     (rows, first), (_, beyond) = np.nonzero(changes == 1), np.nonzero(changes == -1)
@@ -218,11 +229,30 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
     parameter = _crossing(splines, levels[index], points, np.tile(rows, 2), both).reshape(2, -1)
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
-    pieces = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
-    length = arc_length(splines, pieces)
-    even = onto_level(splines, evenly_spaced(pieces, length, POINTS_PER_LINE), levels[index[rows]][:, None], steps=2)
-    long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
-    return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
+    even = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
+    for _ in range(SPACING_ROUNDS):
+        spaced = evenly_spaced(even, arc_length(splines, even), POINTS_PER_LINE)
+        even = onto_level(splines, spaced, levels[index[rows]][:, None], steps=2)
+    length = arc_length(splines, even)[:, -1]
+    long_enough = length > LENGTH_RATIO_LIMIT * float(np.max(length))
+    return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough])
+
+
+def _onto_border(splines: FlankSplines, raw: Array, ends: Array, level: Array) -> Array:
+    """Ends (2, m, 2) of curves on their levels; where they lay on the border of the gear flank, exactly on it."""
+    on_border = (raw == 0.0) | (raw == 1.0)
+    held = np.where(on_border[0], 0, 1)
+    rows = np.meshgrid(*(np.arange(n) for n in held.shape), indexing="ij")
+    moved = np.where(on_border, raw, ends)
+    for _ in range(BORDER_STEPS):
+        value, *slopes = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], moved, VALUE_AND_SLOPES))
+        slope = np.where(held == 0, slopes[1], slopes[0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.nan_to_num((level - value) / slope, posinf=0.0, neginf=0.0)
+        moved[1 - held, *rows] = np.clip(moved[1 - held, *rows] + np.clip(step, -BORDER_STEP, BORDER_STEP), 0.0, 1.0)
+    with np.errstate(invalid="ignore"):
+        close = np.max(np.abs(moved - ends), axis=0) < BORDER_STEP
+    return np.where(np.any(on_border, axis=0) & close, moved, ends)
 
 
 def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:

@@ -45,7 +45,10 @@ READING_ORDER = {
     "researcher/index": {
         "": ["contact_problems", "problem_files", "solvers", "problem_library", "compare", "parametric", "half_space"]
     },
-    "python/index": {"": ["recipes", "examples/index"], "Reference": [f"api/{name}" for name in PACKAGES]},
+    "python/index": {
+        "": ["recipes", "derivatives", "examples/index"],
+        "Reference": [f"api/{name}" for name in PACKAGES],
+    },
     "how_it_works/index": {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [

@@ -228,7 +228,7 @@ def exact_ease_off(
         points, found = points_at(on_part.conjugate_place, part, start, target)
         sought = (_sheet(found.jacobian) == sheet) & ~seeds.strayed(start.parameters, found.parameters)
         solved = found.converged & usable & sought
-        surfaces.append(_classified(on_part, pinion_section, gear, points, solved, seeds.orientation))
+        surfaces.append(classified(on_part, pinion_section, gear, points, solved, seeds.orientation))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
     result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
     if not np.any(result.inside):
@@ -340,7 +340,7 @@ def _sheet(jacobian: Array) -> Array:
         return np.sign(determinant(jacobian[:, 0], jacobian[:, 1]))
 
 
-def _classified(
+def classified(
     motion: ConjugateMotion,
     section: BlankSection,
     gear: Flank,

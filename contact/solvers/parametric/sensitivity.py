@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,14 @@ Mask = NDArray[np.bool_]
 
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
 CONSISTENCY_TOLERANCE = 1e-9
+
+
+class Changes(NamedTuple):
+    """Derivatives in several directions: forces (n, q) [N], rotations (q) [rad] and gaps (n, q) [mm]."""
+
+    force: Array
+    rotation: Array
+    gap: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +137,55 @@ class Sensitivity:
                 return self._none("the forces are not unique, and this change of the data decides between them")
             opening, force = np.where(undetermined, 0.0, opening), np.full(size, np.nan)
         return SolutionChange(force, rotation, opening, energy, system.active, bool(self.weak.any()))
+
+    def forward_all(
+        self, *, torque: ArrayLike, separation: ArrayLike, lever_arm: ArrayLike, bent: ArrayLike
+    ) -> Changes:
+        """Return the derivatives in many directions at once (q), with one system for all.
+
+        Parameters
+        ----------
+        torque
+            dT (q) [N mm].
+        separation, lever_arm
+            dS and dr (n, q) [mm].
+        bent
+            Change of the deflections under the same forces, dC F (n, q) [mm].
+
+        Returns
+        -------
+        Changes
+            NaN where the solution has a kink, or forces that are not unique: `forward` has its one-sided derivatives.
+
+        Raises
+        ------
+        InputError
+            A wrong shape, or a number that is not finite.
+
+        Examples
+        --------
+        >>> from easeoff.contact import ContactProblem, sensitivity, solve
+        >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8e4, ([1e-6, 1e-6], [[0.0], [0.0]]))
+        >>> none = np.zeros((2, 1))
+        >>> changes = sensitivity(springs, solve(springs)).forward_all(
+        ...     torque=[80.0], separation=none, lever_arm=none, bent=none
+        ... )
+        >>> changes.force[:, 0].round(9).tolist()
+        [1.0, 1.0]
+        """
+        turn = array("torque", torque, "N mm", ndim=1)
+        gap, arm, bending = (
+            array(name, values, "mm", ndim=2)
+            for name, values in (("separation", separation), ("lever_arm", lever_arm), ("bent", bent))
+        )
+        wanted = (self.problem.size, turn.size)
+        for name, values in (("separation", gap), ("lever_arm", arm), ("bent", bending)):
+            if values.shape != wanted:
+                raise InputError(f"{name} = array of shape {values.shape}: must have the shape {wanted}")
+        if self.status is not Differentiability.DIFFERENTIABLE:
+            return Changes(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
+        closing = self.rotation * arm - gap - bending
+        return Changes(*self._smooth.solve(closing, turn - self.force @ arm))
 
     def adjoint(
         self,

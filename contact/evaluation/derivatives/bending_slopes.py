@@ -1,0 +1,257 @@
+"""Derivatives of the teeth's deflections under held forces, as the segments move over the teeth.
+
+The elastic teeth themselves are held. A segment's unit load on a tooth depends on its points' fractions on that member
+alone: two derivatives a member and point, which serve all settings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.errors import InputError
+from ....geometry.pair.gear_pair import MEMBERS
+from ...compliance.elastic_model import body_coupling, member_points
+from ...compliance.finite_elements.flank_compliance import FlankCompliance
+from ...compliance.material import Material
+from ...compliance.spread_deflection import SpreadDeflection, gaussians
+from ...lines.flank_splines import SLOPES
+from ...lines.opposite_points import PINION_FRACTIONS
+from ...segments import LineSegments, Segments
+from .field_directions import FieldDirections
+from .segment_slopes import SegmentSlopes
+
+Array = NDArray[Any]
+
+POINT_STEP = 1e-6  # fraction of the flank; shape functions are quadratic
+PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetres wide
+
+
+@dataclass(frozen=True)
+class MemberLoads:
+    """Unit loads on one member's teeth and their derivatives, n segments of g points.
+
+    Parameters
+    ----------
+    loads
+        Whitened and in the modes of the body (n, k).
+    by_point
+        Derivatives by the fractions of each point (2, n, g, k).
+    motion
+        Derivatives of these fractions by the settings (2, n, g, j).
+    own
+        How many of the columns are whitened loads.
+    """
+
+    loads: Array
+    by_point: Array
+    motion: Array
+    own: int
+
+
+@dataclass(frozen=True)
+class BendingSlopes:
+    """Changes of deflections under held forces; ``of`` makes one.
+
+    Parameters
+    ----------
+    on_lines
+        Segments of the contact lines (n).
+    members
+        Unit loads of both members.
+    weights
+        Of the quadrature points of a segment (g).
+    spread
+        Spread deflection's unit loads (n, k) and their derivatives (j, n, k).
+    """
+
+    on_lines: LineSegments
+    members: tuple[MemberLoads, ...]
+    weights: Array
+    spread: tuple[Array, Array]
+
+    @classmethod
+    def of(cls, on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
+        """Derivatives at the quadrature points of contact lines.
+
+        Raises
+        ------
+        InputError
+            If the teeth are plates.
+        """
+        points, weights = on_lines.quadrature
+        moved = segments.points
+        by_segment = (2, -1, weights.size)
+        change = directions.slopes.evaluate(list(PINION_FRACTIONS), points)
+        slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES)]
+        on_pinion = np.moveaxis(np.stack(list(change.values())), 1, -1)
+        on_pinion = on_pinion + slopes[0][..., None] * moved[0] + slopes[1][..., None] * moved[1]
+        members = []
+        for member, tooth, motion in zip(MEMBERS, on_lines.teeth.both, (on_pinion, moved), strict=True):
+            if not isinstance(tooth, FlankCompliance):
+                raise InputError("compliance.model = 'shell': derivatives need solid shells or finite elements")
+            at = member_points(on_lines.fields, member, points).reshape(by_segment)
+            loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
+            by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
+            members.append(MemberLoads(loads, by_point, motion.reshape(*at.shape, -1), tooth.factor.shape[0]))
+        return cls(on_lines, tuple(members), weights, _spread(on_lines, directions, segments))
+
+    def __call__(self, here: Segments, chosen: Array, force: Array) -> Array:
+        """Changes of the deflections (s, j) [mm] by the settings, under held forces.
+
+        Parameters
+        ----------
+        here
+            Segments of one mesh position (s).
+        chosen
+            Their numbers among those of all lines (s).
+        force
+            Their forces (s) [N].
+        """
+        result = np.zeros((force.size, self.members[0].motion.shape[-1]))
+        coupling, pairs = body_coupling(self.on_lines.teeth.both), np.unique(here.pair)
+        on_bodies = []
+        for member in self.members:
+            by_force: list[tuple[Array, Array]] = []
+            for pair in pairs:
+                rows = np.flatnonzero(here.pair == pair)
+                own = chosen[rows]
+                amplitude = member.loads[own].T @ force[rows]
+                changed = self._amplitude_change(member, own, force[rows])
+                whitened = slice(0, member.own)
+                held = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
+                result[rows] += self._moved(member, own, held) + member.loads[own, whitened] @ changed[whitened]
+                by_force.append((amplitude[member.own :], changed[member.own :]))
+            on_bodies.append(by_force)
+        if coupling is not None:
+            compliance = coupling.compliance(pairs)
+            amplitude = np.stack([np.concatenate([m[p][0] for m in on_bodies]) for p in range(pairs.size)])
+            changed = np.stack([np.concatenate([m[p][1] for m in on_bodies]) for p in range(pairs.size)])
+            answer = np.einsum("aqbr,br->aq", compliance, amplitude)
+            answer_change = np.einsum("aqbr,brj->aqj", compliance, changed)
+            for number, pair in enumerate(pairs):
+                rows, start = np.flatnonzero(here.pair == pair), 0
+                for member in self.members:
+                    size = member.loads.shape[1] - member.own
+                    columns = slice(start, start := start + size)
+                    held = np.concatenate([np.zeros(member.own), answer[number, columns]])
+                    result[rows] += self._moved(member, chosen[rows], held)
+                    result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
+        loads, change = self.spread
+        for pair in pairs if loads.shape[1] else ():
+            rows = np.flatnonzero(here.pair == pair)
+            own, moved = loads[chosen[rows]], change[:, chosen[rows]]
+            result[rows] += (moved @ (own.T @ force[rows])).T
+            result[rows] += own @ np.einsum("jnk,n->kj", moved, force[rows])
+        return result
+
+    def _moved(self, member: MemberLoads, own: Array, held: Array) -> Array:
+        """Change (s, j) of the deflections under held amplitudes of the loads (k)."""
+        slope = member.by_point[:, own] @ held
+        return np.asarray(np.einsum("csg,csgj,g->sj", slope, member.motion[:, own], self.weights))
+
+    def _amplitude_change(self, member: MemberLoads, own: Array, force: Array) -> Array:
+        """Change (k, j) of the amplitudes of the loads under held forces."""
+        moved = member.motion[:, own] * (force[:, None] * self.weights)[..., None]
+        by_point = member.by_point[:, own]
+        return np.asarray(by_point.reshape(-1, by_point.shape[-1]).T @ moved.reshape(-1, moved.shape[-1]))
+
+
+def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
+    """Derivatives (n, g, k) of the unit loads at points (2, n, g) by one of their fractions."""
+    single = points.reshape(2, -1, 1)
+    step = np.zeros((2, 1, 1))
+    step[axis] = POINT_STEP
+    ahead, behind = (np.concatenate(tooth.unit_loads(single + sign * step, np.ones(1)), axis=1) for sign in (1.0, -1.0))
+    return np.asarray((ahead - behind) / (2.0 * POINT_STEP)).reshape(*points.shape[1:], -1)
+
+
+def _spread(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
+    """Unit loads (n, k) of the spread deflection of both members, and their derivatives (j, n, k)."""
+    points, weights = on_lines.quadrature
+    size = points[0].size // weights.size
+    if not on_lines.spread:
+        return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
+    materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
+    found = []
+    for member, material, spread in zip(MEMBERS, materials, on_lines.spread, strict=True):
+        names = ["position", spread.depth]
+        place = on_lines.fields.evaluate(names, points)
+        change = directions.slopes.evaluate(names, points)
+        tangents = directions.base.derivatives(names, points, SLOPES)
+        moved, deeper = (
+            np.moveaxis(change[name], -3, -1)
+            + sum(tangent[name][..., None] * way for tangent, way in zip(tangents, segments.points, strict=True))
+            for name in names
+        )
+        turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
+        along = np.einsum("x,xmq->mq", spread.direction, place["position"])
+        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum(
+            "xmq,jx->mqj", place["position"], turned
+        )
+        unit = _Gaussians(spread, along, place[spread.depth], weights)
+        # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
+        by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
+        relative, own = (
+            (shifted - along_moved).reshape(size, -1, directions.count),
+            deeper.reshape(size, -1, directions.count),
+        )
+        slope = np.einsum("kng,ngj,g->jnk", by_shift, relative, weights, optimize=True)
+        slope += np.einsum("kng,ngj,g->jnk", by_depth, own, weights, optimize=True)
+        slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
+        found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
+    loads, slopes = zip(*found, strict=True)
+    return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _nodes_motion(
+    directions: FieldDirections, steps: Array, member: str, material: Material
+) -> tuple[Array, Array, Array]:
+    """Derivatives of the direction (j, 3), the first node (j) [mm] and the spacing (j) [mm] of a spread deflection."""
+    turned, shifted, wider = np.zeros((steps.size, 3)), np.zeros(steps.size), np.zeros(steps.size)
+    for j, step in enumerate(steps):
+        ahead, behind = (
+            SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0)
+        )
+        if ahead.nodes.size != behind.nodes.size:
+            continue  # as many nodes as fit: between two numbers of them, where they stand plays no part
+        turned[j] = (ahead.direction - behind.direction) / (2.0 * step)
+        shifted[j] = (ahead.nodes[0] - behind.nodes[0]) / (2.0 * step)
+        wider[j] = (np.diff(ahead.nodes)[0] - np.diff(behind.nodes)[0]) / (2.0 * step)
+    return turned, shifted, wider
+
+
+@dataclass(frozen=True)
+class _Gaussians:
+    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (m, q) [mm]."""
+
+    spread: SpreadDeflection
+    along: Array
+    depth: Array
+    weights: Array
+
+    def at(self, shift: float = 0.0, deeper: float = 0.0, wider: float = 0.0) -> Array:
+        nodes, shape = self.spread.nodes, (-1, self.weights.size)
+        spacing = nodes[1] - nodes[0] + wider
+        moved = nodes[0] + shift + spacing * np.arange(nodes.size)
+        along, depth = self.along.reshape(shape), self.depth.reshape(shape) + deeper
+        return gaussians(moved, along, depth, self.spread.flexibility * spacing)
+
+    def _slope(self, name: str) -> Array:
+        ahead, behind = (self.at(**{name: sign * PLACE_STEP}) for sign in (1.0, -1.0))
+        return (ahead - behind) / (2.0 * PLACE_STEP)
+
+    @property
+    def by_shift(self) -> Array:
+        return self._slope("shift")
+
+    @property
+    def by_depth(self) -> Array:
+        return self._slope("deeper")
+
+    @property
+    def by_spacing(self) -> Array:
+        return self._slope("wider")

@@ -1,0 +1,150 @@
+"""Derivatives of a pair's ease-off, roll angle and what else the contact needs by machine and cutter settings.
+
+At a fixed node of the gear flank (a fixed axial and radial coordinate) every field is an analytic function of the
+settings. How the surface parameters at a node follow a setting is known implicitly, see ``near_pair``; along that path
+the closed-form fields are differentiated by differences of fourth order. Their steps are so short that truncation and
+rounding stay near 1e-9 of a derivative, and near 1e-7 of that of the separation skew. The ease-off's own derivative has
+a closed form, too, see ``gap_slopes``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..flanks.flank import Flank
+from .datasets import first_contact
+from .ease_off import EaseOff
+from .gear_pair import PairGeometry
+from .modification import Modification
+from .near_pair import PLACES, KnownPair, NearPair, rate
+from .pair_setting import PairSetting
+
+Array = NDArray[Any]
+
+STEP_SHARE = 0.02  # of the usual step of a setting
+ZERO_STEP = 1e-9  # [rad], of the ease-off: its zero is that of the same node on either side
+
+
+def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dict[str, Array]:
+    """Derivatives of the fields on the gear flank.
+
+    The tooth bodies are held: they say where a force's normal meets the middle of a tooth, which a setting that moves
+    the flank by micrometres changes by as much.
+
+    Parameters
+    ----------
+    geometry
+        The pair. An ease-off that was modified keeps its addition along the normal.
+    settings
+        By what to differentiate (j).
+
+    Returns
+    -------
+    dict
+        By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
+        ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
+        ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
+        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point. Beside these ``put_in`` of what
+        is added to the gap of the flanks: a modification, less the zero of the ease-off [rad].
+
+    Raises
+    ------
+    GeometryError
+        If the middle of the pinion flank has no conjugate point.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> slopes = field_slopes(geometry, [PairSetting("pinion", "radial_distance"), PairSetting("gear", "cradle_angle")])
+    >>> slopes["roll_angle"].shape, bool((slopes["roll_angle"][..., 1] == 0.0).all())
+    ((9, 7, 2), True)
+    """
+    known = KnownPair(geometry)
+    at_node = _Fields(geometry)
+    columns: list[dict[str, Array]] = []
+    for setting in settings:
+        if setting.of == "modification":
+            columns.append(at_node.by_term(setting.name))
+            continue
+        step = STEP_SHARE * setting.scale
+        pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+        each = [at_node(near) for near in known.along(pairs, step)]
+        columns.append({name: rate([one[name] for one in each], step) for name in each[0]})
+        angle = columns[-1]["ease_off_angle"]
+        columns[-1]["ease_off_angle"] = at_node.from_first_contact(angle)
+        columns[-1]["put_in"] += columns[-1]["ease_off_angle"] - angle
+    names = columns[0] if columns else at_node.known
+    return {name: np.stack([one[name] for one in columns], axis=-1) for name in names}
+
+
+class _Fields:
+    """Fields of a pair near a known one, with its bodies and its modification."""
+
+    def __init__(self, geometry: PairGeometry) -> None:
+        self.geometry = geometry
+        exact, told = geometry.exact, geometry.ease_off
+        angle = told["ease_off_angle"].transpose("lengthwise", "profile").values.ravel()
+        added = (angle + told.attrs["first_contact_rad"] - exact.angle) * exact.lever_arm
+        # Without a modification nothing but rounding is left.
+        self.added = np.where(np.abs(added) > 1e-12, added, 0.0)
+        self.angle, self.inside = angle.reshape(geometry.nodes), exact.inside.reshape(geometry.nodes)
+
+    @cached_property
+    def known(self) -> dict[str, Array]:
+        """Of the pair itself."""
+        return self(NearPair(self.geometry.members.gear, self.geometry.exact))
+
+    def __call__(self, near: NearPair) -> dict[str, Array]:
+        exact, gear, nodes = near.exact, near.gear, self.geometry.nodes
+        put_in = self.added / exact.lever_arm
+        values = {
+            "ease_off_angle": (exact.angle + put_in).reshape(nodes),
+            "put_in": put_in.reshape(nodes),
+            "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
+        }
+        for name in ("roll_angle", "lever_arm", "separation_curvature", "separation_skew"):
+            values[name] = getattr(exact, name).reshape(nodes)
+        for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
+            values[name] = getattr(exact, name).reshape(nodes)
+        # Most settings leave one of both members alone.
+        same = exact.pinion_position is self.geometry.exact.pinion_position
+        values["depth_pinion"] = self._known_depths[0] if same else self._pinion_depth(exact)
+        same = gear.position is self.geometry.members.gear.position
+        values["depth_gear"] = self._known_depths[1] if same else self._gear_depth(gear)
+        return values
+
+    def _pinion_depth(self, exact: EaseOff) -> Array:
+        depth = self.geometry.members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal).depth
+        return depth.reshape(self.geometry.nodes)
+
+    def _gear_depth(self, gear: Flank) -> Array:
+        depth = self.geometry.members.bodies[1].shell_coordinates(gear.position, gear.normal).depth
+        return depth.reshape(self.geometry.nodes)
+
+    @cached_property
+    def _known_depths(self) -> tuple[Array, Array]:
+        return self._pinion_depth(self.geometry.exact), self._gear_depth(self.geometry.members.gear)
+
+    def by_term(self, name: str) -> dict[str, Array]:
+        """Derivatives by a term of a modification [um], which adds to the ease-off alone."""
+        members = self.geometry.members
+        lengthwise, profile = np.meshgrid(members.lengthwise, members.profile, indexing="ij")
+        added = 1e-3 * Modification({name: 1.0})(lengthwise, profile)
+        slopes = {field: np.zeros_like(values) for field, values in self.known.items()}
+        lever_arm = self.geometry.exact.lever_arm.reshape(self.geometry.nodes)
+        slopes["ease_off_angle"] = slopes["put_in"] = self.from_first_contact(added / lever_arm)
+        return slopes
+
+    def from_first_contact(self, slope: Array) -> Array:
+        """Derivative of the ease-off (nt, nh), less that of its zero, the paraboloid about the lowest node."""
+        relative = slope - slope[np.unravel_index(np.argmin(np.where(self.inside, self.angle, np.inf)), slope.shape)]
+        step = ZERO_STEP / max(float(np.nanmax(np.abs(relative))), 1e-300)
+        ahead, behind = (first_contact(self.angle + sign * step * relative, self.inside) for sign in (1.0, -1.0))
+        return np.asarray(relative - (ahead - behind) / (2.0 * step))

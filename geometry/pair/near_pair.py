@@ -1,0 +1,243 @@
+"""Flanks and ease-off of a pair along a change of one setting, at the nodes of the gear flank.
+
+Which points of the flanks stand at a node follows from the conditions that Newton's method solved: differentiated
+implicitly they tell how fast the surface parameters change with the setting. Along the straight path of this rate all
+fields have the same first derivative as on the solutions themselves, and nothing has to be solved anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.surface_points import SurfacePoints, axial_and_radial
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank
+from ..flanks.flank_parts import on_parts, pick
+from ..flanks.seed_lattice import mean_parameters
+from ..newton import cramers_rule, solve
+from .conjugate_motion import ConjugateMotion
+from .ease_off import EaseOff, classified
+from .gear_pair import GearPair, PairGeometry
+
+Array = NDArray[Any]
+
+#: Steps of a fourth-order difference, see ``rate``.
+PLACES = (-2.0, -1.0, 1.0, 2.0)
+
+
+def rate(values: Sequence[Array], step: float) -> Array:
+    """Derivative from values at the ``PLACES``, in steps; zero to the bit where nothing changes.
+
+    Examples
+    --------
+    >>> round(float(rate([np.exp(0.01 * place) for place in PLACES], 0.01)), 8)
+    1.0
+    """
+    far_behind, behind, ahead, far_ahead = values
+    return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
+
+
+@dataclass(frozen=True)
+class NearPair:
+    """A pair's flanks at the nodes of the gear flank.
+
+    Parameters
+    ----------
+    gear
+        Gear flank at the nodes (n).
+    exact
+        Ease-off there; its ``status`` and ``part``, and whose ``blade_distance`` it has, are those of the known pair.
+    """
+
+    gear: Flank
+    exact: EaseOff
+
+
+@lru_cache(maxsize=256)
+def _mean_near(surface: GeneratingSurface, known: GeneratingSurface, section: BlankSection) -> Array:
+    """Parameters (2, 1) of the mean point of a flank near a known one."""
+    middle = section.points(np.array([0.5]), np.array([0.5]))
+    return solve(surface.axial_and_radial, mean_parameters(known, section), middle, surface.max_step).parameters
+
+
+@dataclass(frozen=True)
+class KnownPair:
+    """A pair whose solution is known, from which others near it follow.
+
+    Parameters
+    ----------
+    geometry
+        Its geometry.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import Misalignment, pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> pairs = [geometry.pair.misaligned(Misalignment(offset=1e-3 * place)) for place in PLACES]
+    >>> near = KnownPair(geometry).along(pairs, 1e-3)
+    >>> anew = geometry.misaligned(Misalignment(offset=2e-3)).exact
+    >>> bool(np.allclose(near[-1].exact.angle, anew.angle, rtol=0.0, atol=1e-8))
+    True
+    """
+
+    geometry: PairGeometry
+
+    @property
+    def gear(self) -> Flank:
+        """The gear flank at the nodes."""
+        return self.geometry.members.gear
+
+    @property
+    def exact(self) -> EaseOff:
+        """The ease-off at the nodes."""
+        return self.geometry.exact
+
+    @cached_property
+    def _pinion_ends(self) -> NDArray[np.bool_]:
+        """Where the pinion's blade ends nearer to the conjugate point than the gear's to the node (n)."""
+        exact = self.exact
+        parts = exact.motion.surface.flank_parts
+        distance = on_parts(parts, exact.part, exact.pinion_parameters, lambda s, p: s.evaluate(p)[2])
+        return np.asarray(distance < self.gear.blade_distance)
+
+    @cached_property
+    def _pinion_slopes(self) -> Array:
+        """Derivatives (2, 2, n) of the conjugate gear points' coordinates by the pinion's parameters."""
+        exact = self.exact
+
+        def slopes(surface: GeneratingSurface, parameters: Array) -> Array:
+            return replace(exact.motion, surface=surface).conjugate_place(SurfacePoints.of(surface, parameters))[1]
+
+        with np.errstate(all="ignore"):
+            return on_parts(exact.motion.surface.flank_parts, exact.part, exact.pinion_parameters, slopes)
+
+    @cached_property
+    def _pinion_sides(self) -> list[float]:
+        """Orientation sign of the valid side of every part of the pinion flank."""
+        exact = self.exact
+        known = np.isfinite(exact.angle)
+        sides = []
+        for number, part in enumerate(exact.motion.surface.flank_parts):
+            own = known & (exact.part == number)
+            values = part.orientation(exact.pinion_parameters[:, own]) if np.any(own) else np.ones(1)
+            sides.append(float(np.sign(np.median(values))))
+        return sides
+
+    @cached_property
+    def _gear_slopes(self) -> Array:
+        """Derivatives (2, 2, n) of the gear nodes' coordinates by the gear's parameters."""
+
+        def slopes(surface: GeneratingSurface, parameters: Array) -> Array:
+            return axial_and_radial(SurfacePoints.of(surface, parameters))[1]
+
+        return on_parts(self.gear.surface.flank_parts, self.gear.part, self.gear.parameters, slopes)
+
+    def along(self, pairs: Sequence[GearPair], step: float) -> list[NearPair]:
+        """Other pairs on the same blanks.
+
+        Parameters
+        ----------
+        pairs
+            The pair with one number changed by so many steps as the ``PLACES`` say.
+        step
+            The step.
+        """
+        known, first = self.geometry.pair, pairs[0]
+        exact, gear = [self.exact] * len(pairs), [self.gear] * len(pairs)
+        if first.pinion != known.pinion or first.assembly != known.assembly:
+            exact = self._with_pinion(pairs, step)
+        if first.gear != known.gear:
+            gear = self._with_gear([pair.gear.loaded for pair in pairs], step)
+            exact = [self._facing(*each) for each in zip(exact, gear, strict=True)]
+        return [NearPair(*each) for each in zip(gear, exact, strict=True)]
+
+    def motion(self, pair: GearPair) -> ConjugateMotion:
+        """Conjugate motion of a pair near this one, with the zero of the roll angle at its pinion's mean point."""
+        designed = pair.pinion.loaded.designed.on("profile")
+        mean = _mean_near(designed, self.geometry.pair.pinion.loaded.designed, pair.pinion.section)
+        motion = replace(self.exact.motion, surface=designed, assembly=pair.assembly)
+        center = float(motion.rotation(*motion.pinion_point(mean))[0])
+        return replace(motion, surface=pair.pinion.loaded.on("profile"), center=center)
+
+    def _with_pinion(self, pairs: Sequence[GearPair], step: float) -> list[EaseOff]:
+        known, held = self.exact, self.exact.pinion_parameters
+        motions = [self.motion(pair) for pair in pairs]
+
+        def place(motion: ConjugateMotion) -> Array:
+            def of_part(surface: GeneratingSurface, parameters: Array) -> Array:
+                x, y, z = replace(motion, surface=surface).conjugate_gear(parameters)[0]
+                return np.stack([z, np.hypot(x, y)])
+
+            return on_parts(motion.surface.flank_parts, known.part, held, of_part)
+
+        with np.errstate(all="ignore"):
+            first, second = self._pinion_slopes
+            moved = -cramers_rule(first, second, rate([place(motion) for motion in motions], step))
+        moved = np.where(np.isfinite(moved), moved, 0.0)
+        found = []
+        for number, motion in zip(PLACES, motions, strict=True):
+            each = []
+            for part, side in zip(motion.surface.flank_parts, self._pinion_sides, strict=True):
+                points = SurfacePoints.of(part, held + number * step * moved)
+                solved = np.isfinite(known.angle)
+                section = known.pinion_section
+                each.append(classified(replace(motion, surface=part), section, self.gear, points, solved, side))
+            found.append(self._joined(motion, each))
+        return found
+
+    def _joined(self, motion: ConjugateMotion, parts: list[EaseOff]) -> EaseOff:
+        known = self.exact
+        names = [f.name for f in fields(EaseOff) if f.name not in ("motion", "pinion_section", "status", "part")]
+        picked: dict[str, Any] = {name: pick([getattr(one, name) for one in parts], known.part) for name in names}
+        # Azimuths are known but for whole turns.
+        apart = np.nanmedian(picked["angle"] - known.angle)
+        picked["angle"] = picked["angle"] - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
+        picked["blade_distance"] = np.where(self._pinion_ends, picked["blade_distance"], known.blade_distance)
+        return replace(known, motion=motion, **picked)
+
+    def _with_gear(self, surfaces: Sequence[GeneratingSurface], step: float) -> list[Flank]:
+        known = self.gear
+
+        def values(surface: GeneratingSurface, parameters: Array) -> Array:
+            def of_part(part: GeneratingSurface, p: Array) -> Array:
+                position, normal, coordinate = part.evaluate(p)
+                return np.concatenate([position, normal, coordinate[None]])
+
+            return on_parts(surface.flank_parts, known.part, parameters, of_part)
+
+        def place(surface: GeneratingSurface) -> Array:
+            x, y, z = values(surface, known.parameters)[:3]
+            return np.stack([z, np.hypot(x, y)])
+
+        with np.errstate(all="ignore"):
+            first, second = self._gear_slopes
+            moved = -cramers_rule(first, second, rate([place(surface) for surface in surfaces], step))
+        moved = np.where(np.isfinite(moved), moved, 0.0)
+        found = []
+        for number, surface in zip(PLACES, surfaces, strict=True):
+            parameters = known.parameters + number * step * moved
+            here = np.where(np.isfinite(known.position[0]), values(surface, parameters), np.nan)
+            flank = {"position": here[:3], "normal": here[3:6], "blade_distance": here[6]}
+            found.append(replace(known, surface=surface, parameters=parameters, **flank))
+        return found
+
+    def _facing(self, exact: EaseOff, gear: Flank) -> EaseOff:
+        """The ease-off with another gear flank at the nodes."""
+        (x, y), position, normal = self.gear.position[:2], gear.position, gear.normal
+        # The azimuth beyond that of the known flank, without jumps.
+        ahead = np.arctan2(x * position[1] - y * position[0], x * position[0] + y * position[1])
+        lever_arm = np.abs(position[0] * normal[1] - position[1] * normal[0])
+        return replace(
+            exact,
+            angle=exact.angle - exact.motion.pinion_sense * ahead,
+            lever_arm=np.where(np.isfinite(exact.angle), lever_arm, np.nan),
+            blade_distance=np.where(self._pinion_ends, exact.blade_distance, gear.blade_distance),
+        )

@@ -1,0 +1,291 @@
+"""Derivatives of an analysis: against differences of analyses, closed forms and identities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+
+from easeoff.cases import gear_pair, read_case
+from easeoff.contact import MeshCycle
+from easeoff.contact.compliance import body_coupling
+from easeoff.contact.evaluation.derivatives.cycle_slopes import cycle_slopes
+from easeoff.contact.loaded_cases import rotation_numbers
+from easeoff.core.errors import InputError
+from easeoff.geometry import pair_geometry
+from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
+from easeoff.geometry.pair.datasets import ease_off_dataset, teeth_dataset
+from easeoff.geometry.pair.ease_off import exact_ease_off
+from easeoff.geometry.pair.field_slopes import field_slopes
+from easeoff.geometry.pair.gap_slopes import gap_slopes
+from easeoff.geometry.pair.gear_pair import GearPair, MemberGeometry, PairGeometry
+from easeoff.geometry.pair.modification import Modification, modified_ease_off
+from easeoff.geometry.pair.near_pair import PLACES, rate
+from easeoff.geometry.pair.pair_setting import ERROR_STEPS, PairSetting
+from easeoff.geometry.pair.rolling import drift
+from easeoff.study import derivatives
+
+Array = NDArray[Any]
+
+CASES = ("fm-11x41", "nasa-12x36", "fh-12x41-45", "fh-design-a", "fh-design-b")
+TORQUES = {"fm-11x41": 250.0, "nasa-12x36": 100.0}
+MOTIONS = ("sliding_base_motion_1", "cutter_tilt_motion_2")
+#: Steps of the differences, over the usual step of a setting: short enough to meet no change of the touching segments.
+STEPS = (3e-5, 1e-5, 3e-6)
+TOLERANCE = 1e-6
+#: What rounding leaves of the rotation [rad]; over a step it is the least error a difference can have.
+ROTATION_ROUNDING = 3e-15
+
+
+def settings_of(pair: GearPair) -> list[PairSetting]:
+    names = [*BLADE_STEPS, *CURVATURE_STEPS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS, *MOTIONS]
+    found = [PairSetting("pinion", name) for name in names] + [PairSetting("gear", name) for name in names]
+    found += [PairSetting("assembly", name) for name in ERROR_STEPS]
+    return [one for one in found if one.acts_on(pair)]
+
+
+@cache
+def geometry_of(name: str) -> PairGeometry:
+    return pair_geometry(gear_pair(read_case(name)))
+
+
+@cache
+def cycle_of(name: str) -> MeshCycle:
+    return MeshCycle.of(geometry_of(name), mesh_positions=8, segments_per_line=15)
+
+
+@cache
+def values_and_slopes(name: str, settings: tuple[PairSetting, ...]) -> tuple[xr.Dataset, xr.Dataset]:
+    cycle = cycle_of(name)
+    return cycle_slopes(cycle, settings, *cycle.loaded([TORQUES.get(name, 300.0)], edge_contact=False))
+
+
+def anew(name: str, pair: GearPair) -> MeshCycle:
+    """The mesh of another pair from scratch, but for the tooth bodies, which derivatives hold."""
+    cycle = cycle_of(name)
+    members = cycle.geometry.members
+    gear = pair.gear.flank(members.lengthwise, members.profile)
+    exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    t, h = members.lengthwise, members.profile
+    members = MemberGeometry(t, h, members.pinion, gear, members.bodies)
+    feet = members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal), members.gear_feet
+    moving = drift(exact)
+    teeth = teeth_dataset(t, h, members.bodies, feet)
+    geometry = PairGeometry(pair, members, exact, moving, ease_off_dataset(t, h, exact, moving), teeth)
+    return cycle.with_geometry(geometry)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CASES)
+def test_loaded_contact_agrees_with_differences_for_all_settings(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Shared modes that are left out change no digit of a result, but all digits of a difference over 1e-5.
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    check_settings(name, settings_of(geometry_of(name).pair))
+
+
+def test_loaded_contact_agrees_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    check_settings("fm-11x41", [PairSetting("pinion", "radial_distance")], STEPS[1:2])
+
+
+def check_settings(name: str, settings: list[PairSetting], steps: Sequence[float] = STEPS) -> None:
+    cycle, torque = cycle_of(name), TORQUES.get(name, 300.0)
+    pair = cycle.geometry.pair
+    cases = cycle.solved([torque])
+    _, slopes = values_and_slopes(name, tuple(settings))
+    for number, setting in enumerate(settings):
+        own = 1e-6 * slopes["transmission_error"].values[0, :, number]
+        best = np.full(own.size, np.inf)
+        for share in steps:
+            step = share * setting.scale
+            ahead, behind = (anew(name, setting.moved(pair, sign * step)).solved([torque]) for sign in (1.0, -1.0))
+            for at, case in enumerate(cases):
+                touching = [cycles[at].solution.active for cycles in (ahead, behind)]
+                if not all(np.array_equal(case.solution.active, other) for other in touching):
+                    continue
+                change = (ahead[at].solution.rotation - behind[at].solution.rotation) / (2.0 * step)
+                best[at] = min(best[at], max(abs(change - own[at]) - ROTATION_ROUNDING / step, 0.0))
+        assert np.isfinite(best).mean() > 0.7, setting
+        assert best[np.isfinite(best)].max() < TOLERANCE * np.abs(own).max(), setting
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+def test_fields_agree_with_differences_of_solutions(name: str) -> None:
+    """The implicit path has the tangent of the solutions that Newton's method finds anew."""
+    geometry = pair_geometry(gear_pair(read_case(name)), (9, 7))
+    settings = [
+        PairSetting("pinion", "radial_distance"),
+        PairSetting("pinion", "cutter_tilt"),
+        PairSetting("gear", "pressure_angle"),
+        PairSetting("assembly", "shaft_angle"),
+    ]
+    slopes = field_slopes(geometry, settings)
+    for number, setting in enumerate(settings):
+        step = 0.01 * setting.scale
+        found = []
+        for place in PLACES:
+            moved = pair_geometry(setting.moved(geometry.pair, place * step), (9, 7))
+            depth = moved.members.gear.position  # the gear's nodes have no field of their own
+            found.append({"position": np.moveaxis(depth.reshape(3, 9, 7), 0, -1)})
+            for field in ("roll_angle", "ease_off_angle", "lever_arm", "separation_curvature", "pinion_profile"):
+                found[-1][field] = moved.ease_off[field].values
+        for field in found[0]:
+            change, own = rate([one[field] for one in found], step), slopes[field][..., number]
+            if field == "ease_off_angle":  # its zero may be that of another node
+                change, own = change - change[4, 3], own - own[4, 3]
+            assert np.abs(change - own).max() <= 1e-6 * np.abs(own).max() + 1e-10, (setting, field)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("name", CASES)
+def test_ease_off_moves_as_the_flanks_do_along_their_normals(name: str) -> None:
+    geometry = pair_geometry(gear_pair(read_case(name)), (9, 7))
+    settings = settings_of(geometry.pair)
+    exact = geometry.exact
+    opposite = exact.pinion_parameters, exact.part, exact.roll_angle
+    closed = gap_slopes(geometry, settings, geometry.members.gear, *opposite)
+    slopes = field_slopes(geometry, settings)
+    full = slopes["ease_off_angle"].reshape(-1, len(settings))
+    # Of every setting that moves the flanks at all.
+    size = np.ptp(full, axis=0)
+    moving = size > 1e-9
+    assert moving.sum() > 25
+    assert np.all(np.ptp(closed - full, axis=0)[moving] < 2e-7 * size[moving])
+    # The zero of the ease-off is what is put in.
+    zero = slopes["put_in"].reshape(-1, len(settings))
+    assert np.all(np.abs(closed + zero - full).max(axis=0)[moving] < 1e-6 * size[moving])
+
+
+def test_settings_that_only_turn_a_member_change_nothing() -> None:
+    """On a generator without tilt the cradle angle turns the work, and the swivel the cutter about its own axis."""
+    turning = tuple(PairSetting(of, name) for of in ("pinion", "gear") for name in ("cradle_angle", "cutter_swivel"))
+    pair = geometry_of("nasa-12x36").pair
+    assert pair.pinion.loaded.settings.cutter_tilt == pair.gear.loaded.settings.cutter_tilt == 0.0
+    _, slopes = values_and_slopes("nasa-12x36", (*turning, PairSetting("pinion", "machine_root_angle")))
+    for name in ("ease_off", "transmission_error", "load_share", "pressure", "unloaded_transmission_error_envelope"):
+        values = np.nan_to_num(slopes[name].values)
+        assert np.abs(values[..., :4]).max() < 1e-6 * np.abs(values[..., 4]).max(), name
+
+
+def test_torque_and_modification_agree_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    term = PairSetting("modification", "lengthwise_crowning")
+    _, slopes = values_and_slopes("nasa-12x36", (term,))
+    cycle, torque = cycle_of("nasa-12x36"), TORQUES["nasa-12x36"]
+    told = cycle.geometry.ease_off
+
+    def added(amount: float) -> Array:
+        moved = cycle.with_ease_off(modified_ease_off(told, Modification({term.name: amount})))
+        return np.array([case.solution.rotation for case in moved.solved([torque])])
+
+    def loaded(amount: float) -> Array:
+        return np.array([case.solution.rotation for case in cycle.solved([torque + amount])])
+
+    for number, (function, step) in enumerate(((added, 1e-4), (loaded, 1e-3))):
+        change = 1e6 * (function(step) - function(-step)) / (2.0 * step)
+        own = slopes["transmission_error"].values[0, :, number]
+        assert np.abs(change - own).max() < TOLERANCE * np.abs(own).max()
+
+
+def test_numbers_of_a_cycle_follow_its_transmission_error() -> None:
+    values, slopes = values_and_slopes("fm-11x41", (PairSetting("pinion", "work_offset"),))
+    error, slope = (one["transmission_error"].values[0] for one in (values, slopes))
+    step = 1e-7 / np.abs(slope).max()
+    for number in range(2):
+        ahead, behind = (rotation_numbers((error + sign * step * slope[:, number])[None]) for sign in (1.0, -1.0))
+        for name in ("mean_level", "peak_to_peak", "harmonic", "rms"):
+            change = (ahead[name][1][0] - behind[name][1][0]) / (2.0 * step)
+            np.testing.assert_allclose(slopes[name].values[0, ..., number], change, rtol=1e-4, atol=1e-4)
+    # Pairs share one torque, and forces keep its balance.
+    np.testing.assert_allclose(slopes["load_share"].sum("pair"), 0.0, atol=1e-9)
+    np.testing.assert_allclose(values["load_share"].sum("pair"), 1.0, rtol=1e-9)
+
+
+def test_pressure_agrees_with_differences() -> None:
+    setting = PairSetting("pinion", "radial_distance")
+    _values, slopes = values_and_slopes("fm-11x41", (setting,))
+    step, torque = 1e-5 * setting.scale, TORQUES["fm-11x41"]
+    ahead, behind = (
+        anew("fm-11x41", setting.moved(geometry_of("fm-11x41").pair, sign * step)).loaded([torque], edge_contact=False)[
+            0
+        ]
+        for sign in (1.0, -1.0)
+    )
+    change = (ahead["max_pressure"] - behind["max_pressure"]).item() / (2.0 * step)
+    assert slopes["max_pressure"].values[0, 0] == pytest.approx(change, rel=1e-4)
+    share = (ahead["load_share"] - behind["load_share"]).values / (2.0 * step)
+    own = slopes["load_share"].values[..., 0]
+    assert np.nanmax(np.abs(share - own)) < 1e-4 * np.nanmax(np.abs(own))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CASES)
+def test_unloaded_contact_agrees_with_whole_analyses(name: str) -> None:
+    pair = geometry_of(name).pair
+    settings = settings_of(pair)[::5]
+    _, slopes = values_and_slopes(name, tuple(settings))
+    own = 1e-6 * slopes["unloaded_transmission_error_envelope"].values
+    for number, setting in enumerate(settings):
+        step = 3e-4 * setting.scale
+        ahead, behind = (
+            MeshCycle.of(pair_geometry(setting.moved(pair, sign * step)), mesh_positions=8).unloaded()
+            for sign in (1.0, -1.0)
+        )
+        difference = ahead["transmission_error_envelope"] - behind["transmission_error_envelope"]
+        change = 1e-6 * difference.values / (2.0 * step)
+        known = np.isfinite(own[:, number])
+        assert np.abs(change - own[:, number])[known].max() < 1e-5 * np.abs(own[known, number]).max() + 1e-10, setting
+
+
+def test_user_gets_names_and_units_of_sweeps() -> None:
+    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    case = read_case("fm-11x41")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    names = ["torque", "gear.convex.machine.cradle_angle", "E", "modification.bias"]
+    tree = derivatives(case, names, torques=[100.0, 200.0])
+    slopes = tree["derivatives"].to_dataset()
+    assert slopes["setting"].values.tolist() == names
+    assert slopes["setting_units"].values.tolist() == ["N m", "degree", "mm", "um"]
+    assert slopes["transmission_error"].dims == ("torque", "mesh_position", "setting")
+    assert slopes["transmission_error"].attrs["units"] == "urad per setting_units"
+    # More torque winds the pair up, whatever the setting is called.
+    assert (slopes["mean_level"].sel(setting="torque") > 0.0).all()
+    cycle = MeshCycle.of(pair_geometry(gear_pair(case), (9, 7)), mesh_positions=4, segments_per_line=9)
+    plain = cycle_slopes(
+        cycle, [PairSetting("gear", "cradle_angle")], *cycle.loaded([100.0, 200.0], edge_contact=False)
+    )[1]
+    in_degrees = np.radians(1.0) * plain["transmission_error"].values[..., 0]
+    np.testing.assert_allclose(slopes["transmission_error"].values[..., 1], in_degrees, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (
+            ["pinion.convex.machine.radial_distance"],
+            "setting = .*: must be a machine or cutter setting",
+        ),
+        (
+            ["gear.convex.machine.ratio_of_roll"],
+            "setting = .*: must be a machine or cutter setting",
+        ),
+        (["E", "E"], "settings = .*none of them twice"),
+        ([], "settings = "),
+    ],
+)
+def test_wrong_settings_are_refused(settings: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        derivatives("fm-11x41", settings)
+
+
+def test_plates_are_refused() -> None:
+    case = read_case("fm-11x41")
+    plates = case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": "shell"})})
+    with pytest.raises(InputError, match=r"compliance.model = 'shell'"):
+        derivatives(plates, ["E"])
