@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from .analysis.joined_analysis import Analysis
     from .analysis.setting_derivatives import contact_derivatives, derivative_settings, derivatives
     from .case_in_mesh import CaseInMesh
-    from .design.case_design import DesignReport, design_case
+    from .design.case_design import design_case
+    from .design.design_check import DesignReport
     from .design.fitted_settings import fit_modification, recorded_modification
     from .design.rounded_settings import rounded_case, rounding_effect
     from .deviations.case_correction import CaseCorrection, correct_case
@@ -79,7 +80,7 @@ _MODULES = {
     "Analysis": ".analysis.joined_analysis",
     "CaseCorrection": ".deviations.case_correction",
     "CaseInMesh": ".case_in_mesh",
-    "DesignReport": ".design.case_design",
+    "DesignReport": ".design.design_check",
     "ResultAccessor": ".report.notebook.result_accessor",
     "ResultPlots": ".report.notebook.result_accessor",
     "ResultSummary": ".report.notebook.result_accessor",

@@ -35,7 +35,8 @@ from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
 from easeoff.study.cli import main
-from easeoff.study.design.case_design import _off_the_root, design_case
+from easeoff.study.design.case_design import design_case
+from easeoff.study.design.design_check import _off_the_root
 
 
 def bevel(teeth: tuple[int, int], spiral: float, module: float = 4.0, *, hobbed: bool = False) -> BlankDesign:

@@ -9,7 +9,7 @@ from tabulate import tabulate
 
 from ...geometry.design.blank import BlankDimensions
 from ...geometry.pair.gear_pair import FlankName
-from ..design.case_design import DesignReport, SideReport
+from ..design.design_check import DesignReport, SideReport
 
 ANGLES = (
     "pressure_angle",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import click
 
 from ....core.errors import InputError
 from ..command import Command
+from ..exit_codes import EXIT_UNCERTIFIED
 from ..options.shared_options import (
     allow_outside_option,
     echo,
@@ -96,6 +98,9 @@ def design(
     echo(design_report(found) if report else "\n".join(summary_lines(found)))
     for side, effect in effects.items():
         echo(effect_line(side, effect))
+    if not found.analysable:
+        echo("no analysis can take this case yet: a member has no whole tooth, see above", err=True)
+        sys.exit(EXIT_UNCERTIFIED)
     table = case.friction
     outside = table is not None and table.seen_from(output.parent).is_outside
     next_commands(("run", output, "-o", output.with_suffix(".nc"), *(["--allow-outside"] if outside else [])))

@@ -1,0 +1,275 @@
+"""Check of a designed pair: residuals, undercut, blade tips, top lands and whole teeth, with warnings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...cases.conversion import blank_design, ease_off_target, setting_limits
+from ...cases.schema.design_schema import Design
+from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
+from ...core.errors import GeometryError
+from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
+from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
+from ...geometry.design.pair_design import (
+    BOTH_MEMBERS,
+    SIDES,
+    PairDesign,
+)
+from ...geometry.design.set_up.pinion_method import ADVICE, at_limit
+from ...geometry.flanks.flank import Flank, NodeStatus
+from ...geometry.pair.ease_off import EaseOff, exact_ease_off
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
+from ...geometry.tooth.tooth_flanks import MemberName
+
+Array = NDArray[Any]
+EASE_OFF_NODES = (15, 11)
+TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
+UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
+COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
+
+
+@dataclass(frozen=True)
+class SideReport:
+    """Fit of one pinion flank to the wanted ease-off.
+
+    Parameters
+    ----------
+    moved
+        Start and end of every free setting [mm, rad or per rad].
+    residual
+        Ease-off less target (n), up to a rotation of the gear [mm]: at the nodes of the fit or, with a generated gear,
+        on the whole common flank.
+    wanted_range
+        Range of the target over the gear flank [mm].
+    largest_ease_off
+        Largest ease-off over the common flank [mm].
+    common_flank
+        Share of the gear flank that the pinion meets.
+    uncut
+        Share of the flanks of pinion and gear that is undercut or out of the cutter's reach.
+    at_limit
+        Names of the settings that stand at a limit of the machine or the cutter.
+    root_gap
+        Height of the pinion's blade tip above the root cone at toe, middle and heel (3) [mm]; negative where it cuts
+        deeper, NaN where the root is undercut or out of the cutter's reach.
+    """
+
+    moved: Mapping[str, tuple[float, float]]
+    residual: Array
+    wanted_range: float
+    largest_ease_off: float
+    common_flank: float
+    uncut: tuple[float, float]
+    root_gap: Array
+    at_limit: tuple[str, ...] = ()
+
+    @property
+    def largest_residual(self) -> float:
+        """Largest residual [mm]."""
+        return float(np.abs(self.residual).max())
+
+    @property
+    def rms_residual(self) -> float:
+        """Root mean square of the residual [mm]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+
+@dataclass(frozen=True)
+class DesignReport:
+    """Report of a design: blanks, fits and warnings.
+
+    Parameters
+    ----------
+    blank
+        Dimensions of the blanks.
+    sides
+        The fits of drive and coast side.
+    warnings
+        Doubtful points, a sentence each.
+    analysable
+        Whether both members have the whole teeth that the design's model of the elastic teeth needs.
+
+    Examples
+    --------
+    >>> from easeoff.cases import designed_blanks, read_design
+    >>> design = read_design("fm-11x41")
+    >>> blank = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> DesignReport(blank, sides={}, warnings=("the top land of the pinion is narrow",)).warnings
+    ('the top land of the pinion is narrow',)
+    """
+
+    blank: BlankDimensions
+    sides: Mapping[FlankName, SideReport]
+    warnings: tuple[str, ...]
+    analysable: bool = True
+
+
+def checked_design(design: Design, designed: PairDesign) -> DesignReport:
+    """Report of a designed pair. Raises GeometryError if the ease-off of a side is far off its target."""
+    sides = {side: _side(design, designed, side) for side in SIDES}
+    clearance = designed.blank.clearance
+    warnings: list[str] = []
+    for side, item in sides.items():
+        wanted = ease_off_target(getattr(design.target, side))
+        # The fit may leave out what is near a fold; the flank does not.
+        require_usable(side, item.largest_residual, wanted, ADVICE[design.pinion.method])
+        good, _ = residual_limits(wanted)
+        if not item.largest_residual <= good:
+            warnings.append(
+                f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; "
+                f"{ADVICE[design.pinion.method]}, or change the target"
+            )
+        for name in item.at_limit:
+            warnings.append(f"{side}: {name} stands at its limit, see [pinion.limits]")
+        for name, share in zip(MEMBERS, item.uncut, strict=True):
+            if not share <= UNDERCUT_LIMIT:
+                warnings.append(
+                    f"{side}: {100 * share:.0f} % of the {name}'s flank, at its root, is undercut or out of the "
+                    f"cutter's reach; a {'smaller' if name == 'pinion' else 'larger'} gear_mean_addendum_factor or "
+                    f"{'larger' if name == 'pinion' else 'smaller'} profile_shift_coefficient, a larger pressure angle "
+                    "or more teeth help"
+                )
+        if not item.common_flank >= COMMON_FLANK_LIMIT:
+            warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
+        warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
+    unfinished = _unfinished(design, designed)
+    warnings += [*_narrow(designed), *unfinished]
+    if warnings:
+        warnings += limit_pressure_angle_advice(
+            blank_design(design.blank_design, (design.pinion.number_of_teeth, design.gear.number_of_teeth), design.pair)
+        )
+    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished)
+
+
+def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on pressure angles that leave out the limit pressure angle of a hypoid pair."""
+    if basic_data.hypoid_offset == 0.0 or basic_data.limit_pressure_angle_influence > 0.0:
+        return []
+    try:
+        limit = math.degrees(blank_dimensions(basic_data).limit_pressure_angle)
+    except GeometryError:
+        return []
+    return [
+        f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: 1 "
+        "gives drive and coast flanks pressure angles that allow for it"
+    ]
+
+
+def _off_the_root(gap: Array, clearance: float, followed: bool) -> list[str]:
+    """Warnings of blade tips off the root cone, and of places where no root was found."""
+    found = np.isfinite(gap)
+    warnings = []
+    if np.any(np.abs(gap[found]) > clearance):
+        advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
+        warnings.append(
+            f"the pinion's blade tips deviate up to {np.abs(gap[found]).max():.2f} mm from its root cone, more than "
+            f"the clearance of {clearance:.2f} mm; {advice}"
+        )
+    if not np.all(found):
+        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), found, strict=True) if not known)
+        warnings.append(f"the pinion has no flank near its root at the {places}: it is undercut or not reached")
+    return warnings
+
+
+def require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
+    """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
+    for loaded in (pair, _from_the_other_side(pair)):
+        require_solid_shell(loaded, member)
+
+
+def _from_the_other_side(pair: GearPair) -> GearPair:
+    def turned(member: Member) -> Member:
+        assert member.opposite is not None  # a designed pair has both flanks
+        return replace(member, loaded=member.opposite, opposite=member.loaded)
+
+    return replace(pair, pinion=turned(pair.pinion), gear=turned(pair.gear))
+
+
+def _unfinished(design: Design, designed: PairDesign) -> list[str]:
+    """Warnings of members without a whole tooth, which the shell alone can do without."""
+    found = []
+    for name in BOTH_MEMBERS:
+        try:
+            if design.compliance.model == "shell":
+                require_whole_tooth(designed.pair(), name)
+            else:
+                require_elastic_tooth(designed.pair(), name)
+        except GeometryError as error:
+            text = str(error) if f"the {name}'s" in str(error) else f"the {name} has no whole tooth: {error}"
+            found.append(text + _advice(design, designed, name))
+    return found
+
+
+def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
+    """What to change if it is not the edge radius."""
+    if getattr(design, name).tool_edge_radius is not None:
+        return ""
+    blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
+    return (
+        f"; edge radii from {blade.edge_radius:.3g} down to {REDUCTIONS[-1] * blade.edge_radius:.2g} mm were tried, so "
+        "change the blanks: depth_taper, cutter_radius, thickness_factor or clearance_factor against a narrow slot, "
+        "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut"
+    )
+
+
+def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
+    pair, fit = designed.pair(side), designed.pinion[side]
+    t, h = grid(EASE_OFF_NODES)
+    gear = pair.gear.flank(t, h)
+    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    inside = found.status == NodeStatus.INSIDE
+    wanted = ease_off_target(getattr(design.target, side))
+    residual = fit.residual
+    if designed.gear[0].settings.generated or design.pinion.method != "closest_fit":
+        residual = _left(found, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
+    gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
+    return SideReport(
+        moved=fit.moved,
+        residual=residual,
+        wanted_range=target_range(wanted),
+        largest_ease_off=float(gap.max()),
+        common_flank=float(inside.mean()),
+        uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
+        root_gap=fit.root_gap,
+        at_limit=_at_limit(design, designed, side),
+    )
+
+
+def _at_limit(design: Design, designed: PairDesign, side: FlankName) -> tuple[str, ...]:
+    if design.pinion.method == "closest_fit":
+        return ()
+    values = {name: value for name, (_, value) in designed.pinion[side].moved.items()}
+    limits = setting_limits(design.pinion.limits)
+    return at_limit(values, limits, designed.blank.pinion.root_angle, design.blank_design.cutter_radius)
+
+
+def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
+    """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
+    lever = found.lever_arm[inside]
+    error = found.angle[inside] * lever - wanted[inside]
+    return np.asarray(error - lever * float(lever @ error) / float(lever @ lever))
+
+
+def _uncut(flank: Flank) -> float:
+    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
+
+
+def _narrow(designed: PairDesign) -> list[str]:
+    """Warnings of narrow top lands, or of members that have no tooth between their flanks."""
+    try:
+        both = bodies(designed.pair())
+    except GeometryError as error:
+        return [str(error)]
+    found = []
+    for name, body in zip(MEMBERS, both, strict=True):
+        for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
+            if not thickness >= TOP_LAND_LIMIT * designed.blank.mean_normal_module:
+                found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
+    return found
