@@ -27,8 +27,8 @@ from easeoff.geometry import (
     with_settings,
 )
 from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, scale_of
+from easeoff.geometry.deviation.correction_fit import SetUpFit
 from easeoff.geometry.deviation.recut_flank import RecutFlank
-from easeoff.geometry.deviation.set_up_fit import SetUpFit
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.tooth_body import middle_angle
 from easeoff.geometry.tooth.tooth_flanks import Side

@@ -16,7 +16,7 @@ from easeoff.cases import case_toml, gear_pair, parse_case, read_case, shipped_c
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import rounded_case, rounding_effect, summary_sheet
 from easeoff.study.cli import main
-from easeoff.study.design.rounded_settings import STEP_OF
+from easeoff.study.design.rounded_settings import STEP_OF, step_of
 
 SIDES: tuple[Any, Any] = ("drive", "coast")
 COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
@@ -38,7 +38,7 @@ def test_rounded_settings_are_multiples_of_their_steps(name: str) -> None:
                 if table == "motions":
                     continue
                 old, new = (getattr(getattr(each, table), key) for each in (before, after))
-                step = COARSE.step(table, key)
+                step = step_of(COARSE, table, key)
                 if old is None or step is None:
                     assert new == old
                     continue

@@ -23,11 +23,11 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import Member, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
+from .correction_fit import LooseCombination, SetUpFit
 from .deviation import Deviation
 from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
 from .measurement import zeroed
 from .recut_flank import RecutFlank
-from .set_up_fit import LooseCombination, SetUpFit
 
 Array = NDArray[Any]
 

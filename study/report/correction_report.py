@@ -11,10 +11,10 @@ from tabulate import tabulate
 
 from ...geometry.cutting.machine_resolution import setting_step
 from ...geometry.cutting.named_settings import get_setting
+from ...geometry.deviation.correction_fit import EFFECT_LIMIT
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
 from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
 from ...geometry.deviation.measurement import zeroed
-from ...geometry.deviation.set_up_fit import EFFECT_LIMIT
 from ...geometry.pair.gear_pair import MEMBERS
 from ..deviations.case_correction import CaseCorrection
 
