@@ -10,6 +10,7 @@ import xarray as xr
 from ..measurement.method import COLD, HEADLINE, STARTING_SOLVERS, WARM
 from ..statistics.method_statistics import (
     METHOD_COLUMNS,
+    MISS_FACTOR,
     PROBLEM_COLUMNS,
     MethodName,
     headline,
@@ -187,22 +188,25 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             f"{point.tolerance:g}" if point.tolerance else "table",
             point.problems,
             point.claimed,
-            point.false_claims,
+            point.missed if point.tolerance else NOTHING,
+            residual(point.posed),
             residual(point.median),
             residual(point.worst),
             milliseconds(point.run_time),
         ]
         for point in sorted(sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
     ]
-    columns_of_points = ["solver", "tolerance", "problems", "says solved", "false claims", "median", "worst"]
+    counts, residuals = ["problems", "says solved", "misses it"], ["worst as posed", "median", "worst"]
     return [
         ReportTable("work_precision", head, rows, note),
         ReportTable(
             "sweep",
-            [*columns_of_points, "median time [ms]"],
+            ["solver", "tolerance", *counts, *residuals, "median time [ms]"],
             points,
-            f"Certificates by the tolerance given to the solver; *table*: its settings of `{HEADLINE}`. Solvers "
-            "without a tolerance have that row alone.",
+            f"*Tolerance*: given to the solver; *table*: its settings of `{HEADLINE}`. Solvers without a tolerance "
+            "have that row alone. *Misses it*: says solved, but primal residual, dual residual or duality gap on the "
+            f"problem as the solver got it, over one plus the size of its terms, exceeds {MISS_FACTOR:g} times the "
+            "tolerance; *worst as posed* is the largest of them. *Median*, *worst*: certificates.",
             "Outcome at each tolerance:",
         ),
     ]
