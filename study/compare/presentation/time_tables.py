@@ -107,6 +107,11 @@ def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
         "Problems with a problem of the same size before them in their file, whose answer is the warm start; times are "
         "medians over those certified both ways, *ratio* is the median of warm over cold."
     )
+    if any(solver == "native" for solver, _, _ in warm_methods):
+        note += (
+            " Steps of `native` are those with all segments: from a cold start it has first made others with every "
+            "fourth or sixteenth of them, which are not counted."
+        )
     if ignoring:
         note += f" Not measured, because they take no start or ignore it: {', '.join(ignoring)}."
     head = ["solver", "problems", "certified, cold", "certified, warm", "cold [ms]", "warm [ms]", "ratio"]
