@@ -21,6 +21,7 @@ from easeoff.study.compare.presentation.comparison_report import comparison_repo
 from easeoff.study.compare.presentation.profile_figures import draw_data_profile, draw_pairs, draw_performance_profile
 from easeoff.study.compare.presentation.report_table import ReportTable
 from easeoff.study.compare.presentation.time_figures import draw_growth, draw_work_precision
+from easeoff.study.compare.presentation.time_tables import waiting_note
 from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, run_time_table
 from easeoff.study.compare.statistics.profiles import data_profile, pairwise_matrix, pairwise_share, performance_profile
 from easeoff.study.compare.statistics.run_time_statistics import growth, shifted_geometric_mean
@@ -280,3 +281,21 @@ def test_runs_of_the_sweep_are_in_no_other_table() -> None:
     assert set(ours) - set(theirs) == {"work_precision", "sweep"}
     for name, table in theirs.items():
         assert table.rows == ours[name].rows, name
+
+
+def test_busy_machine_is_told_and_processor_time_can_be_compared() -> None:
+    whole = invented(["slow", "fast"])
+    assert waiting_note(whole) is None
+    waited = whole.copy(deep=True)
+    waited["run_time"] = xr.where(waited["solver"] == "fast", 10.0, 1.0) * waited["run_time"]
+    note = waiting_note(waited)
+    assert note is not None
+    assert "fast 10" in note
+    assert "slow" not in note
+    assert note in comparison_report(waited)
+    assert [one[0] for one in methods(by_problem(waited), LIMIT)] == ["slow", "fast"]
+    by_processor = waited.assign_attrs(time="processor")
+    assert [one[0] for one in methods(by_problem(by_processor), LIMIT)] == ["fast", "slow"]
+    label = draw_data_profile(by_processor, by_problem(by_processor)).axes[0].get_xlabel()
+    assert label == "processor time of a call, the package's share included [ms]"
+    assert waiting_note(waited.assign_attrs(threads=4)) is None

@@ -176,6 +176,13 @@ def library(output: Path, parts: str | None) -> None:
 @click.option(
     "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
 )
+@click.option(
+    "--time",
+    type=click.Choice(["wall", "processor"]),
+    default="wall",
+    show_default=True,
+    help="Time of a call that order, tables and profiles go by.",
+)
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
 @click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
 def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:
@@ -186,6 +193,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     """
     from ..compare import compare as run_comparison
     from ..compare import write_comparison, write_test_set
+    from ..compare.presentation.time_tables import waiting_note
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
 
@@ -202,6 +210,9 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             folders[path.parent] = folders.get(path.parent, 0) + 1
     for folder, count in folders.items():
         echo(f"wrote {folder}: {count} files")
+    waited = waiting_note(table)
+    if waited is not None:
+        echo(waited, err=True)
     if test_set:
         from ...contact.problem.exchange.problem_formats import import_problems
         from ...contact.problem.exchange.problem_set import joined

@@ -24,6 +24,7 @@ from .time_tables import (
     start_table,
     time_parts,
     time_sources,
+    waiting_note,
     work_precision_tables,
 )
 
@@ -67,7 +68,7 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
         Section(
             "Answers", [*success_tables(dataset, problems, named), success_note(dataset), kind_table(problems, named)]
         ),
-        Section("Run time", [run_time_summary(dataset, problems, named)]),
+        Section("Run time", [_paragraph(waiting_note(dataset)), run_time_summary(dataset, problems, named)]),
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),
         Section("Pairs of solvers", [pair_table(problems, named)]),
@@ -132,6 +133,10 @@ def _made_with(dataset: xr.Dataset) -> str:
         "another factor between 1 and 1.5 (`load_factor`), so that an answer kept from an earlier call is wrong. "
         "`native` is measured with its own answer alone, and is the reference of the error of rotation.\n"
     )
+
+
+def _paragraph(text: str | None) -> str | None:
+    return None if text is None else f"**{text}**\n"
 
 
 def _table_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from ...plot.page import INK, SMALL_SIZE, titled_sheet
-from ..statistics.method_statistics import MethodName, headline, methods, run_time_table
+from ..statistics.method_statistics import TIMES, MethodName, headline, methods, run_time_table, time_of
 from ..statistics.profiles import Array, data_profile, pairwise_matrix, performance_profile
 from .figure_style import PANEL_HEIGHT, abscissa, finish, panels, plain_ticks, settings_title, style
 
@@ -28,7 +28,7 @@ def draw_performance_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         problems,
         ("Performance profile", "share of problems solved within a factor of the fastest"),
         performance_profile,
-        ("run time over that of the fastest", 1.0),
+        ("{time} over that of the fastest", 1.0),
     )
 
 
@@ -39,7 +39,7 @@ def draw_data_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         problems,
         ("Data profile", "share of problems solved within a run time; no curve depends on another"),
         lambda times: data_profile(1e3 * times),
-        ("run time [ms]", None),
+        ("{time} [ms]", None),
     )
 
 
@@ -54,7 +54,7 @@ def _profile_figure(
     note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts only; legend: the best first"
     figure = titled_sheet(*titles, note, PANEL_HEIGHT * len(shown))
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
-    label, left = axis
+    label, left = axis[0].format(time=TIMES[time_of(dataset)]), axis[1]
     for axes, (settings, named) in zip(grid, shown, strict=True):
         compared = run_time_table(problems, named)
         limit, share = profile(compared.to_numpy(dtype=float).T)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter
 
 from ...plot.page import titled_sheet
-from ..statistics.method_statistics import headline, methods, of_method
+from ..statistics.method_statistics import TIMES, headline, methods, of_method, time_of
 from ..statistics.run_time_statistics import growth
 from ..statistics.work_precision import work_precision
 from .figure_style import PANEL_HEIGHT, abscissa, finish, plain_ticks, style
@@ -26,7 +26,7 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     named = headline(methods(problems, float(dataset.attrs["time_limit_s"])))
     figure = titled_sheet(
         "Run time",
-        "wall time of the whole call against the number of segments n, within one kind of problem",
+        f"{TIMES[time_of(dataset)]}, against the number of segments n, within one kind of problem",
         "points: certified problems, cold; lines: their median at each size; n^...: power fitted to the larger sizes",
         PANEL_HEIGHT * len(groups),
     )

@@ -12,13 +12,22 @@ from ..statistics.method_statistics import (
     METHOD_COLUMNS,
     MISS_FACTOR,
     PROBLEM_COLUMNS,
+    PROCESSOR,
+    TIMES,
     MethodName,
     headline,
     of_method,
     run_time_table,
+    time_of,
 )
 from ..statistics.profiles import pairwise_matrix
-from ..statistics.run_time_statistics import RUN_TIME_SHIFT, SIZE_COUNT_MINIMUM, growth, shifted_geometric_mean
+from ..statistics.run_time_statistics import (
+    RUN_TIME_SHIFT,
+    SIZE_COUNT_MINIMUM,
+    growth,
+    shifted_geometric_mean,
+    waiting_solvers,
+)
 from ..statistics.work_precision import WorkPrecision, sweep_points, work_precision
 from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles, ratio, residual
 
@@ -42,12 +51,23 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
         rows.append([*method, *map(milliseconds, [mean, *quantiles(found["run_time"])]), *map(ratio, spread)])
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
-        f"*Mean*: shifted geometric mean over the problems, shift {1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
+        f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
+        f"{1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
         "its repetitions; one that is not certified counts with the time limit, "
         f"{1e3 * limit:g} ms. The other columns are over certified problems. *Spread*: longest over shortest run time "
         "of the repetitions of a problem, its median and 90 % quantile; a dash where there is one repetition."
     )
     return ReportTable("run_time", [*METHOD_COLUMNS, *head], rows, note)
+
+
+def waiting_note(dataset: xr.Dataset) -> str | None:
+    """Warning that the machine was busy, naming the solvers that waited; None where none did."""
+    waited = waiting_solvers(dataset)
+    if not waited:
+        return None
+    named = ", ".join(f"{solver} {factor:.3g}" for solver, factor in waited.items())
+    advice = "" if time_of(dataset) == PROCESSOR else "; measure anew, or compare by --time processor"
+    return f"The machine was busy: median of wall over processor time, which is 1 on an idle one: {named}{advice}."
 
 
 def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName, str]) -> ReportTable:
@@ -56,8 +76,8 @@ def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName,
     for method in named:
         found = of_method(problems, method)
         found = found[found["certified"]]
-        columns = ("run_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
-        whole = median(found["run_time"] / found["call_time"])
+        columns = ("wall_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+        whole = median(found["wall_time"] / found["call_time"])
         times = [milliseconds(median(found[name])) for name in columns]
         rows.append([*method, *times, ratio(whole), sources.get(method, "") or NOTHING])
     head = ["whole [ms]", "processor [ms]", "bare call [ms]", "set-up [ms]", "solve [ms]", "polish [ms]"]

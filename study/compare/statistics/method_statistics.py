@@ -19,14 +19,28 @@ METHOD_COLUMNS = ["solver", "settings", "start"]
 #: Factor of a tolerance by which an answer that says it is solved misses it: solvers take norms and sizes each in
 #: its own way.
 MISS_FACTOR = 10.0
+#: Times that tables and profiles can go by, and what they are.
+TIMES = {
+    "wall": "wall time of a call, the package's share included",
+    "processor": "processor time of a call, the package's share included",
+}
+WALL, PROCESSOR = TIMES
 #: Columns that name a problem.
 PROBLEM_COLUMNS = ["problem_file", "problem"]
 #: Columns of times, of which the median over repetitions is taken.
-TIME_COLUMNS = ("processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+TIME_COLUMNS = ("wall_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+
+
+def time_of(dataset: xr.Dataset) -> str:
+    """The time that order, tables and profiles of a comparison go by, one of `TIMES`."""
+    time = str(dataset.attrs.get("time", WALL))
+    return time if time in TIMES else WALL
 
 
 def attempts_of(dataset: xr.Dataset) -> Any:
     """Data frame of all attempts, with what they say and what of it holds.
+
+    The column ``run_time`` is the time that the comparison goes by, see `TIMES`; ``wall_time`` the wall time.
 
     Columns beside those of the table: ``exact``, ``claims``, ``uncertified`` and ``denied`` as in ``by_problem``, but
     of one attempt; ``missed``, it claims to have solved the problem and misses the tolerance of a sweep.
@@ -35,6 +49,8 @@ def attempts_of(dataset: xr.Dataset) -> Any:
     certified, solved = frame["certified"] == 1, frame["claim"] == SOLVED
     given = frame["solver_tolerance"]
     return frame.assign(
+        wall_time=frame["run_time"],
+        run_time=frame["processor_time" if time_of(dataset) == PROCESSOR else "run_time"],
         claims=solved,
         certified=certified,
         exact=frame["worst_residual"] <= EXACT_TOLERANCE,
