@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -18,10 +19,11 @@ from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.measurement.posed_problem import PosedProblem
 from easeoff.study.compare.presentation.comparison_figures import write_figure
 from easeoff.study.compare.presentation.comparison_report import comparison_report, report_sections
+from easeoff.study.compare.presentation.figure_style import panels, style
 from easeoff.study.compare.presentation.profile_figures import draw_data_profile, draw_pairs, draw_performance_profile
 from easeoff.study.compare.presentation.report_table import ReportTable
 from easeoff.study.compare.presentation.time_figures import draw_growth, draw_work_precision
-from easeoff.study.compare.presentation.time_tables import waiting_note
+from easeoff.study.compare.presentation.time_tables import size_groups, waiting_note
 from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, run_time_table
 from easeoff.study.compare.statistics.profiles import data_profile, pairwise_matrix, pairwise_share, performance_profile
 from easeoff.study.compare.statistics.run_time_statistics import growth, shifted_geometric_mean
@@ -299,3 +301,46 @@ def test_busy_machine_is_told_and_processor_time_can_be_compared() -> None:
     label = draw_data_profile(by_processor, by_problem(by_processor)).axes[0].get_xlabel()
     assert label == "processor time of a call, the package's share included [ms]"
     assert waiting_note(waited.assign_attrs(threads=4)) is None
+
+
+# Style of the figures
+
+
+def test_lines_of_many_solvers_differ_in_grey_as_well() -> None:
+    solvers = [f"solver-{number}" for number in range(16)]
+    problems = pd.DataFrame({"solver": ["native", *solvers]})
+    found = [style(name, problems) for name in solvers]
+    assert len({one["color"] for one in found[:11]}) == 11
+    assert len({(one["marker"], one["dashes"]) for one in found}) == 16
+
+
+def test_panels_have_one_order_and_no_native_among_raw_runs() -> None:
+    table = invented(["slow", "fast"])
+    native = invented(["fast"])
+    native["solver"] = ("attempt", ["native"] * native.sizes["attempt"])
+    raw = table.copy(deep=True)
+    raw["settings"] = ("attempt", ["raw"] * raw.sizes["attempt"])
+    raw["run_time"] = xr.where(raw["solver"] == "fast", 100.0, 1.0) * raw["run_time"]  # another order alone
+    whole = xr.concat([native, table, raw], "attempt", combine_attrs="override")
+    found = dict(panels(by_problem(whole), LIMIT))
+    assert [one[0] for one in found["scaled"] if one[0] != "native"] == ["fast", "slow"]
+    assert [one[0] for one in found["raw"]] == ["fast", "slow"]
+    assert "native" in [one[0] for one in found["scaled"]]
+
+
+def test_growth_is_left_out_where_sizes_span_too_little() -> None:
+    whole = invented(["fast"])  # of 20 to 80 segments
+    assert size_groups(by_problem(whole)) == ["load"]
+    few = whole.isel(attempt=whole["size"].values > 20)
+    assert size_groups(by_problem(few)) == []
+    assert "Neither tabulated nor drawn" in comparison_report(few)
+
+
+def test_solver_without_tolerance_is_a_point_of_work_and_precision() -> None:
+    both = swept()
+    native = both.isel(attempt=both["settings"].values == "scaled").copy(deep=True)
+    native["solver"] = ("attempt", ["native"] * native.sizes["attempt"])
+    whole = xr.concat([both, native], "attempt", combine_attrs="override")
+    upper, _ = draw_work_precision(whole, by_problem(whole)).axes
+    (line,) = [one for one in upper.lines if one.get_label() == "native (no tolerance)"]
+    assert len(np.asarray(line.get_xdata())) == 1

@@ -18,9 +18,12 @@ from ..statistics.work_precision import has_sweep
 from .answer_tables import failure_table, kind_table, residual_tables, success_note, success_tables
 from .report_table import ReportTable
 from .time_tables import (
+    LARGEST_SIZE_STEP,
+    SIZE_SPAN_MINIMUM,
     growth_table,
     pair_table,
     run_time_summary,
+    size_groups,
     start_table,
     time_parts,
     time_sources,
@@ -30,6 +33,10 @@ from .time_tables import (
 
 #: Folder of the tables beside the report.
 TABLE_FOLDER = "tables"
+NO_GROWTH = (
+    "Neither tabulated nor drawn: no kind of problem has three sizes or more that span a factor of "
+    f"{SIZE_SPAN_MINIMUM:g}, each within a factor of {LARGEST_SIZE_STEP:g} of the next.\n"
+)
 
 
 @dataclass(frozen=True)
@@ -73,7 +80,7 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
         Section("Cold and warm starts", [start_table(problems, named)]),
         Section("Pairs of solvers", [pair_table(problems, named)]),
         Section("Work and precision", work_precision_tables(dataset, named) if has_sweep(dataset) else []),
-        Section("Growth", [growth_table(problems, named)]),
+        Section("Growth", [growth_table(problems, named) if size_groups(problems) else NO_GROWTH]),
         Section("Residuals", residual_tables(dataset, named)),
         Section("Failures", [failures if failures is not None else "None: every attempt is certified.\n"]),
         Section("Made with", [_made_with(dataset)]),

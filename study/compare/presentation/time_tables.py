@@ -35,6 +35,8 @@ from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles,
 PAIR_FACTORS = (0.5, 1.0, 2.0, 10.0)
 #: Largest ratio of a size to the next smaller one where growth is measured.
 LARGEST_SIZE_STEP = 10.0
+#: Least ratio of the largest size to the smallest where growth is tabulated and drawn.
+SIZE_SPAN_MINIMUM = 3.0
 #: Every this many accuracies one is a column of the work-precision table.
 ACCURACY_STEP = 2
 
@@ -186,13 +188,13 @@ def group_of(problems: Any) -> Any:
 
 
 def size_groups(problems: Any) -> list[str]:
-    """Groups with at least three sizes, none of them far from the next; those with the widest range first."""
+    """Groups with at least three sizes over a factor of three, none far from the next; the widest range first."""
     widths = {}
     for group, found in problems.groupby(group_of(problems), sort=False):
         sizes = np.unique(found["size"].to_numpy(dtype=float))
         if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
             widths[str(group)] = float(sizes[-1] / sizes[0])
-    return sorted(widths, key=lambda name: -widths[name])
+    return sorted((name for name in widths if widths[name] >= SIZE_SPAN_MINIMUM), key=lambda name: -widths[name])
 
 
 def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
