@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from time import perf_counter
@@ -129,6 +130,9 @@ def backend_solution(
         solution = replace(solution, words=f"{type(error).__name__}: {error}", method=method)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
+    missed = not solution.certified and math.isfinite(solution.certificate.worst)
+    if missed and solver not in SOLVERS and limits.tolerance is None:
+        message += "; give tolerance=..., or Solver(..., tolerance=...), to accept it"
     if not scaled.has_matrix and solution.certified:
         message += f"; {ASSUMED}"
     return replace(solution, message=message, run_time=perf_counter() - start)
