@@ -657,3 +657,11 @@ def test_test_set_holds_the_scaled_problems(file: Path, tmp_path: Path, monkeypa
             np.testing.assert_array_equal(getattr(problem, part), getattr(scaled, part))
     with pytest.raises(InputError, match="must hold at least one contact problem"):
         write_test_set([], tmp_path)
+
+
+def test_folder_of_problems_is_refused_with_what_makes_a_file_of_it(tmp_path: Path) -> None:
+    (tmp_path / "qps").mkdir()
+    outcome = CliRunner().invoke(main, ["compare", str(tmp_path / "qps"), "-o", str(tmp_path / "out")])
+    assert outcome.exit_code == 2
+    assert f"easeoff convert {tmp_path / 'qps'} -o problems.nc" in " ".join(outcome.output.split())
+    assert not (tmp_path / "out").exists()

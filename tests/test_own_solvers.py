@@ -233,7 +233,7 @@ def test_time_out_of_a_function_is_the_status_of_a_time_limit() -> None:
 
     solution = solve(PROBLEM, late, time_limit=3.0)
     assert solution.status is Status.TIME_LIMIT
-    assert "after 3.0 s" in solution.message
+    assert "time limit met: after 3.0 s" in solution.message
 
 
 def test_lcp_returns_z_alone() -> None:
