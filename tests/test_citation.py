@@ -201,5 +201,8 @@ def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
         text = (tmp_path / "qps" / f"{name}.qps").read_text(encoding="ascii")
         assert f"NAME {name}\n" in text
         assert f"* Problem: {name}\n" in text
-    said = runner.invoke(main, ["cite", str(file)], catch_exceptions=False).output
+    again = tmp_path / "again.nc"
+    runner.invoke(main, ["convert", str(file), "-o", str(again)], catch_exceptions=False)
+    assert read_attributes(again) == about
+    said = runner.invoke(main, ["cite", str(again)], catch_exceptions=False).output
     assert "pair, by its title (nasa-12x36)" in said

@@ -84,8 +84,11 @@ def problems(
     stem = checked.name or Path(case).stem
     digits = len(str(position.size - 1))
     names = [f"{stem}-{state.flank}-{torque[item.torque]:g}-{item.mesh_position:0{digits}d}" for item in solved]
-    described = {name: value for name, value in analysis.tree.attrs.items() if name in PROBLEM_ATTRIBUTES}
-    described |= {name: value for name, value in analysis.tree.attrs.items() if name.startswith("misalignment_")}
+    described = {
+        str(name): value
+        for name, value in analysis.tree.attrs.items()
+        if name in PROBLEM_ATTRIBUTES or str(name).startswith("misalignment_")
+    }
     found = ProblemSet(
         [item.problem for item in solved],
         {

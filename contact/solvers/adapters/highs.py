@@ -28,7 +28,8 @@ def _say_banner() -> None:
         kept = os.dup(1)
         try:
             os.dup2(nowhere.fileno(), 1)
-            highspy.Highs()
+            made: Any = highspy.Highs
+            made()
             if library is not None:
                 library.fflush(None)  # its text waits in the C library
         finally:
