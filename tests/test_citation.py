@@ -159,7 +159,11 @@ def test_work_without_author_is_named_by_its_title() -> None:
 
 def test_library_file_and_comparison_name_what_they_are_of(tmp_path: Path) -> None:
     problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, [[1e-5, 0.0], [0.0, 1e-5]])
-    about = {"title": "easeoff library of contact problems, part tiny", "library_version": 7, "checksum": "ab12"}
+    about: dict[str, str | int | float] = {
+        "title": "easeoff library of contact problems, part tiny",
+        "library_version": 7,
+        "checksum": "ab12",
+    }
     write_problems([problem], tmp_path / "tiny.nc", {"name": ["two"]}, about)
     said = CliRunner().invoke(main, ["cite", str(tmp_path / "tiny.nc")], catch_exceptions=False).output
     assert "contact problems (version 7, part tiny): [1] library of this package, checksum of the content ab12" in said

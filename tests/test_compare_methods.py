@@ -249,7 +249,7 @@ def test_posed_residual_is_the_worst_that_qpsolvers_finds(raw: bool) -> None:
         turned = truth.elastic_rotation * (1.0 + size)
         answer = with_certificate(given, force, turned)
         scaled, scaling = given.scaled(), given.scaling
-        programme = _programme(given) if raw else scaled.as_qp()
+        programme: Any = _programme(given) if raw else scaled.as_qp()
         unknowns = force if raw else force / scaling.force
         rotation = answer.rotation if raw else turned / scaling.rotation
         gap = programme.P @ unknowns + programme.q - rotation * programme.A[0]

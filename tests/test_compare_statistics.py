@@ -289,7 +289,7 @@ def test_busy_machine_is_told_and_processor_time_can_be_compared() -> None:
     whole = invented(["slow", "fast"])
     assert waiting_note(whole) is None
     waited = whole.copy(deep=True)
-    waited["run_time"] = xr.where(waited["solver"] == "fast", 10.0, 1.0) * waited["run_time"]
+    waited["run_time"] = waited["run_time"] * np.where(waited["solver"].values == "fast", 10.0, 1.0)
     note = waiting_note(waited)
     assert note is not None
     assert "fast 10" in note
@@ -320,7 +320,7 @@ def test_panels_have_one_order_and_no_native_among_raw_runs() -> None:
     native["solver"] = ("attempt", ["native"] * native.sizes["attempt"])
     raw = table.copy(deep=True)
     raw["settings"] = ("attempt", ["raw"] * raw.sizes["attempt"])
-    raw["run_time"] = xr.where(raw["solver"] == "fast", 100.0, 1.0) * raw["run_time"]  # another order alone
+    raw["run_time"] = raw["run_time"] * np.where(raw["solver"].values == "fast", 100.0, 1.0)  # another order alone
     whole = xr.concat([native, table, raw], "attempt", combine_attrs="override")
     found = dict(panels(by_problem(whole), LIMIT))
     assert [one[0] for one in found["scaled"] if one[0] != "native"] == ["fast", "slow"]

@@ -405,7 +405,7 @@ def test_labels_bring_their_attributes_and_files_theirs(tmp_path: Path, real: Co
 
 def test_library_is_made_with_one_blas_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """How a product is shared out over threads decides its last bit, and with it the checksum."""
-    found = []
+    found: list[int] = []
 
     def part(*_: object) -> None:
         found.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")

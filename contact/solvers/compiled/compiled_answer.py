@@ -6,6 +6,7 @@ answers, and the methods of ``solvers`` take over.
 
 from __future__ import annotations
 
+import math
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -18,7 +19,6 @@ from ...problem.certificate import RESOLUTION_LIMIT, Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
-from ..solution import CallTimes
 
 Array = NDArray[np.float64]
 
@@ -30,12 +30,13 @@ _NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool
 
 
 class CompiledAnswer(NamedTuple):
-    """An answer, the number of steps, for line contacts their secant compliance (n) [mm/N], and times."""
+    """An answer, the number of steps, for line contacts their secant compliance (n) [mm/N], and wall times [s]."""
 
     answer: Answer
     iterations: int
     secant: Array
-    times: CallTimes = CallTimes()
+    setup_time: float = math.nan
+    solve_time: float = math.nan
 
 
 def compiled_code() -> Any:
@@ -82,10 +83,10 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     if not ended:
         return None
     ended_at = perf_counter()
-    times = CallTimes(ended_at - begin, ready - begin, ended_at - ready, "solver")
+    times = ready - begin, ended_at - ready
     if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
-        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, times)
-    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, times)
+        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, *times)
+    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, *times)
 
 
 def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:
