@@ -362,6 +362,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "claim": ("", "how the solver says it ended"),
     "certified": ("1", "whether the certificate of the answer reaches the tolerance"),
     "worst_residual": ("1", "certificate: the largest of its entries"),
+    "posed_residual": ("1", "largest of primal, dual residual and duality gap on the problem as the solver got it"),
     "rotation_error": ("1", "relative error of the rotation beyond first contact, against the certified reference"),
     "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
     "exchanges": ("1", "exchanges of segments made by the polish"),

@@ -15,18 +15,23 @@ from click.testing import CliRunner
 from jsonschema import Draft7Validator
 
 import easeoff
+from easeoff.cases.writing import case_toml
+from easeoff.contact import SOLVERS, ContactProblem, write_problems
+from easeoff.contact.problem.exchange.problem_file import read_attributes, read_labels
 from easeoff.friction import COEFFICIENTS, FrictionModel
 from easeoff.friction.oil_film.film_thickness import FILMS
 from easeoff.friction.oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 from easeoff.study.cli import main
+from easeoff.study.compare.comparison_table import comparison_table
 from easeoff.study.report.citation.citation_text import citation
 from easeoff.study.report.citation.published_work import WORKS, PublishedWork, package
 from easeoff.study.report.citation.result_sources import MODELS, OWN, result_sources
+from easeoff.study.report.citation.solver_works import SOLVER_WORKS
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-COARSE = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+COARSE = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
 
 
 def coarse(name: str, model: str) -> easeoff.Case:
@@ -150,3 +155,58 @@ def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None
 
 def test_work_without_author_is_named_by_its_title() -> None:
     assert PublishedWork("x", "misc", {"title": "Oil", "year": "2026"}).text() == "Oil. 2026"
+
+
+def test_library_file_and_comparison_name_what_they_are_of(tmp_path: Path) -> None:
+    problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, [[1e-5, 0.0], [0.0, 1e-5]])
+    about: dict[str, str | int | float] = {
+        "title": "easeoff library of contact problems, part tiny",
+        "library_version": 7,
+        "checksum": "ab12",
+    }
+    write_problems([problem], tmp_path / "tiny.nc", {"name": ["two"]}, about)
+    said = CliRunner().invoke(main, ["cite", str(tmp_path / "tiny.nc")], catch_exceptions=False).output
+    assert "contact problems (version 7, part tiny): [1] library of this package, checksum of the content ab12" in said
+    versions = json.dumps({"native": "0.1.0", "osqp": "1.1.3", "my_solver:fista": "unknown"})
+    table = comparison_table([], 1e-5, {"solver_versions": versions})
+    table.to_netcdf(tmp_path / "results.nc", engine="netcdf4")
+    said = CliRunner().invoke(main, ["cite", str(tmp_path / "results.nc")], catch_exceptions=False).output
+    assert "solver (osqp 1.1.3): [1]" in said
+    assert "[1] B. Stellato et al.: OSQP. 2020, doi:10.1007/s12532-020-00179-2" in said
+    assert "solver (my_solver:fista unknown): no published source" in said
+
+
+def test_works_of_solvers_are_those_of_the_bibliography() -> None:
+    page = (ROOT / "docs" / "how_it_works" / "bibliography.md").read_text(encoding="utf-8")
+    assert SOLVER_WORKS.keys() <= SOLVERS.keys()
+    for works in SOLVER_WORKS.values():
+        for work in works:
+            assert work.fields["doi"] in page, work.key
+
+
+def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
+    """File, listing, exports and citation give the same names and the same pair."""
+    case = tmp_path / "pair.toml"
+    case.write_text(case_toml(coarse("nasa-12x36", "shell")), encoding="utf-8")
+    runner, file = CliRunner(), tmp_path / "problems.nc"
+    arguments = ["problems", str(case), "--torque", "150", "--misalignment", "E=0.05", "-o", str(file)]
+    assert runner.invoke(main, arguments, catch_exceptions=False).exit_code == 0
+    names = [f"pair-drive-150-{position}" for position in range(3)]
+    assert read_labels(file)["name"].tolist() == names
+    about = read_attributes(file)
+    assert (about["case_name"], about["flank"], about["compliance_model"]) == ("pair", "drive", "shell")
+    assert about["easeoff_version"] == package().fields["note"].removeprefix("version ")
+    said = runner.invoke(main, ["show", str(file)], catch_exceptions=False).output
+    assert "3 contact problems of" in said
+    assert "E 0.05 mm" in said
+    assert f"{names[0]} to {names[-1]}" in said
+    runner.invoke(main, ["convert", str(file), "-o", str(tmp_path / "qps"), "--format", "qps"], catch_exceptions=False)
+    for name in names:
+        text = (tmp_path / "qps" / f"{name}.qps").read_text(encoding="ascii")
+        assert f"NAME {name}\n" in text
+        assert f"* Problem: {name}\n" in text
+    again = tmp_path / "again.nc"
+    runner.invoke(main, ["convert", str(file), "-o", str(again)], catch_exceptions=False)
+    assert read_attributes(again) == about
+    said = runner.invoke(main, ["cite", str(again)], catch_exceptions=False).output
+    assert "pair, by its title (nasa-12x36)" in said

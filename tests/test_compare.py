@@ -387,7 +387,7 @@ def cells(text: str, heading: str) -> dict[tuple[str, ...], dict[str, str]]:
 
 
 def counts(line: dict[str, str]) -> tuple[int, ...]:
-    names = ("problems", "says solved", "certified", "exact", "polished", "false claims", "denied")
+    names = ("problems", "says solved", "certified", "exact", "polished", "says solved, not certified", "denied")
     return tuple(int(line[name]) for name in names)
 
 
@@ -422,7 +422,7 @@ def test_who_is_wrong_is_last_in_every_table(written: list[Path], folder: Path) 
         assert set(cold[5:]) == {"lie", "stale"}, path.name
 
 
-def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> None:
+def test_report_counts_what_is_not_certified_and_does_not_time_it(lies: xr.Dataset) -> None:
     text = comparison_report(lies)
     success, times = cells(text, "Answers"), cells(text, "Run time")
     for settings in ("scaled", "polished", "raw"):
@@ -657,3 +657,11 @@ def test_test_set_holds_the_scaled_problems(file: Path, tmp_path: Path, monkeypa
             np.testing.assert_array_equal(getattr(problem, part), getattr(scaled, part))
     with pytest.raises(InputError, match="must hold at least one contact problem"):
         write_test_set([], tmp_path)
+
+
+def test_folder_of_problems_is_refused_with_what_makes_a_file_of_it(tmp_path: Path) -> None:
+    (tmp_path / "qps").mkdir()
+    outcome = CliRunner().invoke(main, ["compare", str(tmp_path / "qps"), "-o", str(tmp_path / "out")])
+    assert outcome.exit_code == 2
+    assert f"easeoff convert {tmp_path / 'qps'} -o problems.nc" in " ".join(outcome.output.split())
+    assert not (tmp_path / "out").exists()

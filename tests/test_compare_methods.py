@@ -10,9 +10,11 @@ from typing import Any
 import fake_solvers
 import numpy as np
 import pytest
+import qpsolvers
 from solver_choice import BACKENDS, installed
 
 from easeoff.contact import SOLVERS, ContactProblem, solve, write_problems
+from easeoff.contact.problem.answer import no_answer, with_certificate
 from easeoff.study.compare import compare
 from easeoff.study.compare.comparison_plan import Choice, methods_of
 from easeoff.study.compare.measurement.attempt import Attempt, attempt, load_adapter
@@ -25,6 +27,7 @@ from easeoff.study.compare.measurement.posed_problem import (
     multiplied,
     posed_problems,
 )
+from easeoff.study.compare.measurement.posed_residual import posed_residual
 from easeoff.study.library import write_library
 from easeoff.verification import PROBLEM_CLASSES, problems
 
@@ -223,3 +226,52 @@ def test_verdicts_are_the_same_with_other_threads(tmp_path: Path) -> None:
         exact = table["worst_residual"].values <= 1e-9
         verdicts.append([table["certified"].values.tolist(), exact.tolist(), table["polished"].values.tolist()])
     assert verdicts[0] == verdicts[1]
+
+
+# Residuals on the problem as the solver got it
+
+
+def _programme(problem: ContactProblem) -> qpsolvers.Problem:
+    """The problem in mm and N."""
+    row, torque = problem.lever_arm[np.newaxis, :], np.array([problem.torque])
+    return qpsolvers.Problem(problem.dense_compliance, problem.separation, A=row, b=torque, lb=np.zeros(problem.size))
+
+
+@pytest.mark.parametrize("raw", [False, True])
+def test_posed_residual_is_the_worst_that_qpsolvers_finds(raw: bool) -> None:
+    """Of the programme in the solver's own numbers, with the gaps as multipliers where they are not negative."""
+    problem = next(problems("realistic", 1, seed=4))
+    given = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
+    truth = solve(given).answer
+    rng = np.random.default_rng(3)
+    for size in (1e-9, 1e-6, 1e-3):
+        force = truth.force * (1.0 + size * rng.uniform(-1.0, 1.0, given.size))
+        turned = truth.elastic_rotation * (1.0 + size)
+        answer = with_certificate(given, force, turned)
+        scaled, scaling = given.scaled(), given.scaling
+        programme: Any = _programme(given) if raw else scaled.as_qp()
+        unknowns = force if raw else force / scaling.force
+        rotation = answer.rotation if raw else turned / scaling.rotation
+        gap = programme.P @ unknowns + programme.q - rotation * programme.A[0]
+        multipliers = -np.maximum(gap, 0.0)
+        found = qpsolvers.Solution(programme, found=True, x=unknowns, y=np.array([-rotation]), z=np.empty(0))
+        found.z_box = multipliers
+        work, preload = unknowns @ programme.P @ unknowns, programme.q @ unknowns
+        terms = (programme.P @ unknowns, programme.q, rotation * programme.A[0])
+        worst = max(
+            found.primal_residual() / (1.0 + programme.b[0]),
+            found.dual_residual() / (1.0 + max(np.abs(term).max() for term in terms)),
+            found.duality_gap() / (1.0 + max(abs(work), abs(preload), abs(rotation * programme.b[0]))),
+        )
+        assert posed_residual(given, answer, raw=raw) == pytest.approx(worst, rel=1e-6, abs=1e-15)
+
+
+def test_answer_may_keep_its_own_criterion_and_not_be_certified() -> None:
+    """A force of 1e-3 on a segment with a gap of 1e-3: their product is 1e-6, the smaller one of the two is not."""
+    small = 1e-3
+    problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 5.0e4, np.diag([1e-6, 1e-6]))
+    force = np.array([1000.0 * (1.0 - small), 1000.0 * small])
+    answer = with_certificate(problem, force, 1e-6 * force[0] / 50.0)  # no gap at the first segment
+    assert answer.certificate.complementarity == pytest.approx(small, rel=0.01)
+    assert posed_residual(problem, answer) < 4.0 * small**2
+    assert np.isnan(posed_residual(problem, no_answer(2)))

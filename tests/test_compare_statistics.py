@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -18,9 +19,11 @@ from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.measurement.posed_problem import PosedProblem
 from easeoff.study.compare.presentation.comparison_figures import write_figure
 from easeoff.study.compare.presentation.comparison_report import comparison_report, report_sections
+from easeoff.study.compare.presentation.figure_style import panels, style
 from easeoff.study.compare.presentation.profile_figures import draw_data_profile, draw_pairs, draw_performance_profile
 from easeoff.study.compare.presentation.report_table import ReportTable
 from easeoff.study.compare.presentation.time_figures import draw_growth, draw_work_precision
+from easeoff.study.compare.presentation.time_tables import size_groups, waiting_note
 from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, run_time_table
 from easeoff.study.compare.statistics.profiles import data_profile, pairwise_matrix, pairwise_share, performance_profile
 from easeoff.study.compare.statistics.run_time_statistics import growth, shifted_geometric_mean
@@ -43,7 +46,7 @@ def posed(number: int, kind: str = "load", size: int = 2) -> PosedProblem:
     return PosedProblem("invented.nc", number, problem, "", solve(problem), None, f"problem-{number}", kind)
 
 
-def outcome(worst: float, time: float, claim: str) -> Attempt:
+def outcome(worst: float, time: float, claim: str, posed: float = math.nan) -> Attempt:
     certificate = Certificate(worst, 0.0, 0.0, 0.0, 0.0)
     return Attempt(
         claim,
@@ -54,6 +57,7 @@ def outcome(worst: float, time: float, claim: str) -> Attempt:
         solve_time=0.3 * time,
         time_source="solver",
         certificate=certificate,
+        posed_residual=posed,
     )
 
 
@@ -71,12 +75,19 @@ def invented(solvers: list[str], count: int = 8, repetitions: int = 2) -> xr.Dat
 
 
 def swept() -> xr.Dataset:
-    """Sweep of a solver whose certificate is a hundred times its tolerance, and which takes the longer the finer."""
-    runs = [("scaled", 0.0, 1e-10, 5e-2), ("sweep", 1e-4, 1e-2, 1e-2), ("sweep", 1e-6, 1e-4, 1e-1)]
+    """Sweep of a solver that is slower the finer its tolerance; its certificate is a hundred times that.
+
+    It keeps the first tolerance on the problem as posed, and misses the second.
+    """
+    runs = [
+        ("scaled", 0.0, 1e-10, 5e-2, 1e-10),
+        ("sweep", 1e-4, 1e-2, 1e-2, 1e-4),
+        ("sweep", 1e-6, 1e-4, 1e-1, 1e-4),
+    ]
     rows = [
-        Row(posed(number), Method("fast", settings, "cold", tol), 1, outcome(worst, time, "solved"))
+        Row(posed(number), Method("fast", settings, "cold", tol), 1, outcome(worst, time, "solved", residual))
         for number in range(4)
-        for settings, tol, worst, time in runs
+        for settings, tol, worst, time, residual in runs
     ]
     return comparison_table(rows, 1e-5, ATTRIBUTES)
 
@@ -255,10 +266,11 @@ def test_work_is_that_of_the_fastest_run_whose_certificate_reaches_the_accuracy(
     assert curve.share.tolist() == [1.0] * 10 + [0.0] * 2
 
 
-def test_sweep_tells_claims_that_do_not_hold() -> None:
+def test_sweep_tells_who_misses_the_tolerance_that_was_given() -> None:
     points = {point.tolerance: point for point in sweep_points(swept())}
-    assert {tol: point.false_claims for tol, point in points.items()} == {0.0: 0, 1e-4: 4, 1e-6: 4}
-    assert points[1e-4].worst == 1e-2
+    assert {tol: point.missed for tol, point in points.items()} == {0.0: 0, 1e-4: 0, 1e-6: 4}
+    assert (points[1e-4].worst, points[1e-4].posed) == (1e-2, 1e-4)
+    assert [row[4] for row in tables(swept())["sweep"].rows] == [0, 4, "-"]
     assert [row[1] for row in tables(swept())["sweep"].rows] == ["0.0001", "1e-06", "table"]
     upper, lower = draw_work_precision(swept(), by_problem(swept())).axes
     assert [line.get_label() for line in upper.lines] == ["fast"]
@@ -271,3 +283,64 @@ def test_runs_of_the_sweep_are_in_no_other_table() -> None:
     assert set(ours) - set(theirs) == {"work_precision", "sweep"}
     for name, table in theirs.items():
         assert table.rows == ours[name].rows, name
+
+
+def test_busy_machine_is_told_and_processor_time_can_be_compared() -> None:
+    whole = invented(["slow", "fast"])
+    assert waiting_note(whole) is None
+    waited = whole.copy(deep=True)
+    waited["run_time"] = waited["run_time"] * np.where(waited["solver"].values == "fast", 10.0, 1.0)
+    note = waiting_note(waited)
+    assert note is not None
+    assert "fast 10" in note
+    assert "slow" not in note
+    assert note in comparison_report(waited)
+    assert [one[0] for one in methods(by_problem(waited), LIMIT)] == ["slow", "fast"]
+    by_processor = waited.assign_attrs(time="processor")
+    assert [one[0] for one in methods(by_problem(by_processor), LIMIT)] == ["fast", "slow"]
+    label = draw_data_profile(by_processor, by_problem(by_processor)).axes[0].get_xlabel()
+    assert label == "processor time of a call, the package's share included [ms]"
+    assert waiting_note(waited.assign_attrs(threads=4)) is None
+
+
+# Style of the figures
+
+
+def test_lines_of_many_solvers_differ_in_grey_as_well() -> None:
+    solvers = [f"solver-{number}" for number in range(16)]
+    problems = pd.DataFrame({"solver": ["native", *solvers]})
+    found = [style(name, problems) for name in solvers]
+    assert len({one["color"] for one in found[:11]}) == 11
+    assert len({(one["marker"], one["dashes"]) for one in found}) == 16
+
+
+def test_panels_have_one_order_and_no_native_among_raw_runs() -> None:
+    table = invented(["slow", "fast"])
+    native = invented(["fast"])
+    native["solver"] = ("attempt", ["native"] * native.sizes["attempt"])
+    raw = table.copy(deep=True)
+    raw["settings"] = ("attempt", ["raw"] * raw.sizes["attempt"])
+    raw["run_time"] = raw["run_time"] * np.where(raw["solver"].values == "fast", 100.0, 1.0)  # another order alone
+    whole = xr.concat([native, table, raw], "attempt", combine_attrs="override")
+    found = dict(panels(by_problem(whole), LIMIT))
+    assert [one[0] for one in found["scaled"] if one[0] != "native"] == ["fast", "slow"]
+    assert [one[0] for one in found["raw"]] == ["fast", "slow"]
+    assert "native" in [one[0] for one in found["scaled"]]
+
+
+def test_growth_is_left_out_where_sizes_span_too_little() -> None:
+    whole = invented(["fast"])  # of 20 to 80 segments
+    assert size_groups(by_problem(whole)) == ["load"]
+    few = whole.isel(attempt=whole["size"].values > 20)
+    assert size_groups(by_problem(few)) == []
+    assert "Neither tabulated nor drawn" in comparison_report(few)
+
+
+def test_solver_without_tolerance_is_a_point_of_work_and_precision() -> None:
+    both = swept()
+    native = both.isel(attempt=both["settings"].values == "scaled").copy(deep=True)
+    native["solver"] = ("attempt", ["native"] * native.sizes["attempt"])
+    whole = xr.concat([both, native], "attempt", combine_attrs="override")
+    upper, _ = draw_work_precision(whole, by_problem(whole)).axes
+    (line,) = [one for one in upper.lines if one.get_label() == "native (no tolerance)"]
+    assert len(np.asarray(line.get_xdata())) == 1

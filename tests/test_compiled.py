@@ -319,3 +319,28 @@ print(easeoff.analyze(case, torques=[50.0, 150.0])["loaded/force"].values.tobyte
     )
     assert list(tmp_path.rglob("newton_kernel.solve_batch*.nbc"))
     assert first == second
+
+
+def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The matrix is the smaller form then; with compressed modes the answer is the same."""
+    rng = np.random.default_rng(5)
+    size = 24
+    along = np.linspace(-1.0, 1.0, size)
+    factor = 1e-3 * np.polynomial.legendre.legvander(along, 5) @ rng.uniform(-1.0, 1.0, (6, size))
+    given = ContactProblem(0.02 * along**2, np.full(size, 40.0), 8e4, (np.full(size, 2e-6), factor))
+    with monkeypatch.context() as patch:
+        patch.setattr("easeoff.contact.problem.modal_basis.compressed_block", _refused)
+        solution = solve(given)
+    assert (solution.certified, solution.method) == (True, "primal_dual_active_set")
+    other = solve(modal(given))
+    assert (other.certified, other.method) == (True, "modal")
+    np.testing.assert_allclose(solution.force, other.force, rtol=1e-10, atol=1e-9 * other.force.max())
+    assert solution.rotation == pytest.approx(other.rotation, rel=1e-12)
+    for one in (solution, other):
+        assert one.times.solve > 0.0
+        assert one.times.setup > 0.0
+        assert one.times.call == pytest.approx(one.times.setup + one.times.solve)
+
+
+def _refused(_: Array) -> Array:
+    raise AssertionError("modes are sought")

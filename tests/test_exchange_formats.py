@@ -225,7 +225,7 @@ def test_qps_file_from_elsewhere_in_either_triangle(tmp_path: Path) -> None:
         (lambda t: t.replace("2e-6\n", "two\n"), "line 19 = .* must be a line of the section QUADOBJ"),
         (lambda t: t.replace("QUADOBJ", "CONES"), "must be one of the sections"),
         (lambda t: t.replace("1e5", "-1e5"), "torque"),
-        (lambda t: "", "rows: must be one equality"),
+        (lambda t: "", "ends without ENDATA"),
     ],
 )
 def test_qps_files_of_other_programmes_are_refused(tmp_path: Path, change: Any, words: str) -> None:
@@ -516,3 +516,12 @@ def test_an_earlier_test_set_in_the_folder_is_replaced(tmp_path: Path) -> None:
     write_test_set(labelled_set(), tmp_path)
     write_test_set([springs()], tmp_path)
     assert [path.name for path in (tmp_path / "data").iterdir()] == ["contact_0000.npz"]
+
+
+def test_file_that_was_cut_off_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "whole.qps"
+    write_qps(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])), path)
+    text = path.read_text(encoding="ascii")
+    path.write_text(text[: text.index("ENDATA")], encoding="ascii")
+    with pytest.raises(InputError, match="ends without ENDATA"):
+        read_qps(path)

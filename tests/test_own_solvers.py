@@ -233,7 +233,7 @@ def test_time_out_of_a_function_is_the_status_of_a_time_limit() -> None:
 
     solution = solve(PROBLEM, late, time_limit=3.0)
     assert solution.status is Status.TIME_LIMIT
-    assert "after 3.0 s" in solution.message
+    assert "time limit met: after 3.0 s" in solution.message
 
 
 def test_lcp_returns_z_alone() -> None:
@@ -508,3 +508,19 @@ def test_exception_is_a_status_with_settings_of_ones_own_too() -> None:
     assert solution.status is Status.SOLVER_FAILED
     assert "ValueError: rho = 3.0 is too much" in solution.message
     assert solution.claim == "raised"
+
+
+def test_message_of_an_answer_that_misses_says_how_to_accept_it() -> None:
+    problem = ContactProblem(np.zeros(2), np.full(2, 50.0), 2.0e5, np.diag([2e-6, 2e-6]))
+
+    def nearly(posed: Any, **_: Any) -> Any:
+        answer = qpsolvers.solve_problem(posed, "daqp")
+        assert answer.x is not None
+        return answer.x * (1.0 + 1e-6)
+
+    missed = solve(problem, nearly, polish=False)
+    assert not missed.certified
+    assert "misses 1.0e-09" in missed.message
+    assert missed.message.endswith("give tolerance=..., or Solver(..., tolerance=...), to accept it")
+    assert solve(problem, nearly, polish=False, tolerance=1e-3).certified
+    assert solve(problem, Solver("nearly", nearly, tolerance=1e-3), polish=False).certified

@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from easeoff import InputError
 from easeoff.cases import read_case, shipped_cases
@@ -400,3 +401,16 @@ def test_labels_bring_their_attributes_and_files_theirs(tmp_path: Path, real: Co
         assert (dataset.attrs["title"], dataset.attrs["library_version"]) == ("one", 3)
     with pytest.raises(InputError, match="format_version"):
         write_problems([real], path, attributes={"format_version": 7})
+
+
+def test_library_is_made_with_one_blas_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """How a product is shared out over threads decides its last bit, and with it the checksum."""
+    found: list[int] = []
+
+    def part(*_: object) -> None:
+        found.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
+
+    monkeypatch.setattr(files, "write_part", part)
+    with threadpool_limits(2, user_api="blas"):
+        write_library(tmp_path, ["small"])
+    assert set(found) == {1}

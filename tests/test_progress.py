@@ -13,6 +13,7 @@ from click.testing import CliRunner
 
 from easeoff.cases import read_case, write_case
 from easeoff.study.cli import main
+from easeoff.study.cli.options.analysis_options import TOOTH_STAGES, show_stage
 from easeoff.study.cli.terminal import terminal_bar as progress
 from easeoff.study.cli.terminal.terminal_bar import ProgressLines, terminal_bar, working
 
@@ -90,6 +91,22 @@ def test_a_stage_after_two_seconds_is_named_at_once_and_its_time_is_its_own(
     clock.now += 100.0
     bar.update(1)
     assert lines(capsys) == ["loaded contact, speed 3: 6 solves, 120 s"]
+
+
+def test_nothing_is_foretold_before_three_steps(clock: Clock) -> None:
+    bar = ProgressLines("loaded contact", total=32, unit="solve")
+    bar.n = 2
+    assert bar.words(224.0) == "loaded contact: 2 of 32 solves, 224 s"
+    bar.n = 3
+    assert bar.words(224.0).endswith(" left")
+
+
+def test_teeth_are_built_in_a_stage_without_solves(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    bar = ProgressLines("geometry", total=32, unit="solve")
+    clock.now += 30.0
+    show_stage(bar, f"{TOOTH_STAGES[0]} of the pinion")
+    show_stage(bar, "loaded contact")
+    assert lines(capsys) == ["solid shell of the pinion ...", "loaded contact: 32 solves ..."]
 
 
 def test_what_has_no_steps_is_said_at_once(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:

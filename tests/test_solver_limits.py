@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -238,3 +240,21 @@ def test_dense_problem_has_limits_too() -> None:
     dense = ContactProblem(REALISTIC.separation, REALISTIC.lever_arm, REALISTIC.torque, REALISTIC.dense_compliance)
     assert solve(dense, max_iterations=1).status is Status.NOT_CONVERGED
     assert solve(dense, tolerance=1e-3, max_iterations=100, time_limit=3600.0).certified
+
+
+@pytest.mark.parametrize("name", ["clarabel", "piqp", "daqp"])
+def test_limit_in_other_words_is_refused_with_the_word_for_it(name: str) -> None:
+    problem = ContactProblem(np.zeros(2), np.full(2, 50.0), 2.0e5, np.diag([2e-6, 2e-6]))
+    with pytest.raises(InputError, match="give max_iterations, which every solver takes that has one"):
+        solve(problem, installed(name), maxiter=5)
+
+
+def test_highs_says_nothing() -> None:
+    """Its banner comes from its own library, past Python's output."""
+    code = (
+        "import numpy as np; from easeoff.contact import ContactProblem, solve; "
+        "p = ContactProblem(np.zeros(2), np.full(2, 50.0), 2.0e5, np.diag([2e-6, 2e-6])); "
+        f"print(solve(p, {installed('highs')!r}).certified)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["True"]

@@ -61,7 +61,7 @@ class Certificate:
     >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).worst, Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).passes(1e-6)
     (1e-07, True)
     >>> print(Certificate(1e-16, 0.0, 2e-15, 0.0, 0.0, resolution=3e-14, cancellation=40.0))
-    worst violation 2e-15, to 3e-14; 14 digits left by cancellation
+    worst violation 2e-15 (rounding bound 3e-14); 14 digits left by cancellation
     """
 
     equilibrium: float
@@ -96,7 +96,7 @@ class Certificate:
     def __str__(self) -> str:
         """Worst violation, its rounding, and the digits that cancellation left."""
         left = f"{math.floor(self.digits)} digits left by cancellation"
-        return f"worst violation {self.worst:.1g}, to {self.resolution:.1g}; {left}"
+        return f"worst violation {self.worst:.1g} (rounding bound {self.resolution:.1g}); {left}"
 
 
 #: Names of the violations.

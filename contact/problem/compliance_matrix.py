@@ -45,6 +45,10 @@ class DenseCompliance:
         """The compliance as a contact problem takes it: the matrix."""
         return self.dense
 
+    def __str__(self) -> str:
+        """Form in a few words."""
+        return "dense matrix"
+
     @cached_property
     def diagonal(self) -> Array:
         """Diagonal of C [mm/N], (n)."""
@@ -105,6 +109,16 @@ class ModalCompliance:
     def given(self) -> tuple[Array, Array]:
         """The compliance as a contact problem takes it: the pair of d and V."""
         return self.local, self.factor
+
+    def __str__(self) -> str:
+        """Form in a few words."""
+        columns = self.factor.shape[1]
+        return f"diagonal + {columns} column{'' if columns == 1 else 's'}"
+
+    @property
+    def has_few_modes(self) -> bool:
+        """Whether the modes are fewer than the segments, or compressed already; else the matrix is the smaller form."""
+        return isinstance(self.modes, ModalBasis) or self.factor.shape[1] < self.factor.shape[0]
 
     @cached_property
     def dense(self) -> Array:

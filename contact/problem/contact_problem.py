@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class ContactProblem:
     """Separation, lever arm, torque and compliance of the segments of one mesh position.
 
@@ -70,8 +70,8 @@ class ContactProblem:
     --------
     >>> import numpy as np
     >>> problem = ContactProblem(np.zeros(2), np.array([40.0, 40.0]), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> problem.size
-    2
+    >>> problem
+    ContactProblem: 2 segments, dense matrix, torque 80 N m
     """
 
     separation: Array
@@ -111,6 +111,11 @@ class ContactProblem:
             Blocks of U.
         """
         return cls(separation, lever_arm, torque, ModalCompliance(_local(local, basis.size), basis))
+
+    def __repr__(self) -> str:
+        """Size, form of the compliance and torque, in one line."""
+        segments = f"{self.size} segment{'' if self.size == 1 else 's'}"
+        return f"ContactProblem: {segments}, {self.compliance_matrix}, torque {1e-3 * self.torque:.6g} N m"
 
     @property
     def size(self) -> int:

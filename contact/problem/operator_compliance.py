@@ -88,6 +88,10 @@ class OperatorCompliance:
         """Number of segments n."""
         return int(self.operator.shape[0])
 
+    def __str__(self) -> str:
+        """Form in a few words."""
+        return "products alone"
+
     @property
     def given(self) -> OperatorCompliance:
         """The compliance as a contact problem takes it: this one."""

@@ -20,6 +20,7 @@ from ..problem.forms.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
 from .solution import CallTimes, Status
+from .solver_limits import limit_hint
 from .solver_table import SOLVERS
 
 #: Forms in which a backend may get the problem.
@@ -194,4 +195,5 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
     for key in settings:
         listed = any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known)
         if key not in ("form", "initvals") and not listed:
-            raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting")
+            hint = limit_hint(name, [key])
+            raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting{hint}")

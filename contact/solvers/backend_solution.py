@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from time import perf_counter
@@ -22,7 +23,7 @@ from .backend import NoAnswerError, chosen_form
 from .declared.solver_declaration import Solver
 from .scaled_answer import ScaledAnswer
 from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
-from .solver_limits import Limits
+from .solver_limits import Limits, limit_hint
 from .solver_table import SOLVERS
 
 #: What is said of a compliance that is known by its products alone.
@@ -122,12 +123,16 @@ def backend_solution(
         solution = replace(solution, words=str(error), method=method)
     except Exception as error:
         if own and isinstance(error, TypeError | AttributeError | ValueError):
-            raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}") from error
+            hint = limit_hint(solver, own)
+            raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         status = Status.SOLVER_FAILED
         solution = no_solution(problem.size, status, solver, claim=RAISED, tolerance=tolerance)
         solution = replace(solution, words=f"{type(error).__name__}: {error}", method=method)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
+    missed = not solution.certified and math.isfinite(solution.certificate.worst)
+    if missed and solver not in SOLVERS and limits.tolerance is None:
+        message += "; give tolerance=..., or Solver(..., tolerance=...), to accept it"
     if not scaled.has_matrix and solution.certified:
         message += f"; {ASSUMED}"
     return replace(solution, message=message, run_time=perf_counter() - start)

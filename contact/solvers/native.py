@@ -2,7 +2,8 @@
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
-2. Primal-dual active set, from the same start. It comes first where the problem is small.
+2. Primal-dual active set, from the same start. It comes first where the problem is small, or was given as many modes
+   as segments: to find few among them costs more than the solution.
 3. Primal active set, which cannot cycle.
 
 The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged. Limits of
@@ -96,7 +97,7 @@ def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
         return (products,)
     if problem.modal is None:
         return (dense, *others)
-    if problem.separation.size <= DENSE_FIRST_SIZE:
+    if problem.separation.size <= DENSE_FIRST_SIZE or not problem.modal.compliance.has_few_modes:
         return (dense, modal, *others)
     return (modal, dense, *others)
 

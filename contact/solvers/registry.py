@@ -16,6 +16,7 @@ from ...core.checks import array, one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
+from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
 from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
@@ -26,7 +27,7 @@ from .compiled.compiled_answer import linear_answer
 from .declared.solver_declaration import Solver
 from .declared.solver_lookup import SolverChoice, declared_solver, entry_point_names
 from .scaled_answer import ScaledAnswer
-from .solution import SOLVED, ContactSolution, Status, course, judged, no_solution
+from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
 
@@ -158,7 +159,9 @@ def solve(
     limits = Limits(tolerance, time_limit, max_iterations)
     own = solver if isinstance(solver, str) else ""
     plain = own in ("auto", "native") and form == "auto" and not settings and max_iterations is None
-    if plain and (time_limit is None or perf_counter() - start < time_limit):
+    matrix = problem.compliance_matrix
+    few = isinstance(matrix, ModalCompliance) and matrix.has_few_modes  # else to find few costs more than the solution
+    if plain and few and (time_limit is None or perf_counter() - start < time_limit):
         found = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
         if found is not None and found.certificate.passes(limits.exact_tolerance):
             return found if tolerance is None else replace(found, tolerance=limits.exact_tolerance)
@@ -208,6 +211,7 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         False,
         EXACT_TOLERANCE,
         f"native, {native.METHOD_WORDS['modal']}, compiled, {found.iterations} steps: certified",
+        times=CallTimes(found.setup_time + found.solve_time, found.setup_time, found.solve_time, "solver"),
     )
 
 
@@ -222,14 +226,19 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
         message = f"{name}, not begun: without a torque the bodies just touch"
         return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message)
+    begin = perf_counter()
     scaled = problem.scaled()
+    setup = perf_counter() - begin
     if not scaled.is_finite:
         message = f"{name}, not begun: the numbers overflow when scaled"
         return no_solution(problem.size, Status.INVALID_DATA, name, message=message)
     if name == "native":
         chosen_form(name, scaled, request.form)
         try:
-            return _solve_native(request, scaled)
+            begin = perf_counter()
+            solution = _solve_native(request, scaled)
+            spent = perf_counter() - begin
+            return replace(solution, times=CallTimes(setup + spent, setup, spent, "solver"))
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             message = f"native: it failed; {type(error).__name__}: {error}"
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)

@@ -74,7 +74,7 @@ class CallTimes:
     polish: float = math.nan
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactSolution:
     """Forces, rotation and gaps of one contact problem, with proof.
 
@@ -115,6 +115,8 @@ class ContactSolution:
     >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
     >>> solution.certified, solution.claim, solution.force.tolist(), solution.energy
     (True, 'solved', [1000.0, 1000.0], 1.0)
+    >>> print(repr(solution).splitlines()[0])
+    ContactSolution: native, certified, 2 of 2 segments in contact, rotation 2.5e-05 rad
     """
 
     answer: Answer
@@ -130,6 +132,14 @@ class ContactSolution:
     exchanges: int = 0
     times: CallTimes = CallTimes()
     words: str = ""
+
+    def __repr__(self) -> str:
+        """Solver and how it ended; of a certified solution segments in contact, rotation and certificate."""
+        head = f"ContactSolution: {self.solver}, {self.status.name.lower().replace('_', ' ')}"
+        if not self.certified:
+            return f"{head}\n  {self.message}" if self.message else head
+        touching = f"{np.count_nonzero(self.active)} of {self.force.size} segments in contact"
+        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate}"
 
     @property
     def certified(self) -> bool:

@@ -9,7 +9,7 @@ of a touching segment both at the root of theirs. Exact methods have no toleranc
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -130,6 +130,33 @@ def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status 
     # A contact problem has a solution: where the caller lowered the steps, these ended it.
     usual = entry.settings.get(entry.step_setting, math.inf)
     return Status.NOT_CONVERGED if settings.get(entry.step_setting, math.inf) < usual else None
+
+
+def limit_hint(name: str, given: Collection[str]) -> str:
+    """Return what to give instead of settings that look like a limit in other words; empty where there is nothing.
+
+    Parameters
+    ----------
+    name
+        Of the backend.
+    given
+        Names of the settings.
+
+    Examples
+    --------
+    >>> limit_hint("clarabel", ["maxiter"])
+    '; give max_iterations, which every solver takes that has one'
+    """
+    if name not in SOLVERS:
+        return ""
+    entry = SOLVERS[name]
+    limits = (
+        ("max_iterations", "iter", entry.step_setting),
+        ("time_limit", "time", entry.time_setting),
+        ("tolerance", "tol", entry.tolerance_settings),
+    )
+    hints = [word for word, part, has in limits if has and any(part in key.lower() for key in given)]
+    return f"; give {' and '.join(hints)}, which every solver takes that has one" if hints else ""
 
 
 def _able(word: str) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def show(result: Path) -> None:
     """Show the main numbers of RESULT.
 
-    RESULT is a file of 'easeoff run' or 'easeoff sweep'.
+    RESULT is a file of 'easeoff run' or 'easeoff sweep'; of a file of contact problems it is said what they are.
     """
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.result_summary import result_summary
@@ -32,6 +32,11 @@ def show(result: Path) -> None:
         from ..report.sweep_report import sweep_summary
 
         echo(sweep_summary(dataset))
+        return
+    if _holds_problems(result):
+        from ..report.summary.problem_summary import problem_summary
+
+        echo(problem_summary(result))
         return
     tree = read_result(result)
     echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
@@ -142,7 +147,8 @@ def cite(result: Path | None, bibtex: bool) -> None:
     """Print how to cite the program, and the sources of RESULT.
 
     RESULT is a netCDF file of any command, such as 'easeoff run'. Named are the published sources of its friction
-    formula, oil, elastic teeth and pair, as far as the file tells them.
+    formula, oil, elastic teeth and pair, of the problem library, or of the solvers of a comparison, as far as the file
+    tells them.
     """
     from ..report.citation.citation_text import citation
 
@@ -152,6 +158,18 @@ def cite(result: Path | None, bibtex: bool) -> None:
     from ...core.reading.netcdf_file import read_tree
 
     echo(citation(read_tree(result), bibtex=bibtex))
+
+
+def _holds_problems(path: Path) -> bool:
+    """Whether a file is one of contact problems; of another file its own reader says what is wrong with it."""
+    from ...core.errors import InputError
+    from ...core.reading.netcdf_file import read_dataset
+    from ..report.summary.problem_summary import holds_problems
+
+    try:
+        return holds_problems(read_dataset(path))
+    except InputError:
+        return False
 
 
 def _sweep(path: Path) -> xr.Dataset | None:

@@ -24,6 +24,20 @@ from .options.shared_options import (
 from .terminal.terminal_bar import terminal_bar
 from .terminal.word_completion import solver_list
 
+#: Attributes of an analysis that files of its contact problems have as well.
+PROBLEM_ATTRIBUTES = (
+    "title",
+    "case",
+    "supports_name",
+    "flank",
+    "deflections",
+    "modification_um",
+    "compliance_model",
+    "edge_contact",
+    "solver",
+    "easeoff_version",
+)
+
 
 @click.command(cls=Command)
 @analysis_options
@@ -45,6 +59,8 @@ def problems(
     There is one for each torque and mesh position. Their solutions are written, too, where the format has a place for
     them.
     """
+    import numpy as np
+
     from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.exchange.problem_set import ProblemSet
     from ...contact.solvers import require_solver
@@ -65,13 +81,23 @@ def problems(
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values
+    stem = checked.name or Path(case).stem
+    digits = len(str(position.size - 1))
+    names = [f"{stem}-{state.flank}-{torque[item.torque]:g}-{item.mesh_position:0{digits}d}" for item in solved]
+    described = {
+        str(name): value
+        for name, value in analysis.tree.attrs.items()
+        if name in PROBLEM_ATTRIBUTES or str(name).startswith("misalignment_")
+    }
     found = ProblemSet(
         [item.problem for item in solved],
         {
+            "name": np.array(names),
             "pinion_torque": torque[[item.torque for item in solved]],
             "mesh_position": position[[item.mesh_position for item in solved]],
         },
         [item.solution.answer for item in solved],
+        {"case_name": stem, **described},
     )
     echo(write_problem_set(found, output, format, form))
     if output.suffix == ".nc":
@@ -153,6 +179,13 @@ def library(output: Path, parts: str | None) -> None:
 @click.option(
     "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
 )
+@click.option(
+    "--time",
+    type=click.Choice(["wall", "processor"]),
+    default="wall",
+    show_default=True,
+    help="Time of a call that order, tables and profiles go by.",
+)
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
 @click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
 def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:
@@ -163,6 +196,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     """
     from ..compare import compare as run_comparison
     from ..compare import write_comparison, write_test_set
+    from ..compare.presentation.time_tables import waiting_note
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
 
@@ -179,6 +213,9 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             folders[path.parent] = folders.get(path.parent, 0) + 1
     for folder, count in folders.items():
         echo(f"wrote {folder}: {count} files")
+    waited = waiting_note(table)
+    if waited is not None:
+        echo(waited, err=True)
     if test_set:
         from ...contact.problem.exchange.problem_formats import import_problems
         from ...contact.problem.exchange.problem_set import joined

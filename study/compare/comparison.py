@@ -14,7 +14,7 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...contact.solvers import available_solvers, require_solver
 from ...core.checkpoint import Checkpoint
-from ...core.checks import number
+from ...core.checks import number, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder
 from .comparison_plan import Cell, Choice, cells
@@ -23,6 +23,7 @@ from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt
 from .measurement.environment import machine, solver_version
 from .measurement.posed_problem import PosedProblem, load_factor, posed_problems
 from .measurement.worker import Request, Worker, workers
+from .statistics.method_statistics import TIMES, WALL
 
 #: Checkpoint in the output folder, and the study it names.
 CHECKPOINT, STUDY = "measurements.jsonl", "comparison of solvers"
@@ -42,6 +43,7 @@ def compare(
     raw: bool = False,
     tolerances: Sequence[float] = (),
     threads: int = 1,
+    time: str = WALL,
     fresh: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
@@ -70,6 +72,9 @@ def compare(
         diagram.
     threads
         Threads for linear algebra in each process.
+    time
+        Time that order, tables and profiles go by: ``"wall"``, or ``"processor"``, which other work on the machine
+        changes less. Both are measured.
     fresh
         Whether earlier measurements in the folder are ignored and replaced.
     progress
@@ -105,6 +110,7 @@ def compare(
     """
     chosen = checked_solvers(solvers)
     number("tolerance", tolerance, above=0.0, below=1.0)
+    one_of("time", time, tuple(TIMES))
     choice = Choice(repetitions, time_limit, polish, raw, tuple(float(one) for one in tolerances), threads)
     target = Path(folder)
     check_folder(target, "comparison")
@@ -134,6 +140,8 @@ def compare(
     attributes = {
         "repetitions": repetitions,
         "time_limit_s": time_limit,
+        "threads": threads,
+        "time": time,
         "machine": json.dumps(made_with),
         "solver_versions": json.dumps(versions),
     }

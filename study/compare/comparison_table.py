@@ -84,6 +84,7 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
     for name in (*RESIDUALS, *CERTIFICATE_LIMITS):
         columns[name] = [_finite(getattr(a.certificate, name)) for a in attempts]
     columns["worst_residual"] = [_finite(a.certificate.worst) for a in attempts]
+    columns["posed_residual"] = [a.posed_residual for a in attempts]
     columns["rotation_error"] = [rotation_error(a.elastic_rotation, a.reference_rotation) for a in attempts]
     for name in ("run_time", "processor_time", "call_time", "setup_time", "solve_time", "time_source", "polish_time"):
         columns[name] = [getattr(a, name) for a in attempts]
@@ -94,7 +95,7 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
     whole = {"problem", "size", "repetition", "iterations", "exchanges"}
     dataset = xr.Dataset(
         {name: ("attempt", _column(values, name in whole)) for name, values in columns.items()},
-        attrs={"format": FORMAT, "format_version": 2, "Conventions": "CF-1.11", "tolerance": tolerance, **attributes},
+        attrs={"format": FORMAT, "format_version": 3, "Conventions": "CF-1.11", "tolerance": tolerance, **attributes},
     )
     for name in ("certified", "polished"):
         dataset[name] = dataset[name].astype(np.int8)

@@ -242,6 +242,30 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
         raise InputError(f"problem {i}: {error}") from error
 
 
+def read_attributes(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read the global attributes of a file but those of its format.
+
+    Raises
+    ------
+    InputError
+        As `read_problems`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_problems([springs], Path(folder, "problems.nc"), attributes={"title": "springs"})
+    ...     read_attributes(Path(folder, "problems.nc"))
+    {'title': 'springs'}
+    """
+    own = {"format", "format_version", "Conventions"}
+    return {str(name): value for name, value in _opened(path).attrs.items() if name not in own}
+
+
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
     """A file of contact problems in memory; InputError if it is none."""
     dataset = read_dataset(path)

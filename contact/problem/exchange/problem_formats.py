@@ -19,7 +19,7 @@ from ....core.writing.output_file import check_folder, check_writable
 from ..contact_problem import ContactProblem
 from .fclib_file import read_fclib, write_fclib
 from .matlab_file import read_mat, write_mat
-from .problem_file import read_labels, read_problems, write_problems
+from .problem_file import read_attributes, read_labels, read_problems, write_problems
 from .problem_set import ProblemSet
 from .programme_file import read_npz, write_npz
 from .qps_file import read_qps, write_qps
@@ -209,7 +209,7 @@ def _title(problems: ProblemSet) -> str:
 
 def _read_nc(path: str | os.PathLike[str]) -> ProblemSet:
     problems = read_problems(path)
-    return ProblemSet(problems, read_labels(path), read_references(path, problems))
+    return ProblemSet(problems, read_labels(path), read_references(path, problems), read_attributes(path))
 
 
 def _read_fclib(path: str | os.PathLike[str]) -> ProblemSet:
@@ -228,7 +228,9 @@ FORMATS = {
     "nc": ProblemFormat(
         "netCDF",
         _read_nc,
-        lambda given, path, _: write_problems(given.problems, path, given.labels, answers=given.answers),
+        lambda given, path, _: write_problems(
+            given.problems, path, given.labels, given.attributes, answers=given.answers
+        ),
         single=False,
     ),
     "mat": ProblemFormat("MATLAB", read_mat, lambda given, path, _: write_mat(given, path), single=False),

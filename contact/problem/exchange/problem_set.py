@@ -26,6 +26,8 @@ class ProblemSet:
         By name an array of one entry a problem, such as ``name``, ``kind`` and ``mesh_position``.
     answers
         Reference solutions, one a problem; None if there are none.
+    attributes
+        What holds for all problems, text or numbers by name; formats other than netCDF have no place for it.
 
     Examples
     --------
@@ -38,6 +40,7 @@ class ProblemSet:
     problems: Sequence[ContactProblem]
     labels: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     answers: Sequence[Answer] | None = None
+    attributes: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, problems: ProblemSet | Sequence[ContactProblem]) -> ProblemSet:

@@ -131,6 +131,7 @@ def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
     yield f"*{UNIT}lever_arm [mm] = {units.lever_arm!r}\n"
     yield f"* In N: F times {units.force!r}. Rotation in rad: the dual of BALANCE, the derivative of the minimum with\n"
     yield f"* respect to T, times {units.rotation!r}.\n"
+    yield f"* Problem: {_word(name)}\n"
     yield f"NAME {_word(name)}\nROWS\n N ENERGY\n E BALANCE\n"
     factor = compliance[1] if isinstance(compliance, tuple) else np.zeros((size, 0))
     modes = factor.shape[1]

@@ -83,7 +83,7 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
     >>> found.linear, found.entries, found.right, found.quadratic
     ({'x': 1.0}, {'b': {'x': 2.0}}, {'b': 4.0}, {('x', 'x'): 3.0})
     """
-    programme, section, both = QpsProgramme(), "", False
+    programme, section, both, ended = QpsProgramme(), "", False, False
     for number, line in enumerate(lines, start=1):
         if line.startswith("*"):
             programme.comments.append(line[1:].strip())
@@ -93,7 +93,8 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
             continue
         if not line[0].isspace():
             section, both = words[0].upper(), words[0].upper() == "QMATRIX"
-            if section == "ENDATA":
+            ended = section == "ENDATA"
+            if ended:
                 break
             if section not in SECTIONS:
                 raise InputError(f"line {number} = {shown(line)}: must be one of the sections {', '.join(SECTIONS)}")
@@ -109,6 +110,8 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
         except (ValueError, KeyError, IndexError) as error:
             said = shown(" ".join(words))
             raise InputError(f"line {number} = {said}: must be a line of the section {section}") from error
+    if not ended:
+        raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
     return programme
 
 

@@ -6,6 +6,8 @@ answers, and the methods of ``solvers`` take over.
 
 from __future__ import annotations
 
+import math
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,11 +30,13 @@ _NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool
 
 
 class CompiledAnswer(NamedTuple):
-    """An answer, the number of steps, and for line contacts their secant compliance (n) [mm/N]."""
+    """An answer, the number of steps, for line contacts their secant compliance (n) [mm/N], and wall times [s]."""
 
     answer: Answer
     iterations: int
     secant: Array
+    setup_time: float = math.nan
+    solve_time: float = math.nan
 
 
 def compiled_code() -> Any:
@@ -66,19 +70,23 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
         return None
     if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
-    size = problem.separation.size
+    begin, size = perf_counter(), problem.separation.size
+    columns = tuple(matrix.modes.basis.columns)
+    ready = perf_counter()
     force, gap, numbers, counts = _results(1, size)
     code.solve_batch(
-        tuple(matrix.modes.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
+        columns, np.array([problem.torque]), problem.separation.reshape(1, size),
         problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK if active is None else active.reshape(1, size),
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
     if not ended:
         return None
+    ended_at = perf_counter()
+    times = ready - begin, ended_at - ready
     if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
-        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES)
-    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES)
+        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, *times)
+    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, *times)
 
 
 def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:

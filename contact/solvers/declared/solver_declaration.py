@@ -193,7 +193,7 @@ class Solver:
         try:
             returned = self.function(posed, **chosen)
         except TimeoutError as error:
-            raise NoAnswerError(f"time limit met {error}".strip(), Status.TIME_LIMIT) from error
+            raise NoAnswerError(": ".join(filter(None, ("time limit met", str(error)))), Status.TIME_LIMIT) from error
         except SystemExit as error:
             raise NoAnswerError(f"it ended with code {error.code}", Status.SOLVER_FAILED) from error
         return own_answer(returned, problem, form, posed)

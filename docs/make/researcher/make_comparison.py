@@ -31,15 +31,15 @@ TIME_LIMIT = 2.0  # [s]
 COLOURS = 96
 #: What is counted of the answers with each settings.
 COUNTS = {
-    "scaled": ("claims", "certified", "exact", "false_claim"),
+    "scaled": ("claims", "certified", "exact", "uncertified"),
     "polished": ("exact",),
-    "raw": ("claims", "certified", "exact", "false_claim"),
+    "raw": ("claims", "certified", "exact", "uncertified"),
 }
 PICTURES = ("performance_profile", "data_profile", "pairs", "work_precision", "run_time")
 
 
 def claim_table(table: Any) -> str:
-    """What each solver claimed, and what held: a row a solver."""
+    """What each solver said, and what is certified: a row a solver."""
     problems, named = statistics(table)
     rows = []
     for solver, _, _ in headline(named):
@@ -49,7 +49,7 @@ def claim_table(table: Any) -> str:
             row += [str(int(found[name].sum())) if len(found) else "" for name in COUNTS[settings]]
         rows.append(row)
     count = len(problems.drop_duplicates(["problem_file", "problem"]))
-    words = {"claims": "says solved", "false_claim": "false claims"}
+    words = {"claims": "says solved", "uncertified": "says solved, not certified"}
     heads = [f"{settings}: {words.get(name, name)}" for settings, names in COUNTS.items() for name in names]
     return _table([f"of {count}", *heads], rows)
 

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from ....cases import Case
     from ....cases.analysis_size import AnalysisSize
 
+#: How the stages begin in which teeth are built; see ``cases.conversion.finite_elements``.
+TOOTH_STAGES = ("solid shell", "finite elements")
+
 _PAIR = (
     click.argument("case", shell_complete=case_names),
     allow_outside_option,
@@ -197,6 +200,7 @@ def show_stage(bar: Any, name: str) -> None:
     """Name the stage on a progress bar, and measure the time from here."""
     if not bar.disable:
         bar.reset()
-        if name == "friction":  # in parts of which the number is not known
-            bar.total = None
+        total = vars(bar).setdefault("steps_in_all", bar.total)
+        # Friction comes in parts of which the number is not known, and teeth are built, not solved.
+        bar.total = None if name == "friction" or name.startswith(TOOTH_STAGES) else total
     bar.set_description_str(name)

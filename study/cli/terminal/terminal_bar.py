@@ -14,7 +14,7 @@ from ....core.printable import printable
 
 FIRST_LINE = 2.0  # [s] from the start
 LEAST_INTERVAL, INTERVAL_SHARE = 5.0, 0.25  # between lines: [s], and of the time so far
-FORETOLD_SHARE = 0.03  # of the steps, before which nothing is said of those left
+FORETOLD_SHARE, FORETOLD_STEPS = 0.03, 3  # steps done before which nothing is said of those left: part, number
 SWITCH = "EASEOFF_PROGRESS"  # an environment variable; "off" for no lines where there is no terminal
 
 
@@ -129,7 +129,8 @@ class ProgressLines:
             return f"{name}: {self.n:.5g} {units}, {seconds:.0f} s" if self.n and seconds >= 1.0 else f"{name} ..."
         if not self.n:
             return f"{name}: {self.total:.5g} {self.unit}s ..."
-        left = seconds * (self.total - self.n) / self.n if self.n >= FORETOLD_SHARE * self.total else 0.0
+        known = self.n >= max(FORETOLD_STEPS, FORETOLD_SHARE * self.total)
+        left = seconds * (self.total - self.n) / self.n if known else 0.0
         told = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
         return f"{told}, {time_in_words(left)} left" if left > 0.0 else told
 

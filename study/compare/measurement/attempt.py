@@ -22,6 +22,7 @@ from ....contact.solvers.declared.solver_lookup import declared_solver
 from ....contact.solvers.solution import RAISED
 from ....core.errors import InputError
 from .method import POLISHED, RAW, Method
+from .posed_residual import posed_residual
 
 #: Claims of a solver whose process ended, or was ended when its time was over.
 CRASHED, TIME_LIMIT = "crashed", "time_limit"
@@ -52,6 +53,8 @@ class Attempt:
         Wall time of the polish [s].
     certificate
         Of the answer, on the problem as it was given; infinite without an answer.
+    posed_residual
+        Of the answer, on the problem as the solver got it, see `posed_residual`; NaN without an answer.
     elastic_rotation, reference_rotation
         Rotation beyond first contact [rad], and that of the certified reference; NaN without an answer.
     iterations
@@ -74,6 +77,7 @@ class Attempt:
     time_source: str = ""
     polish_time: float = math.nan
     certificate: Certificate = NO_CERTIFICATE
+    posed_residual: float = math.nan
     elastic_rotation: float = math.nan
     reference_rotation: float = math.nan
     iterations: int = -1
@@ -83,7 +87,7 @@ class Attempt:
 
     @classmethod
     def of(cls, solution: ContactSolution) -> Attempt:
-        """Return the outcome that a solution is."""
+        """Return the outcome that a solution is, without what is worked out afterwards."""
         times = solution.times
         return cls(
             solution.claim,
@@ -147,21 +151,29 @@ def attempt(
     """
     fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
     begin, processor = perf_counter(), process_time()
+    solution: ContactSolution | None
+    refused = ""
     if adapter is None:
-        found = Attempt.of(solve(fresh, "native", initial_active=None if start is None else start > 0.0))
+        solution = solve(fresh, "native", initial_active=None if start is None else start > 0.0)
     else:
-        found = _backend_attempt(fresh, method, adapter, time_limit, start)
+        solution, refused = _backend_solution(fresh, method, adapter, time_limit, start)
     # One clock for all: what a solution says of its own run time may come from a function of the user's.
-    return replace(found, run_time=perf_counter() - begin, processor_time=process_time() - processor)
+    run_time, processor_time = perf_counter() - begin, process_time() - processor
+    found = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
+    if solution is not None:
+        residual = posed_residual(fresh, solution.answer, raw=method.settings == RAW)
+        found = replace(found, posed_residual=residual)
+    return replace(found, run_time=run_time, processor_time=processor_time)
 
 
-def _backend_attempt(
+def _backend_solution(
     problem: ContactProblem,
     method: Method,
     adapter: Adapter | Solver,
     time_limit: float,
     start: NDArray[np.float64] | None,
-) -> Attempt:
+) -> tuple[ContactSolution | None, str]:
+    """Solution of a backend; or none, and why it refused its settings."""
     raw = method.settings == RAW
     keywords = method.keywords(time_limit)
     if isinstance(adapter, Solver):
@@ -170,9 +182,9 @@ def _backend_attempt(
         keywords["initvals"] = start.copy() if raw else start / problem.scaling.force
     rule = STRICT_POLISH if method.settings == POLISHED else None
     try:
-        return Attempt.of(backend_solution(problem, method.solver, adapter, keywords, polish=rule, raw=raw))
+        return backend_solution(problem, method.solver, adapter, keywords, polish=rule, raw=raw), ""
     except InputError as error:
-        return Attempt(RAISED, plain(f"{type(error).__name__}: {error}"))
+        return None, plain(f"{type(error).__name__}: {error}")
 
 
 def plain(text: str) -> str:

@@ -18,17 +18,25 @@ from ..statistics.work_precision import has_sweep
 from .answer_tables import failure_table, kind_table, residual_tables, success_note, success_tables
 from .report_table import ReportTable
 from .time_tables import (
+    LARGEST_SIZE_STEP,
+    SIZE_SPAN_MINIMUM,
     growth_table,
     pair_table,
     run_time_summary,
+    size_groups,
     start_table,
     time_parts,
     time_sources,
+    waiting_note,
     work_precision_tables,
 )
 
 #: Folder of the tables beside the report.
 TABLE_FOLDER = "tables"
+NO_GROWTH = (
+    "Neither tabulated nor drawn: no kind of problem has three sizes or more that span a factor of "
+    f"{SIZE_SPAN_MINIMUM:g}, each within a factor of {LARGEST_SIZE_STEP:g} of the next.\n"
+)
 
 
 @dataclass(frozen=True)
@@ -67,12 +75,12 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
         Section(
             "Answers", [*success_tables(dataset, problems, named), success_note(dataset), kind_table(problems, named)]
         ),
-        Section("Run time", [run_time_summary(dataset, problems, named)]),
+        Section("Run time", [_paragraph(waiting_note(dataset)), run_time_summary(dataset, problems, named)]),
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),
         Section("Pairs of solvers", [pair_table(problems, named)]),
         Section("Work and precision", work_precision_tables(dataset, named) if has_sweep(dataset) else []),
-        Section("Growth", [growth_table(problems, named)]),
+        Section("Growth", [growth_table(problems, named) if size_groups(problems) else NO_GROWTH]),
         Section("Residuals", residual_tables(dataset, named)),
         Section("Failures", [failures if failures is not None else "None: every attempt is certified.\n"]),
         Section("Made with", [_made_with(dataset)]),
@@ -132,6 +140,10 @@ def _made_with(dataset: xr.Dataset) -> str:
         "another factor between 1 and 1.5 (`load_factor`), so that an answer kept from an earlier call is wrong. "
         "`native` is measured with its own answer alone, and is the reference of the error of rotation.\n"
     )
+
+
+def _paragraph(text: str | None) -> str | None:
+    return None if text is None else f"**{text}**\n"
 
 
 def _table_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:

@@ -11,12 +11,20 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullForma
 from numpy.typing import NDArray
 
 from ...plot.page import BODY_SIZE, GREY, INK, SMALL_SIZE, plain_axes
-from ..measurement.method import COLD, SETTINGS
+from ..measurement.method import COLD, RAW, SETTINGS
 from ..statistics.method_statistics import MethodName, merit, methods
 
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.
-COLOURS = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-DASHES = ((), (5, 1.5), (1.5, 1.2))
+#: Five darker ones follow.
+COLOURS = (
+    *("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"),
+    *("#7F4F24", "#6A3D9A", "#808000", "#A50026", "#7A7A7A"),
+)
+#: Dashes and markers, in numbers that share no factor with each other nor with that of the colours behind the first:
+#: neighbours differ in all three, and lines can be told apart in grey.
+DASHES = ((), (5, 1.5), (1.5, 1.2), (6, 1.5, 1.5, 1.5), (9, 2))
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+MARKED_POINTS = 7  # on a curve of many points
 
 PANEL_HEIGHT = 2.9  # [in]
 SIZE_TICK_LIMIT, TICK_DISTANCE = 8, 0.05  # sizes that are ticked themselves, and their least distance over the axis
@@ -26,29 +34,53 @@ Array = NDArray[Any]
 
 
 def panels(problems: Any, time_limit: float) -> list[tuple[str, list[MethodName]]]:
-    """Settings and cold methods of each panel, the best first; the native solver is in all of them."""
+    """Settings and cold methods of each panel, in the order of the first panel, which is by merit.
+
+    The native solver, which has no settings, stands beside answers to the scaled problem, not in a panel of raw runs.
+    """
     named = [
         method for method in methods(problems, time_limit) if method[2] == COLD
     ]  # not every problem has a warm one
     used = [name for name in SETTINGS if any(method[1] == name for method in named)]
-    return [
-        (
-            name,
-            sorted(
-                (m for m in named if m[1] == name or m[0] == "native"), key=lambda m: merit(problems, m, time_limit)
-            ),
-        )
-        for name in used
-    ]
+    if not used:
+        return []
+    first = sorted(_of_panel(named, used[0]), key=lambda one: merit(problems, one, time_limit))
+    rank = {method[0]: number for number, method in enumerate(first)}
+    return [(name, sorted(_of_panel(named, name), key=lambda one: rank.get(one[0], len(rank)))) for name in used]
+
+
+def _of_panel(named: list[MethodName], settings: str) -> list[MethodName]:
+    return [one for one in named if one[1] == settings or (one[0] == "native" and settings != RAW)]
 
 
 def style(solver: str, problems: Any) -> dict[str, Any]:
-    """Line style of a solver: a colour of its own in all figures, dashes where the colours repeat."""
+    """Line style of a solver, its own in all figures: colour, dashes and marker; native is a plain thick line."""
     if solver == "native":
-        return {"color": COLOURS[0], "linewidth": 1.6}
+        return {"color": COLOURS[0], "linewidth": 1.8}
     number = [name for name in dict.fromkeys(problems["solver"]) if name != "native"].index(solver)
     own = COLOURS[1:]
-    return {"color": own[number % len(own)], "linewidth": 1.3, "dashes": DASHES[number // len(own) % len(DASHES)]}
+    return {
+        "color": own[number % len(own)],
+        "linewidth": 1.3,
+        "dashes": DASHES[number % len(DASHES)],
+        "marker": MARKERS[number % len(MARKERS)],
+        "markersize": 3.2,
+        "markeredgewidth": 0,
+    }
+
+
+def sparse_markers(count: int, number: int) -> tuple[int, int]:
+    """First marked point of a curve of a number of points, and the step to the next; other curves begin elsewhere.
+
+    Parameters
+    ----------
+    count
+        Points of the curve.
+    number
+        Of the curve among those of the panel.
+    """
+    step = max(count // MARKED_POINTS, 1)
+    return (number * step // MARKED_POINTS) % step, step
 
 
 def finish(axes: Axes, title: str, right: str, label: str) -> None:

@@ -11,14 +11,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from ...plot.page import INK, SMALL_SIZE, titled_sheet
-from ..statistics.method_statistics import MethodName, headline, methods, run_time_table
+from ..statistics.method_statistics import TIMES, MethodName, headline, methods, run_time_table, time_of
 from ..statistics.profiles import Array, data_profile, pairwise_matrix, performance_profile
-from .figure_style import PANEL_HEIGHT, abscissa, finish, panels, plain_ticks, settings_title, style
+from .figure_style import PANEL_HEIGHT, abscissa, finish, panels, plain_ticks, settings_title, sparse_markers, style
 
 #: Height of a row of the figure of pairs, and what is left around the rows [in].
 ROW_HEIGHT, PAIR_MARGIN = 0.27, 1.3
 #: Share above which a cell is so dark that its number is white.
 DARK_SHARE = 0.55
+#: Colour of the cells of a solver against itself.
+DIAGONAL_GREY = "#d9d9d9"
 
 
 def draw_performance_profile(dataset: xr.Dataset, problems: Any) -> Figure:
@@ -28,7 +30,7 @@ def draw_performance_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         problems,
         ("Performance profile", "share of problems solved within a factor of the fastest"),
         performance_profile,
-        ("run time over that of the fastest", 1.0),
+        ("{time}, over that of the fastest", 1.0),
     )
 
 
@@ -39,7 +41,7 @@ def draw_data_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         problems,
         ("Data profile", "share of problems solved within a run time; no curve depends on another"),
         lambda times: data_profile(1e3 * times),
-        ("run time [ms]", None),
+        ("{time} [ms]", None),
     )
 
 
@@ -51,10 +53,10 @@ def _profile_figure(
     axis: tuple[str, float | None],
 ) -> Figure:
     shown = panels(problems, float(dataset.attrs["time_limit_s"]))
-    note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts only; legend: the best first"
+    note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts; legend: the best of panel one first"
     figure = titled_sheet(*titles, note, PANEL_HEIGHT * len(shown))
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
-    label, left = axis
+    label, left = axis[0].format(time=TIMES[time_of(dataset)]), axis[1]
     for axes, (settings, named) in zip(grid, shown, strict=True):
         compared = run_time_table(problems, named)
         limit, share = profile(compared.to_numpy(dtype=float).T)
@@ -62,11 +64,12 @@ def _profile_figure(
             limit, share = np.ones(1), np.zeros((len(named), 1))
         start = float(limit[0]) / 1.15 if left is None else left
         right = max(2.0 * start, 1.15 * float(limit[-1]))
-        for method, curve in zip(named, share, strict=True):
+        for number, (method, curve) in enumerate(zip(named, share, strict=True)):
             x, y = np.array([start, *limit, right]), np.array([0.0, *curve, curve[-1]])
             if left is not None:  # the curve begins at the factor one, with its own value there
                 x, y = x[1:], y[1:]
-            axes.step(x, y, where="post", label=method[0], **style(method[0], problems))
+            marked = sparse_markers(x.size, number)
+            axes.step(x, y, where="post", label=method[0], markevery=marked, **style(method[0], problems))
         axes.set_xscale("log")
         axes.set_xlim(start, right)
         axes.set_ylim(-0.02, 1.03)
@@ -103,7 +106,7 @@ def draw_pairs(dataset: xr.Dataset, problems: Any) -> Figure:
     axes.xaxis.tick_top()
     axes.tick_params(length=0, colors=INK)
     axes.spines[:].set_visible(False)
-    axes.fill(*_diagonal(count), color="white")
+    axes.fill(*_diagonal(count), color=DIAGONAL_GREY)
     edges = np.arange(1, count) - 0.5
     axes.vlines(edges, -0.5, count - 0.5, colors="white", linewidth=1.0)
     axes.hlines(edges, -0.5, count - 0.5, colors="white", linewidth=1.0)

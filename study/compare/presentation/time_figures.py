@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter
 
 from ...plot.page import titled_sheet
-from ..statistics.method_statistics import headline, methods, of_method
+from ..statistics.method_statistics import TIMES, headline, methods, of_method, time_of
 from ..statistics.run_time_statistics import growth
 from ..statistics.work_precision import work_precision
 from .figure_style import PANEL_HEIGHT, abscissa, finish, plain_ticks, style
@@ -26,7 +26,7 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     named = headline(methods(problems, float(dataset.attrs["time_limit_s"])))
     figure = titled_sheet(
         "Run time",
-        "wall time of the whole call against the number of segments n, within one kind of problem",
+        f"{TIMES[time_of(dataset)]}, against the number of segments n, within one kind of problem",
         "points: certified problems, cold; lines: their median at each size; n^...: power fitted to the larger sizes",
         PANEL_HEIGHT * len(groups),
     )
@@ -59,6 +59,11 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     return figure
 
 
+def _runs(dataset: xr.Dataset) -> set[tuple[str, float]]:
+    """Solvers with the tolerances that a sweep gave them; zero for none."""
+    return set(zip(dataset["solver"].values.tolist(), dataset["solver_tolerance"].values.tolist(), strict=True))
+
+
 def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
     """Time of the fastest run that reaches a certified accuracy, and the share of problems on which one does."""
     rank = [method[0] for method in headline(methods(problems, float(dataset.attrs["time_limit_s"])))]
@@ -72,14 +77,22 @@ def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
         2.0 * PANEL_HEIGHT,
     )
     upper, lower = figure.subplots(2, 1, sharex=True)
+    swept = {solver for solver, tolerance in _runs(dataset) if tolerance > 0.0}
     for curve in curves:
         line = style(curve.solver, problems)
         known = np.isfinite(curve.run_time)
         reach = "" if known.any() else "  none"
-        upper.plot(
-            curve.accuracy[known], 1e3 * curve.run_time[known], "o-", ms=2.5, label=f"{curve.solver}{reach}", **line
-        )
-        lower.plot(curve.accuracy, curve.share, "o-", ms=2.5, **line)
+        label, times = f"{curve.solver}{reach}", 1e3 * curve.run_time
+        if curve.solver in swept:
+            upper.plot(curve.accuracy[known], times[known], label=label, **line)
+            lower.plot(curve.accuracy, curve.share, **line)
+            continue
+        # One run at each problem, without a choice between work and precision: its time where half of them reach it.
+        point = {**line, "marker": line.get("marker", "o"), "markersize": 5.0, "linestyle": "none"}
+        point.pop("dashes", None)
+        last = np.flatnonzero(known)[-1:]
+        upper.plot(curve.accuracy[last], times[last], label=f"{label} (no tolerance)", **point)
+        lower.plot(curve.accuracy[last], curve.share[last], **point)
     for axes in (upper, lower):
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(numticks=99))

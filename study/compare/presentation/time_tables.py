@@ -10,14 +10,24 @@ import xarray as xr
 from ..measurement.method import COLD, HEADLINE, STARTING_SOLVERS, WARM
 from ..statistics.method_statistics import (
     METHOD_COLUMNS,
+    MISS_FACTOR,
     PROBLEM_COLUMNS,
+    PROCESSOR,
+    TIMES,
     MethodName,
     headline,
     of_method,
     run_time_table,
+    time_of,
 )
 from ..statistics.profiles import pairwise_matrix
-from ..statistics.run_time_statistics import RUN_TIME_SHIFT, SIZE_COUNT_MINIMUM, growth, shifted_geometric_mean
+from ..statistics.run_time_statistics import (
+    RUN_TIME_SHIFT,
+    SIZE_COUNT_MINIMUM,
+    growth,
+    shifted_geometric_mean,
+    waiting_solvers,
+)
 from ..statistics.work_precision import WorkPrecision, sweep_points, work_precision
 from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles, ratio, residual
 
@@ -25,6 +35,8 @@ from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles,
 PAIR_FACTORS = (0.5, 1.0, 2.0, 10.0)
 #: Largest ratio of a size to the next smaller one where growth is measured.
 LARGEST_SIZE_STEP = 10.0
+#: Least ratio of the largest size to the smallest where growth is tabulated and drawn.
+SIZE_SPAN_MINIMUM = 3.0
 #: Every this many accuracies one is a column of the work-precision table.
 ACCURACY_STEP = 2
 
@@ -41,12 +53,23 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
         rows.append([*method, *map(milliseconds, [mean, *quantiles(found["run_time"])]), *map(ratio, spread)])
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
-        f"*Mean*: shifted geometric mean over the problems, shift {1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
+        f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
+        f"{1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
         "its repetitions; one that is not certified counts with the time limit, "
         f"{1e3 * limit:g} ms. The other columns are over certified problems. *Spread*: longest over shortest run time "
         "of the repetitions of a problem, its median and 90 % quantile; a dash where there is one repetition."
     )
     return ReportTable("run_time", [*METHOD_COLUMNS, *head], rows, note)
+
+
+def waiting_note(dataset: xr.Dataset) -> str | None:
+    """Warning that the machine was busy, naming the solvers that waited; None where none did."""
+    waited = waiting_solvers(dataset)
+    if not waited:
+        return None
+    named = ", ".join(f"{solver} {factor:.3g}" for solver, factor in waited.items())
+    advice = "" if time_of(dataset) == PROCESSOR else "; measure anew, or compare by --time processor"
+    return f"The machine was busy: median of wall over processor time, which is 1 on an idle one: {named}{advice}."
 
 
 def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName, str]) -> ReportTable:
@@ -55,8 +78,8 @@ def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName,
     for method in named:
         found = of_method(problems, method)
         found = found[found["certified"]]
-        columns = ("run_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
-        whole = median(found["run_time"] / found["call_time"])
+        columns = ("wall_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+        whole = median(found["wall_time"] / found["call_time"])
         times = [milliseconds(median(found[name])) for name in columns]
         rows.append([*method, *times, ratio(whole), sources.get(method, "") or NOTHING])
     head = ["whole [ms]", "processor [ms]", "bare call [ms]", "set-up [ms]", "solve [ms]", "polish [ms]"]
@@ -106,6 +129,11 @@ def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
         "Problems with a problem of the same size before them in their file, whose answer is the warm start; times are "
         "medians over those certified both ways, *ratio* is the median of warm over cold."
     )
+    if any(solver == "native" for solver, _, _ in warm_methods):
+        note += (
+            " Steps of `native` are those with all segments: from a cold start it has first made others with every "
+            "fourth or sixteenth of them, which are not counted."
+        )
     if ignoring:
         note += f" Not measured, because they take no start or ignore it: {', '.join(ignoring)}."
     head = ["solver", "problems", "certified, cold", "certified, warm", "cold [ms]", "warm [ms]", "ratio"]
@@ -160,13 +188,13 @@ def group_of(problems: Any) -> Any:
 
 
 def size_groups(problems: Any) -> list[str]:
-    """Groups with at least three sizes, none of them far from the next; those with the widest range first."""
+    """Groups with at least three sizes over a factor of three, none far from the next; the widest range first."""
     widths = {}
     for group, found in problems.groupby(group_of(problems), sort=False):
         sizes = np.unique(found["size"].to_numpy(dtype=float))
         if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
             widths[str(group)] = float(sizes[-1] / sizes[0])
-    return sorted(widths, key=lambda name: -widths[name])
+    return sorted((name for name in widths if widths[name] >= SIZE_SPAN_MINIMUM), key=lambda name: -widths[name])
 
 
 def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
@@ -187,22 +215,25 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             f"{point.tolerance:g}" if point.tolerance else "table",
             point.problems,
             point.claimed,
-            point.false_claims,
+            point.missed if point.tolerance else NOTHING,
+            residual(point.posed),
             residual(point.median),
             residual(point.worst),
             milliseconds(point.run_time),
         ]
         for point in sorted(sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
     ]
-    columns_of_points = ["solver", "tolerance", "problems", "says solved", "false claims", "median", "worst"]
+    counts, residuals = ["problems", "says solved", "misses it"], ["worst as posed", "median", "worst"]
     return [
         ReportTable("work_precision", head, rows, note),
         ReportTable(
             "sweep",
-            [*columns_of_points, "median time [ms]"],
+            ["solver", "tolerance", *counts, *residuals, "median time [ms]"],
             points,
-            f"Certificates by the tolerance given to the solver; *table*: its settings of `{HEADLINE}`. Solvers "
-            "without a tolerance have that row alone.",
+            f"*Tolerance*: given to the solver; *table*: its settings of `{HEADLINE}`. Solvers without a tolerance "
+            "have that row alone. *Misses it*: says solved, but primal residual, dual residual or duality gap on the "
+            f"problem as the solver got it, over one plus the size of its terms, exceeds {MISS_FACTOR:g} times the "
+            "tolerance; *worst as posed* is the largest of them. *Median*, *worst*: certificates.",
             "Outcome at each tolerance:",
         ),
     ]

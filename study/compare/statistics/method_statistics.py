@@ -16,21 +16,46 @@ from .run_time_statistics import RUN_TIME_SHIFT, shifted_geometric_mean
 MethodName = tuple[str, str, str]
 #: Columns that name a method: a solver with settings and a start.
 METHOD_COLUMNS = ["solver", "settings", "start"]
+#: Factor of a tolerance by which an answer that says it is solved misses it: solvers take norms and sizes each in
+#: its own way.
+MISS_FACTOR = 10.0
+#: Times that tables and profiles can go by, and what they are.
+TIMES = {
+    "wall": "wall time of a call, the package's share included",
+    "processor": "processor time of a call, the package's share included",
+}
+WALL, PROCESSOR = TIMES
 #: Columns that name a problem.
 PROBLEM_COLUMNS = ["problem_file", "problem"]
 #: Columns of times, of which the median over repetitions is taken.
-TIME_COLUMNS = ("processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+TIME_COLUMNS = ("wall_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+
+
+def time_of(dataset: xr.Dataset) -> str:
+    """The time that order, tables and profiles of a comparison go by, one of `TIMES`."""
+    time = str(dataset.attrs.get("time", WALL))
+    return time if time in TIMES else WALL
 
 
 def attempts_of(dataset: xr.Dataset) -> Any:
-    """Data frame of all attempts, with ``exact``, ``claims``, ``false_claim`` and ``denied``; see ``by_problem``."""
+    """Data frame of all attempts, with what they say and what of it holds.
+
+    The column ``run_time`` is the time that the comparison goes by, see `TIMES`; ``wall_time`` the wall time.
+
+    Columns beside those of the table: ``exact``, ``claims``, ``uncertified`` and ``denied`` as in ``by_problem``, but
+    of one attempt; ``missed``, it claims to have solved the problem and misses the tolerance of a sweep.
+    """
     frame: Any = dataset.to_dataframe()
     certified, solved = frame["certified"] == 1, frame["claim"] == SOLVED
+    given = frame["solver_tolerance"]
     return frame.assign(
+        wall_time=frame["run_time"],
+        run_time=frame["processor_time" if time_of(dataset) == PROCESSOR else "run_time"],
         claims=solved,
         certified=certified,
         exact=frame["worst_residual"] <= EXACT_TOLERANCE,
-        false_claim=solved & ~certified,
+        uncertified=solved & ~certified,
+        missed=solved & (given > 0.0) & ~(frame["posed_residual"] <= MISS_FACTOR * given),
         denied=certified & ~solved,
     )
 
@@ -43,7 +68,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
     DataFrame
         Columns besides method, problem, ``size`` and ``kind``: ``claims``, every repetition claims to have solved the
         problem; ``certified`` and ``exact``, every repetition is certified, to the tolerance of the comparison and to
-        ``EXACT_TOLERANCE``; ``false_claim``, some repetition claims so and is not certified; ``denied``, some
+        ``EXACT_TOLERANCE``; ``uncertified``, some repetition claims so and is not certified; ``denied``, some
         repetition is certified but does not claim so; ``polished``, every answer is polished; ``run_time``, median over
         the repetitions [s], infinite unless certified; ``spread``, the longest over the shortest, NaN of one alone;
         medians of ``iterations`` and of the times in `TIME_COLUMNS` [s].
@@ -57,7 +82,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
         certified=("certified", "all"),
         exact=("exact", "all"),
         polished=("polished", "all"),
-        false_claim=("false_claim", "any"),
+        uncertified=("uncertified", "any"),
         denied=("denied", "any"),
         run_time=("run_time", "median"),
         shortest=("run_time", "min"),
@@ -97,7 +122,7 @@ def merit(problems: Any, method: MethodName, time_limit: float) -> tuple[float, 
     found = of_method(problems, method)
     times = found["run_time"].to_numpy(dtype=float)
     mean = shifted_geometric_mean(np.where(np.isfinite(times), times, time_limit), RUN_TIME_SHIFT)
-    return -float(found["certified"].mean()), mean, int(found["false_claim"].sum())
+    return -float(found["certified"].mean()), mean, int(found["uncertified"].sum())
 
 
 def headline(named: list[MethodName]) -> list[MethodName]:

@@ -1,8 +1,9 @@
-"""Run-time statistics: shifted geometric mean, and growth with the number of segments within one kind of problem."""
+"""Run-time statistics: shifted geometric mean, growth with the number of segments, and who waited for the processor."""
 
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -11,6 +12,9 @@ Array = NDArray[np.float64]
 RUN_TIME_SHIFT = 1e-3
 #: Least number of sizes for a fit of the growth, and least ratio of the largest to the smallest.
 SIZE_COUNT_MINIMUM, SIZE_RATIO_MINIMUM = 3, 1.5
+
+#: Part by which wall time exceeds processor time where a solver waited for the processor.
+WAITING_EXCESS = 0.2
 
 
 def shifted_geometric_mean(values: Array, shift: float) -> float:
@@ -30,6 +34,32 @@ def shifted_geometric_mean(values: Array, shift: float) -> float:
     3.0
     """
     return float(np.exp(np.mean(np.log(values + shift))) - shift)
+
+
+def waiting_solvers(dataset: xr.Dataset) -> dict[str, float]:
+    """Solvers whose wall time exceeds their processor time by more than `WAITING_EXCESS`: other work took their turn.
+
+    Parameters
+    ----------
+    dataset
+        Result of ``compare``.
+
+    Returns
+    -------
+    dict
+        Median of wall over processor time of calls with an answer, by solver; empty where solvers had more than one
+        thread.
+    """
+    if int(dataset.attrs.get("threads", 1)) != 1:
+        return {}
+    found = {}
+    ratios = dataset["run_time"].values / np.maximum(dataset["processor_time"].values, 1e-9)
+    answered = np.isfinite(ratios) & np.isfinite(dataset["worst_residual"].values)
+    for solver in dict.fromkeys(dataset["solver"].values.tolist()):
+        own = ratios[answered & (dataset["solver"].values == solver)]
+        if own.size and np.median(own) > 1.0 + WAITING_EXCESS:
+            found[str(solver)] = float(np.median(own))
+    return found
 
 
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:

@@ -41,7 +41,7 @@ class PublishedWork:
         places = [f"{before}{fields[name]}" for name, before in PLACES.items() if name in fields]
         said = [*places, *(fields[name] for name in ("year", "pages", "note") if name in fields)]
         said += [f"doi:{fields['doi']}"] if "doi" in fields else []
-        authors = fields.get("author", "").replace(" and ", ", ")
+        authors = fields.get("author", "").replace(" and others", " et al.").replace(" and ", ", ")
         head = f"{authors}: {fields['title']}" if authors else fields["title"]
         return f"{head}. {', '.join(said)}" if said else head
 

@@ -10,8 +10,11 @@ from typing import Any
 import xarray as xr
 
 from ....core.printable import printable, shortened
+from ....core.reading.json_text import parsed_json
+from ...compare.comparison_table import FORMAT as COMPARISON_FORMAT
 from ..model_name import MODEL_NAMES
 from .published_work import WORKS, PublishedWork
+from .solver_works import SOLVER_WORKS
 
 #: Keys of works by the attribute and the model that it names.
 MODELS: dict[str, dict[str, tuple[str, ...]]] = {
@@ -40,6 +43,8 @@ OWN = {
     "fe": "model of this package, see finite_elements.md of its documentation",
     "mixed_lubrication": "formula of this package, see mixed_ehl.md of its documentation",
 }
+
+OWN_SOLVER = "solver of this package, see solvers.md of its documentation"
 
 
 @dataclass(frozen=True)
@@ -84,6 +89,12 @@ def result_sources(tree: xr.DataTree) -> list[ResultSource]:
 
 def _of_node(node: xr.DataTree) -> Iterator[ResultSource]:
     attributes = node.attrs
+    if attributes.get("format") == COMPARISON_FORMAT:
+        yield from _solvers(attributes)
+        return
+    if "library_version" in attributes:
+        yield _library(attributes)
+        return
     if node.parent is None:
         yield ResultSource("ease-off and load distribution", "", _works("kolivand_2009"))
         yield from _pair(attributes)
@@ -124,6 +135,27 @@ def _pair(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
             yield ResultSource(
                 "pair, by its title", name, _works("bibel_1994" if name == "nasa-12x36" else "kolivand_2009")
             )
+
+
+def _library(attributes: Mapping[Any, Any]) -> ResultSource:
+    """The problem library, with what tells one file of it from another."""
+    part = _text(attributes, "title").rpartition("part ")[2]
+    checksum = _text(attributes, "checksum")
+    model = f"version {_text(attributes, 'library_version')}, part {part}"
+    remark = f"library of this package, checksum of the content {checksum}"
+    return ResultSource("contact problems", model, _works("kolivand_2009"), remark)
+
+
+def _solvers(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
+    """Solvers of a comparison, with their versions."""
+    try:
+        versions = parsed_json(str(attributes.get("solver_versions", "{}")))
+    except ValueError:
+        versions = {}
+    for name, number in versions.items() if isinstance(versions, dict) else ():
+        solver = shortened(printable(str(name)), TEXT_LENGTH_LIMIT)
+        remark = OWN_SOLVER if solver == "native" else ""
+        yield ResultSource("solver", f"{solver} {printable(str(number))}", SOLVER_WORKS.get(solver, ()), remark)
 
 
 def _oil(attributes: Mapping[Any, Any]) -> ResultSource:
