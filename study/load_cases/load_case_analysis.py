@@ -18,7 +18,7 @@ from ...cases.load_cases import has_own_misalignment, load_case_misalignment, re
 from ...cases.schema.case_schema import Case
 from ...cases.schema.load_case_table import LoadCase, named_load_cases
 from ...contact.evaluation.marking_print import checked_thickness
-from ...contact.solvers import Status, require_solver
+from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.errors import EaseoffError, InputError
 from ...core.stored_status import StoredStatus
@@ -29,6 +29,7 @@ from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
+from ..analysis.solver_options import require_solver_options
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
@@ -133,11 +134,11 @@ def analyze_load_cases(
     >>> tree["load_cases/max_pressure"].dims, tree["results/climb/loaded"].sizes["torque"]
     (('load_case',), 1)
     """
+    require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
     rows = _named(case, load_cases)
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
     exponents = checked_exponents(damage_exponents)
-    require_solver(solver)
     AnalysisSize.of(case, 1).require_memory()
     if marking is not None:
         checked_thickness(marking)
