@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...friction.operation import named_models
 from ..report.notes.ranges import range_notes
 from .friction_map_chart import chosen_condition, roughness_name
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, plain_axes
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, legend_of_curves, plain_axes
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .transmission_error_chart import two_cycles
 
@@ -27,7 +27,7 @@ AXES = {
     "temperature": "oil temperature [°C]",
     "roughness": "RMS roughness [µm]",
 }
-UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
+UNITS = {"speed": "1/min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
 PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 CURVE_COUNT_LIMIT = 5
@@ -35,7 +35,9 @@ ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, 
 EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
-def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
+def curves(
+    axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float], *, on_page: bool = True
+) -> None:
     """Draw a quantity along one operating condition, a curve for each value of another, the rest as given."""
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
     here = quantity.isel(fixed).transpose(by, along)
@@ -52,7 +54,7 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
     axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
         name_pairs(axes, quantity)
-    legend_beside(axes, how_many(chosen.size, here.sizes[by], by))
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, here.sizes[by], by))
 
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
@@ -79,7 +81,7 @@ def how_many(drawn: int, count: int, condition: str) -> str:
     return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
 
 
-def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> None:
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on_page: bool = True) -> None:
     """Draw the power loss over two mesh cycles as part of the input power, a curve a torque."""
     fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
     loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
@@ -93,7 +95,7 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> No
     axes.set_xlim(0, 2)
     axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
     axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
-    legend_beside(axes, how_many(chosen.size, torques.size, "torque"))
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
 
 
 def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
@@ -108,23 +110,14 @@ def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAx
     found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
     for axes, name in zip(found.axes, names, strict=True):
         if name == "cycle":
-            over_the_cycle(axes, friction, at)
+            over_the_cycle(axes, friction, at, on_page=found.on_page)
             title(axes, friction, at, ("torque",))
             continue
         by = COMPANION[name]
-        curves(axes, 100.0 * friction["efficiency"], name, by, at)
+        curves(axes, 100.0 * friction["efficiency"], name, by, at, on_page=found.on_page)
         axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
         title(axes, friction, at, (name, by))
     return found.figure
-
-
-def legend_beside(axes: Axes, heading: str) -> None:
-    """Legend to the right of the axes."""
-    legend = axes.legend(
-        fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-        handlelength=1.6, borderaxespad=0.4, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
-    )  # fmt: skip
-    legend.get_title().set_color(GREY)
 
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import xarray as xr
 
@@ -14,10 +14,14 @@ from .drawn_result import require_result, views
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .drawn_result import AxesChoice
+    from .drawn_result import AxesChoice, DrawnAxes
 
 
-def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+@overload
+def load_cases(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
+@overload
+def load_cases(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Pattern, pressure, transmission error, power loss and damage of load cases, a row each.
 
     Parameters
@@ -25,8 +29,9 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     tree
         Of ``study.analyze_load_cases``.
     axes
-        An Axes a panel: pattern, greatest pressure, peak to peak, and power loss and damage if the result has them; a
-        page of its own if left out.
+        An Axes a panel: pattern, greatest pressure, peak to peak, and power loss and damage if the result has
+        them; a page of its own if left out. With them nothing is returned; ``layout="constrained"`` of their
+        figure makes room.
 
     Raises
     ------
@@ -46,12 +51,19 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     with drawing(axes):
         from ...load_cases.load_case_chart import draw
 
-        return draw(tree, axes)
+        figure = draw(tree, axes)
+    return figure if axes is None else None
 
 
+@overload
+def sweep(
+    dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: None = None
+) -> Figure: ...
+@overload
+def sweep(dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
 def sweep(
     dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: AxesChoice = None
-) -> Figure:
+) -> Figure | None:
     """A picture of a sweep.
 
     Parameters
@@ -65,7 +77,8 @@ def sweep(
         Numbers to draw, a panel each: ``peak_to_peak``, ``max_pressure``, ``contact_ratio``,
         ``pattern_centre_lengthwise``, ``max_root_stress``, ``efficiency``; the first four of them if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -84,10 +97,15 @@ def sweep(
     with drawing(axes):
         from ..charts.sweep_chart import draw
 
-        return draw(dataset, picture, names, axes)
+        figure = draw(dataset, picture, names, axes)
+    return figure if axes is None else None
 
 
-def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
 
     Parameters
@@ -97,8 +115,8 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     parts
         ``places`` and, if it was asked for, ``grid``; both if left out.
     axes
-        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its own if
-        left out.
+        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its
+        own if left out. With them nothing is returned; ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -117,10 +135,15 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     with drawing(axes):
         from ...vh.vh_chart import draw
 
-        return draw(found, parts, axes)
+        figure = draw(found, parts, axes)
+    return figure if axes is None else None
 
 
-def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Wear of both flanks at the end, and depth, transmission error and pressure over the revolutions.
 
     Parameters
@@ -130,7 +153,8 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     parts
         Panels: ``pinion``, ``gear``, ``largest_depth``, ``peak_to_peak``, ``max_pressure``; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -152,10 +176,17 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     with drawing(axes):
         from ..charts.wear_chart import draw
 
-        return draw(history, parts, axes)
+        figure = draw(history, parts, axes)
+    return figure if axes is None else None
 
 
-def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def optimization(
+    tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure | None:
     """Optimised modification of the ease-off, and what it changes, in the worst assembly.
 
     Parameters
@@ -165,7 +196,8 @@ def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None,
     parts
         Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -186,4 +218,5 @@ def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None,
     with drawing(axes):
         from ..charts.flank_change_map import draw_optimization
 
-        return draw_optimization(tree, views(tree, "gear")[0], parts, axes)
+        figure = draw_optimization(tree, views(tree, "gear")[0], parts, axes)
+    return figure if axes is None else None
