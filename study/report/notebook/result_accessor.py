@@ -58,10 +58,11 @@ class ResultSummary:
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Key numbers as tables of pandas: ``unloaded``, ``loaded`` and ``friction``, or ``load_cases``.
+        """Key numbers as tables of pandas: ``unloaded``, ``misalignment``, ``supports``, ``loaded``, ``friction``.
 
-        A column bears the name of its variable and the unit in which people read it: angles are in degrees, torques in
-        N m. The result itself keeps rad and N mm.
+        Misalignment, supports and friction are there if the result has them; of load cases there is ``load_cases``
+        alone. A column bears the name of its variable and the unit in which people read it: angles are in degrees,
+        torques in N m. The result itself keeps rad and N mm. ``tables["loaded"].T`` has a row a number.
         """
         from .summary_frames import summary_frames
 
