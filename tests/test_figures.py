@@ -283,10 +283,10 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
     write_sweep(found, tmp_path / "sweep.nc")
     assert "sweep_curves" in plot.pictures(found)
     axes = Figure().subplots()
-    plot.sweep(found, "sweep_curves", names=["max_pressure"], axes=axes)
+    plot.sweep(found, "curves", names=["max_pressure"], axes=axes)
     assert axes.get_title(loc="left") == "greatest pressure [MPa]"
-    with pytest.raises(InputError, match="picture = 'sweep_map': must be one of sweep_curves"):
-        plot.sweep(found, "sweep_map")
+    with pytest.raises(InputError, match=r"picture = 'curvs': must be one of curves, .*did you mean 'curves'"):
+        plot.sweep(found, "curvs")
     assert file_prefix(found) == "nasa-12x36"
     done = call("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
     assert done.exit_code == 0, done.output

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, overload
 import xarray as xr
 
 from ....core.errors import InputError
+from ...sweep.sweep_file import is_sweep
 from ..drawing_style import drawing
 from .drawn_result import require_result, views
 
@@ -57,12 +58,18 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
 
 @overload
 def sweep(
-    dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: None = None
+    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: None = None
 ) -> Figure: ...
 @overload
-def sweep(dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
 def sweep(
-    dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: AxesChoice = None
+    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: DrawnAxes
+) -> None: ...
+def sweep(
+    dataset: xr.Dataset,
+    picture: str | None = None,
+    *,
+    names: str | Sequence[str] | None = None,
+    axes: AxesChoice = None,
 ) -> Figure | None:
     """A picture of a sweep.
 
@@ -71,8 +78,8 @@ def sweep(
     dataset
         Of ``easeoff.sweep`` or ``study.sweep.read_sweep``.
     picture
-        ``sweep_map`` over two grids, ``sweep_curves`` over one, ``sweep_pattern``, ``sweep_histograms`` of samples or
-        ``sweep_tornado`` of sensitivities; ``pictures`` says which a sweep has.
+        ``map`` over two grids, ``curves`` over one, ``pattern``, ``histograms`` of samples or ``tornado`` of
+        sensitivities; the first of them that the sweep has if left out. ``pictures`` lists them with ``sweep_`` before.
     names
         Numbers to draw, a panel each: ``peak_to_peak``, ``max_pressure``, ``contact_ratio``,
         ``pattern_centre_lengthwise``, ``max_root_stress``, ``efficiency``; the first four of them if left out.
@@ -91,9 +98,11 @@ def sweep(
     >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
     >>> easeoff.plot.pictures(found)
     ('sweep_curves', 'sweep_pattern')
-    >>> len(easeoff.plot.sweep(found, "sweep_curves", names="max_pressure").axes)
+    >>> len(easeoff.plot.sweep(found, "curves", names="max_pressure").axes)
     1
     """
+    if not isinstance(dataset, xr.Dataset) or not is_sweep(dataset):
+        raise InputError("dataset: must be of easeoff.sweep or study.sweep.read_sweep")
     with drawing(axes):
         from ..charts.sweep_chart import draw
 
