@@ -24,6 +24,7 @@ from ..case_in_mesh import CaseInMesh, checked_case
 from ..deviation_source import Deviated, Source
 from .contact_analysis import case_torques, contact_analysis
 from .friction_analysis import friction_settings, operation_of, with_friction
+from .shown_progress import shows_progress, told
 from .solver_options import require_solver_options
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from ...friction.operation import Array, Numbers, Roughness
 
 
+@shows_progress("analysis", "solve")
 def analyze(
     case: Case | str | Path,
     *,
@@ -52,7 +54,7 @@ def analyze(
     friction_feedback: bool | None = None,
     supports: LoadedSupports | str | Path | None = None,
     rounds: AssemblyRounds | None = None,
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -104,7 +106,8 @@ def analyze(
         How far the ease-off follows the assembly that the supports give under load, see ``MeshCycle.supported``; as the
         case says of its supports if left out.
     progress
-        Called after every solved torque and mesh position, then after every part of the friction.
+        ``True`` for a line that shows it; or a function, called after every solved torque and mesh position, then after
+        every part of the friction.
     stage
         Called with the name of what takes long before it begins: each elastic tooth, the loaded contact, the friction.
     **options
@@ -173,11 +176,11 @@ def analyze(
         solver=solver,
         supports=supports,
         rounds=rounds,
-        progress=progress,
+        progress=told(progress),
         **options,
     )
     if operation is None:
         return found.tree
     return with_friction(
-        found, operation, friction_model, feedback=feedback, solver=solver, progress=progress, stage=stage
+        found, operation, friction_model, feedback=feedback, solver=solver, progress=told(progress), stage=stage
     ).tree

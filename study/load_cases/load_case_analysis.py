@@ -29,6 +29,7 @@ from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
+from ..analysis.shown_progress import shows_progress, told
 from ..analysis.solver_options import require_solver_options
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
@@ -58,6 +59,7 @@ class LoadCaseStatus(StoredStatus):
     FAILED = 2
 
 
+@shows_progress("load cases", "solve")
 def analyze_load_cases(
     case: Case | str | Path,
     load_cases: Sequence[LoadCase] | str | Path | None = None,
@@ -77,7 +79,7 @@ def analyze_load_cases(
     friction_model: FrictionModel | None = None,
     friction_feedback: bool | None = None,
     damage_exponents: Sequence[float] = DAMAGE_EXPONENTS,
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -176,14 +178,14 @@ def analyze_load_cases(
                 edge_contact=edge_contact,
                 marking=marking,
                 solver=solver,
-                progress=progress,
+                progress=told(progress),
                 **options,
             )
             operation = operations[name]
             if operation is not None:
                 fed_back = bool(friction_feedback)
                 found = with_friction(
-                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=progress
+                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=told(progress)
                 )
             trees[name] = found.tree
         except EaseoffError as error:
