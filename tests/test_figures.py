@@ -23,6 +23,7 @@ from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 from easeoff.study.cli import main
 from easeoff.study.plot.charts.root_stress_chart import greatest_over_pairs
 from easeoff.study.plot.figures.picture_list import FURTHER_PICTURES, PICTURES
+from easeoff.study.plot.friction_map_chart import loaded_map
 from easeoff.study.plot.page import small_print
 from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
 from easeoff.study.plot.tooth_view import EDGE_NAME
@@ -252,6 +253,31 @@ def test_what_is_no_result_is_refused(wrong: Any) -> None:
     for draw in (plot.pressure, plot.friction_maps, plot.pictures):
         with pytest.raises(InputError, match="must be"):
             draw(wrong)
+
+
+def test_friction_maps_leave_out_what_has_no_pressure_and_have_colour_bars(tree: xr.DataTree) -> None:
+    friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset().isel(torque=2)
+    here = friction["friction_coefficient"].isel(torque=2, speed=0, temperature=0, roughness=0)
+    assert bool((here.notnull() & loaded["pressure"].isnull()).any())  # of edges
+    carried = here.where(loaded["pressure"] > 0.0)
+    assert loaded_map(loaded, here).values.size == int(carried.notnull().sum())
+    figure = plot.friction_maps(tree, torque=200.0, speed=500.0, quantities="friction_coefficient")
+    digits = figure.axes[0].get_title(loc="right").split(" to ")
+    np.testing.assert_allclose([float(one) for one in digits], [carried.min(), carried.max()], atol=1e-3)
+    assert [hasattr(axes, "_colorbar") for axes in figure.axes] == [False, True]
+
+
+def test_efficiency_marks_conditions_beyond_the_range_of_the_formula(tree: xr.DataTree) -> None:
+    changed = tree.copy()
+    share = 0.0 * changed["friction"]["extrapolated_share"]
+    share[{"speed": 0}] = 0.5
+    changed["friction"] = changed["friction"].to_dataset().assign(extrapolated_share=share)
+    axes = plot.efficiency(changed, parts="speed").axes[0]
+    marks = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(marks) == 2 * 3  # two a torque
+    for line in marks:
+        wanted = [500.0] if str(line.get_markerfacecolor()) == "white" else [1500.0]
+        assert line.get_xdata().tolist() == wanted
 
 
 # --- studies

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...friction.operation import named_models
-from ..report.notes.ranges import range_notes
+from ..report.notes.ranges import TOLD_SHARE, range_notes
 from .friction_map_chart import chosen_condition, roughness_name
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, legend_of_curves, plain_axes
 from .panel_grid import OwnAxes, chosen_parts, panels
@@ -36,9 +36,13 @@ EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small di
 
 
 def curves(
-    axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float], *, on_page: bool = True
+    axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, float], *, on_page: bool = True
 ) -> None:
-    """Draw a quantity along one operating condition, a curve for each value of another, the rest as given."""
+    """Draw the efficiency along one operating condition, a curve for each value of another, the rest as given.
+
+    Open marks: conditions where more than ``TOLD_SHARE`` of the power loss lies beyond the range of the formula.
+    """
+    quantity = 100.0 * friction["efficiency"]
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
     here = quantity.isel(fixed).transpose(by, along)
     order = np.argsort(here[along].values)
@@ -46,7 +50,13 @@ def curves(
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         label = value_name(quantity, by, int(index))
-        axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
+        x, y = here[along].values[order], here.values[index][order]
+        axes.plot(x, y, color=colour, linewidth=1.6, label=label)
+        if "extrapolated_share" in friction:
+            share = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order]
+            out = share >= TOLD_SHARE
+            axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
+            axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
     plain_axes(axes)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
@@ -105,7 +115,9 @@ def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAx
     varied = [name for name in AXES if friction.sizes[name] > 1]
     names = chosen_parts(["cycle", *varied], parts)
     rows, columns = -(-len(names) // 2), min(2, len(names))
-    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction))])
+    marks = "open marks: 5 % of the power loss or more is beyond the range of the formula"
+    beyond = [marks] if bool((friction.get("extrapolated_share", xr.DataArray(0.0)) >= TOLD_SHARE).any()) else []
+    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction)), *beyond])
     shape, count = (rows, columns), len(names)
     found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
     for axes, name in zip(found.axes, names, strict=True):
@@ -114,7 +126,7 @@ def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAx
             title(axes, friction, at, ("torque",))
             continue
         by = COMPANION[name]
-        curves(axes, 100.0 * friction["efficiency"], name, by, at, on_page=found.on_page)
+        curves(axes, friction, name, by, at, on_page=found.on_page)
         axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
         title(axes, friction, at, (name, by))
     return found.figure
