@@ -79,6 +79,10 @@ _MODULES = {
 }
 
 
+#: Folders with public names, in which a name is looked for that is not here.
+_FOLDERS = ("study", "cases", "contact", "geometry", "friction", "study.plot", "study.sweep", "verification")
+
+
 def _register_accessor() -> None:
     """Give every tree and dataset of xarray the attribute ``easeoff``, which imports the accessor on first use."""
     import xarray as xr
@@ -114,4 +118,15 @@ def __getattr__(name: str) -> Any:
         return import_module("importlib.metadata").version(__name__)
     if name in __all__:
         return import_module(f".{name}", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{_hint(name)}")
+
+
+def _hint(name: str) -> str:
+    """Where a name of a sub-package is, or the nearest name, as the end of a phrase."""
+    if name.startswith("_"):
+        return ""
+    wanted = {"report": "write_report"}.get(name, name)
+    for folder in _FOLDERS:
+        if wanted in import_module(f".{folder}", __name__).__all__:
+            return f": it is {__name__}.{folder.replace('study.plot', 'plot')}.{wanted}"
+    return import_module(".core.suggestion", __name__).suggestion(name, __all__)

@@ -257,7 +257,7 @@ def test_pictures_are_the_functions_of_the_package(tree: xr.DataTree, monkeypatc
     assert calls == [(tree, 100.0, "q")]
     assert plot.pressure.__doc__ == "Draw the pressure."
     assert str(inspect.signature(plot.pressure)).startswith("(torque: ")
-    with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure"):
+    with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure; did you mean 'pressure'"):
         plot.presure()
 
 

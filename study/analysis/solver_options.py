@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from inspect import Parameter, signature
 from typing import Any
 
+from pydantic import BaseModel
+
 from ...cases.schema.case_schema import ComplianceTable, ContactTable
 from ...contact.solvers import SOLVERS, SolverChoice, require_solver
 from ...contact.solvers.solver_limits import Limits
@@ -17,7 +19,7 @@ from ...core.suggestion import suggestion
 #: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.
 OPTIONS = ("tolerance", "time_limit", "max_iterations", "polish", "form")
 #: Tables of a case whose keys are no arguments.
-TABLES = {"contact": ContactTable, "compliance": ComplianceTable}
+TABLES: Mapping[str, type[BaseModel]] = {"contact": ContactTable, "compliance": ComplianceTable}
 #: Likeness of an argument and a name that may be a setting of a solver, and least length of such a name.
 LIKENESS, LENGTH_MINIMUM = 0.8, 5
 

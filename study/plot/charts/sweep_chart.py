@@ -196,7 +196,7 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxe
         plain_axes(axes)
         axes.grid(False)
         for axis, at in ((axes.xaxis, x), (axes.yaxis, y)):
-            axis.set_major_locator(FixedLocator(at) if at.size <= TICK_LIMIT else MaxNLocator(5))
+            axis.set_major_locator(FixedLocator(at.tolist()) if at.size <= TICK_LIMIT else MaxNLocator(5))
         axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_ylabel(_label(dataset, up), fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")

@@ -67,14 +67,16 @@ def on_own_axes(axes: Any) -> Iterator[None]:
 def _texts(axes: Axes) -> list[Text]:
     """Texts of axes but the labels of ticks, which have a size of their own."""
     ticks = {id(text) for axis in (axes.xaxis, axes.yaxis) for text in axis.findobj(Text) if text is not axis.label}
-    return [text for text in axes.findobj(Text) if isinstance(text, Text) and id(text) not in ticks]
+    found: list[Any] = axes.findobj(Text)
+    return [text for text in found if id(text) not in ticks]
 
 
 def _tick_size(axes: Axes, name: str) -> float:
     """Size of the labels of ticks [pt]."""
-    size = axes.xaxis.get_tick_params() if name == "x" else axes.yaxis.get_tick_params()
-    words = size.get("labelsize", rcParams[f"{name}tick.labelsize"])
-    return float(FontProperties(size=words).get_size_in_points())
+    axis, usual = (
+        (axes.xaxis, rcParams["xtick.labelsize"]) if name == "x" else (axes.yaxis, rcParams["ytick.labelsize"])
+    )
+    return float(FontProperties(size=axis.get_tick_params().get("labelsize", usual)).get_size_in_points())
 
 
 def _inches(axes: Axes) -> tuple[float, float]:

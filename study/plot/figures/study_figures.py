@@ -101,7 +101,7 @@ def sweep(
     >>> len(easeoff.plot.sweep(found, "curves", names="max_pressure").axes)
     1
     """
-    if not isinstance(dataset, xr.Dataset) or not is_sweep(dataset):
+    if not is_sweep(dataset):
         raise InputError("dataset: must be of easeoff.sweep or study.sweep.read_sweep")
     with drawing(axes):
         from ..charts.sweep_chart import draw

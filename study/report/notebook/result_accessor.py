@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
+from ....core.suggestion import suggestion
 from ...result_layout import VARIABLES, faults, load_case_faults
 
 if TYPE_CHECKING:
@@ -109,7 +110,8 @@ class ResultPlots:
             raise AttributeError(name)
         functions = _pictures()
         if name not in functions:
-            raise AttributeError(f"there is no picture {name!r}; there are: {', '.join(sorted(functions))}")
+            known = ", ".join(sorted(functions))
+            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, functions)}")
         function = functions[name]
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)

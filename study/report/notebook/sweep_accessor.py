@@ -74,7 +74,8 @@ class SweepPlots:
         """Draw a picture; arguments as of ``easeoff.plot.sweep``."""
         from ...plot.figures.study_figures import sweep
 
-        return sweep(self._dataset, picture, **options)
+        figure: Figure | None = sweep(self._dataset, picture, **options)
+        return figure
 
     def __dir__(self) -> list[str]:
         from ...plot.charts.sweep_chart import short_names
