@@ -256,7 +256,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "mending": ("1", "1 where a programme began at the answer of the one before, which broke a limit"),
     "programme_status": ("", "status of the programme in the words of CVXPY"),
     # friction
-    "speed": ("rpm", "rotational speed of the pinion"),
+    "speed": ("1/min", "rotational speed of the pinion"),
     "temperature": ("degC", "temperature of the oil at the inlet of the contact"),
     "roughness": ("um", "RMS roughness Rq of the flanks; of unlike ones the quadratic mean"),
     "roughness_pinion": ("um", "RMS roughness Rq of the pinion's flank"),

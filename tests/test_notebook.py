@@ -101,7 +101,7 @@ def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree,
     np.testing.assert_array_equal(loaded["harmonic 2 [urad]"], numbers["harmonic"].sel(order=2))
     assert tables["unloaded"]["unloaded_peak_to_peak [urad]"].item() == numbers["unloaded_peak_to_peak"].item()
     friction = tables["friction"]
-    assert friction.index.names == ["torque [N m]", "speed [rpm]", "temperature [degC]", "roughness [um]"]
+    assert friction.index.names == ["torque [N m]", "speed [1/min]", "temperature [degC]", "roughness [um]"]
     np.testing.assert_array_equal(friction["efficiency"], numbers["efficiency"].values.ravel())
     assert {name for table in tables.values() for name in table if "[rad" in name or "[N mm" in name} == set()
     assert sum(map(len, (table.columns for table in tables.values()))) >= len(numbers.data_vars)

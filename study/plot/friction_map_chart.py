@@ -239,7 +239,7 @@ def draw(
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     rough = roughness_name(friction, index["roughness"])
     told = (
-        f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
+        f"{torque_name(at['torque'])}, {at['speed']:g} 1/min, "
         f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
     note = " · ".join([told, *in_print(range_notes(friction, index))])

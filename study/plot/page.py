@@ -31,7 +31,7 @@ HEADER, FOOTER = 0.60, 0.40  # heights [in]
 SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
 SEPARATOR = " · "
 HELD = "\0"  # a blank at which no line ends
-BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:µm|mm|MPa|N m|/ min|°C|%))")
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:µm|mm|MPa|N m|1/min|°C|%))")
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.

@@ -19,7 +19,13 @@ if TYPE_CHECKING:
 CONDITIONS = ("torque", "speed", "temperature", "roughness")
 TORQUE = "torque [N m]"
 #: Units of the data that nobody reads, and what they are shown in: unit and factor.
-READ_UNITS = {"rad": ("deg", math.degrees(1.0)), "N mm": ("N m", 1e-3), "1": ("", 1.0), "": ("", 1.0)}
+READ_UNITS = {
+    "rad": ("deg", math.degrees(1.0)),
+    "N mm": ("N m", 1e-3),
+    "rpm": ("1/min", 1.0),
+    "1": ("", 1.0),
+    "": ("", 1.0),
+}
 
 
 def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:

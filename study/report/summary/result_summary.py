@@ -60,7 +60,7 @@ def efficiencies(friction: xr.Dataset) -> str:
         table += f"\n... and {left} more in the group friction"
         known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
-            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} / min, {row[2]} degC, {row[3]} um"
+            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
     return table
 
 
