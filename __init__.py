@@ -129,4 +129,4 @@ def _hint(name: str) -> str:
     for folder in _FOLDERS:
         if wanted in import_module(f".{folder}", __name__).__all__:
             return f": it is {__name__}.{folder.replace('study.plot', 'plot')}.{wanted}"
-    return import_module(".core.suggestion", __name__).suggestion(name, __all__)
+    return str(import_module(".core.suggestion", __name__).suggestion(name, __all__))

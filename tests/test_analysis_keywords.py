@@ -19,7 +19,7 @@ COPY = r'it is a key of the case\'s \[{0}\]: .*case\.{0}\.model_copy\(update={{"
     ("given", "said"),
     [
         ({"torque": 100.0}, r"^torque = 100: must be an argument of analyze .*; did you mean 'torques'\?$"),
-        ({"suports": "axle-fm-11x41"}, "^suports = 'axle-fm-11x41': .*; did you mean 'supports'"),
+        ({"suports_": "axle-fm-11x41"}, "^suports_ = 'axle-fm-11x41': .*; did you mean 'supports'"),
         ({"time_limt": 1.0}, "did you mean 'time_limit'"),
         ({"xyz": 1}, "native takes tolerance, time_limit, max_iterations, polish, form, method$"),
         ({"mesh_positions": 8}, COPY.format("contact", "mesh_positions")),
@@ -38,7 +38,7 @@ def test_an_unknown_keyword_is_refused_before_any_work(given: dict[str, Any], sa
 
 def test_load_cases_suggest_their_own_arguments() -> None:
     with pytest.raises(InputError, match=r"argument of analyze_load_cases .*did you mean 'temperature'"):
-        analyze_load_cases("nasa-12x36", [LoadCase(torque=100.0)], temperatur=90.0)
+        analyze_load_cases("nasa-12x36", [LoadCase(torque=100.0)], temperaturee=90.0)
 
 
 @pytest.mark.parametrize("setting", ["presolve", "eps_abs", "max_iter", "rho", "verbose", "scaling", "seed", "polish"])

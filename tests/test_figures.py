@@ -269,7 +269,7 @@ def test_friction_maps_leave_out_what_has_no_pressure_and_have_colour_bars(tree:
 
 def test_efficiency_marks_conditions_beyond_the_range_of_the_formula(tree: xr.DataTree) -> None:
     changed = tree.copy()
-    share = 0.0 * changed["friction"]["extrapolated_share"]
+    share = 0.0 * changed["friction"].to_dataset()["extrapolated_share"]
     share[{"speed": 0}] = 0.5
     changed["friction"] = changed["friction"].to_dataset().assign(extrapolated_share=share)
     axes = plot.efficiency(changed, parts="speed").axes[0]
@@ -277,7 +277,7 @@ def test_efficiency_marks_conditions_beyond_the_range_of_the_formula(tree: xr.Da
     assert len(marks) == 2 * 3  # two a torque
     for line in marks:
         wanted = [500.0] if str(line.get_markerfacecolor()) == "white" else [1500.0]
-        assert line.get_xdata().tolist() == wanted
+        assert np.asarray(line.get_xdata()).tolist() == wanted
 
 
 # --- studies

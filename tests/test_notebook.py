@@ -138,7 +138,7 @@ def test_misalignment_and_supports_are_tables(held: xr.DataTree) -> None:
     tables = held.easeoff.summary().tables
     assert list(tables) == ["unloaded", "misalignment", "supports", "loaded"]
     moved, supports = tables["misalignment"], tables["supports"]
-    assert moved.index.tolist() == [0.0, *held["loaded/torque"].values]
+    assert moved.index.tolist() == [0.0, *held["loaded"].to_dataset()["torque"].values.tolist()]
     group = held["misalignment"].to_dataset().mean("mesh_position")
     np.testing.assert_allclose(moved["P [mm]"].iloc[1:], group["pinion_axial"])
     np.testing.assert_allclose(moved["Sigma [deg]"].iloc[1:], np.degrees(group["shaft_angle"]))

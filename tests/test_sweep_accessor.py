@@ -42,7 +42,7 @@ def test_pictures_by_short_names(found: xr.Dataset) -> None:
     assert isinstance(first, Figure)
     assert [axes.get_title(loc="left") for axes in first.axes] == [axes.get_title(loc="left") for axes in named.axes]
     with pytest.raises(AttributeError, match="did you mean 'pattern'"):
-        found.easeoff.plot.patern()
+        found.easeoff.plot.pattrn()
 
 
 def test_a_map_marks_every_point_and_ticks_the_swept_values(found: xr.Dataset) -> None:
@@ -50,7 +50,7 @@ def test_a_map_marks_every_point_and_ticks_the_swept_values(found: xr.Dataset) -
     easeoff.plot.sweep(found, "map", names="peak_to_peak", axes=axes)
     assert sorted(axes.get_xticks()) == sorted(found["E"].values)
     assert sorted(axes.get_yticks()) == sorted(found["P"].values)
-    assert sorted(zip(*axes.lines[0].get_data(), strict=True)) == [
+    assert sorted(map(tuple, axes.lines[0].get_xydata().tolist())) == [
         (e, p) for e in found["E"].values for p in (0.0, 0.02)
     ]
 
@@ -62,7 +62,9 @@ def test_a_pattern_ends_at_the_flank(found: xr.Dataset) -> None:
     assert ellipses
     (left, bottom), (right, top) = figure.axes[0].transData.transform([(0.0, 0.0), (1.0, 1.0)])
     for one in ellipses:
-        drawn = one.get_tightbbox().padded(-1.0)
+        box = one.get_tightbbox()
+        assert box is not None
+        drawn = box.padded(-1.0)
         assert left <= drawn.x0 < drawn.x1 <= right
         assert bottom <= drawn.y0 < drawn.y1 <= top
 

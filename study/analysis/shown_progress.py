@@ -45,8 +45,10 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
         def showing(*args: P.args, **kwargs: P.kwargs) -> R:
             given: Any = kwargs
             progress = given.get("progress")
+            if progress is False:
+                given["progress"] = progress = None
             if progress is not True:
-                if progress is not None and progress is not False and not callable(progress):
+                if progress is not None and not callable(progress):
                     words = "must be True, False, or a function that is called after every step"
                     raise InputError(f"progress = {shown(progress)}: {words}")
                 return function(*args, **kwargs)

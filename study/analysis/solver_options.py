@@ -52,7 +52,7 @@ def require_solver_options(options: Mapping[str, Any], solver: SolverChoice, fun
     ...     require_solver_options({"torque": 100.0}, "auto", analyze)
     ... except InputError as error:
     ...     print(str(error).partition(";")[0])
-    torque = 100.0: must be an argument of analyze or an option of its solver
+    torque = 100: must be an argument of analyze or an option of its solver
     """
     name = require_solver(solver)
     Limits(*(options.get(limit) for limit in OPTIONS[:3]))
