@@ -42,7 +42,7 @@ def test_pictures_by_short_names(found: xr.Dataset) -> None:
     assert isinstance(first, Figure)
     assert [axes.get_title(loc="left") for axes in first.axes] == [axes.get_title(loc="left") for axes in named.axes]
     with pytest.raises(AttributeError, match="did you mean 'pattern'"):
-        found.easeoff.plot.pattrn()
+        found.easeoff.plot.patterns()
 
 
 def test_a_map_marks_every_point_and_ticks_the_swept_values(found: xr.Dataset) -> None:
