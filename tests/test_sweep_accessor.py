@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
@@ -50,7 +51,7 @@ def test_a_map_marks_every_point_and_ticks_the_swept_values(found: xr.Dataset) -
     easeoff.plot.sweep(found, "map", names="peak_to_peak", axes=axes)
     assert sorted(axes.get_xticks()) == sorted(found["E"].values)
     assert sorted(axes.get_yticks()) == sorted(found["P"].values)
-    assert sorted(map(tuple, axes.lines[0].get_xydata().tolist())) == [
+    assert sorted(map(tuple, np.asarray(axes.lines[0].get_xydata()).tolist())) == [
         (e, p) for e in found["E"].values for p in (0.0, 0.02)
     ]
 
