@@ -14,7 +14,7 @@ efficiency), ``cases`` (case files), ``study`` (reports, wear, comparison of sol
 ``verification`` (independent checks). All are imported on first use.
 
 Every ``xarray.DataTree`` has the accessor ``easeoff``: ``tree.easeoff.summary()`` and so on, see
-``easeoff.study.ResultAccessor``.
+``easeoff.study.ResultAccessor``; every ``xarray.Dataset`` that of a sweep, see ``easeoff.study.SweepAccessor``.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .study.analysis.case_analysis import analyze
     from .study.design.optimization import optimize
     from .study.report.notebook.result_accessor import ResultAccessor
+    from .study.report.notebook.sweep_accessor import SweepAccessor
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
 
@@ -78,8 +79,12 @@ _MODULES = {
 }
 
 
+#: Folders with public names, in which a name is looked for that is not here.
+_FOLDERS = ("study", "cases", "contact", "geometry", "friction", "study.plot", "study.sweep", "verification")
+
+
 def _register_accessor() -> None:
-    """Give every ``xarray.DataTree`` the attribute ``easeoff``, which imports the accessor on first use."""
+    """Give every tree and dataset of xarray the attribute ``easeoff``, which imports the accessor on first use."""
     import xarray as xr
 
     def accessor(tree: xr.DataTree) -> ResultAccessor:
@@ -87,7 +92,13 @@ def _register_accessor() -> None:
 
         return ResultAccessor(tree)
 
+    def sweep_accessor(dataset: xr.Dataset) -> SweepAccessor:
+        from .study.report.notebook.sweep_accessor import SweepAccessor
+
+        return SweepAccessor(dataset)
+
     xr.register_datatree_accessor("easeoff")(accessor)  # type: ignore[no-untyped-call]
+    xr.register_dataset_accessor("easeoff")(sweep_accessor)  # type: ignore[no-untyped-call]
 
 
 fence()
@@ -107,4 +118,15 @@ def __getattr__(name: str) -> Any:
         return import_module("importlib.metadata").version(__name__)
     if name in __all__:
         return import_module(f".{name}", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{_hint(name)}")
+
+
+def _hint(name: str) -> str:
+    """Where a name of a sub-package is, or the nearest name, as the end of a phrase."""
+    if name.startswith("_"):
+        return ""
+    wanted = {"report": "write_report"}.get(name, name)
+    for folder in _FOLDERS:
+        if wanted in import_module(f".{folder}", __name__).__all__:
+            return f": it is {__name__}.{folder.replace('study.plot', 'plot')}.{wanted}"
+    return str(import_module(".core.suggestion", __name__).suggestion(name, __all__))

@@ -258,7 +258,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "mending": ("1", "1 where a programme began at the answer of the one before, which broke a limit"),
     "programme_status": ("", "status of the programme in the words of CVXPY"),
     # friction
-    "speed": ("rpm", "rotational speed of the pinion"),
+    "speed": ("1/min", "rotational speed of the pinion"),
     "temperature": ("degC", "temperature of the oil at the inlet of the contact"),
     "roughness": ("um", "RMS roughness Rq of the flanks; of unlike ones the quadratic mean"),
     "roughness_pinion": ("um", "RMS roughness Rq of the pinion's flank"),
@@ -279,7 +279,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     ),
     "film_thickness": ("um", "least thickness of the oil film between smooth flanks"),
     "lambda_ratio": ("1", "least film thickness over the composite roughness"),
-    "friction_coefficient": ("1", "coefficient of sliding friction"),
+    "friction_coefficient": (
+        "1",
+        "coefficient of sliding friction; of an edge, which has no pressure, that of its whole strip",
+    ),
     "formula_flags": ("", "where the formula's arguments were clamped or lie outside its data"),
     "formula_flag": ("", "flag of the formula's range, one of those of formula_flags"),
     "extrapolated_share": ("1", "part of the power loss where an input of the friction formula is beyond its range"),

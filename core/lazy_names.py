@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
+from .suggestion import suggestion
+
 
 def lazy_names(
     package: str, origins: Mapping[str, Sequence[str]], folders: Sequence[str] = ()
@@ -35,7 +37,8 @@ def lazy_names(
             return getattr(import_module(modules[name], package), name)
         if name in folders:
             return import_module(f".{name}", package)
-        raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        near = "" if name.startswith("_") else suggestion(name, [*modules, *folders])
+        raise AttributeError(f"module {package!r} has no attribute {name!r}{near}")
 
     def listed() -> list[str]:
         return sorted([*modules, *folders, "__all__", "__doc__", "__file__", "__name__", "__path__"])

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
     from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
+    from .report.notebook.sweep_accessor import SweepAccessor, SweepPlots, SweepSummary
     from .report.notes.plausibility import plausibility
     from .report.summary.result_summary import result_summary
     from .report.summary_sheet import SummarySheet, summary_sheet
@@ -44,6 +45,9 @@ __all__ = [
     "ResultPlots",
     "ResultSummary",
     "SummarySheet",
+    "SweepAccessor",
+    "SweepPlots",
+    "SweepSummary",
     "WearLaw",
     "analyze_load_cases",
     "compare",
@@ -85,6 +89,9 @@ _MODULES = {
     "ResultPlots": ".report.notebook.result_accessor",
     "ResultSummary": ".report.notebook.result_accessor",
     "SummarySheet": ".report.summary_sheet",
+    "SweepAccessor": ".report.notebook.sweep_accessor",
+    "SweepPlots": ".report.notebook.sweep_accessor",
+    "SweepSummary": ".report.notebook.sweep_accessor",
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",

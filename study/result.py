@@ -88,6 +88,8 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     if source.suffix == ".toml":
         raise InputError(f"{source} is not a netCDF file; of a case make a result: 'easeoff run {source} -o FILE'")
     tree = read_tree(source)
+    if "sweep_schema_version" in tree.attrs:
+        raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
     found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
     if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
         raise InputError(

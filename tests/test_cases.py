@@ -27,6 +27,24 @@ def test_shipped_cases_make_a_pair(name: str) -> None:
     assert gear_pair(case).assembly.ratio > 1.0
 
 
+def test_a_copy_with_a_dict_for_a_table_is_refused_with_the_way_to_do_it() -> None:
+    case = read_case("nasa-12x36")
+    recipe = r"copy it too: .*'contact': case\.contact\.model_copy\(update=\{'mesh_positions': \.\.\.\}\)"
+    with pytest.raises(InputError, match=recipe):
+        case.model_copy(update={"contact": {"mesh_positions": 8}})
+    copied = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 8})})
+    assert copied.contact.mesh_positions == 8
+
+
+def test_a_case_shows_itself_in_a_few_lines() -> None:
+    case = read_case("fm-11x41").model_copy(update={"title": "<b>mine</b>"})
+    page = case._repr_html_()
+    assert "<td>11 x 41</td>" in page
+    assert "<td>50, 250, 500 N m at the pinion</td>" in page
+    assert "&lt;b&gt;mine&lt;/b&gt;" in page
+    assert len(page) < 2000
+
+
 def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
     case = parse_case(
         changed(r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\nmodified_roll_6d = 0.6")

@@ -23,8 +23,10 @@ from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 from easeoff.study.cli import main
 from easeoff.study.plot.charts.root_stress_chart import greatest_over_pairs
 from easeoff.study.plot.figures.picture_list import FURTHER_PICTURES, PICTURES
+from easeoff.study.plot.friction_map_chart import loaded_map
 from easeoff.study.plot.page import small_print
 from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
+from easeoff.study.plot.tooth_view import EDGE_NAME
 from easeoff.study.sweep import write_sweep
 
 COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 13, "profile_nodes": 9}
@@ -120,11 +122,11 @@ def test_panels_come_on_a_page_or_on_axes_of_ones_own(
     assert len(shown) == count
     figure = Figure()
     grid = figure.subplots(count, 1, squeeze=False)
-    assert draw(stressed, **options, axes=grid if count > 1 else grid[0, 0]) is figure
+    assert draw(stressed, **options, axes=grid if count > 1 else grid[0, 0]) is None
     assert not figure.texts  # no heading, no small print
     for own, of_page in zip(grid[:, 0], shown, strict=True):
         assert own.has_data()
-        assert own.get_title(loc="left") == of_page.get_title(loc="left")
+        assert own.get_title(loc="left").strip() == of_page.get_title(loc="left") or not of_page.get_title(loc="left")
         assert len(own.lines) == len(of_page.lines)
         assert len(own.collections) == len(of_page.collections)
     with pytest.raises(InputError, match=rf"axes = {count + 1} of Axes: must be "):
@@ -135,11 +137,59 @@ def test_axes_of_a_subfigure_keep_the_settings_of_the_caller(tree: xr.DataTree) 
     figure = Figure()
     left, right = np.ravel(np.array(figure.subfigures(1, 2), dtype=object))
     with matplotlib.rc_context({"lines.linestyle": ":"}):
-        assert plot.load_sharing(tree, torque=50.0, axes=left.subplots()) is figure
+        plot.load_sharing(tree, torque=50.0, axes=left.subplots())
         page = plot.load_sharing(tree, torque=50.0)
     assert {line.get_linestyle() for line in left.axes[0].lines} == {":"}
     assert {line.get_linestyle() for line in page.axes[0].lines} == {"-"}
     assert right.axes == []
+
+
+def own_grid(layout: Any) -> tuple[Figure, Any]:
+    """Four panels of the default size."""
+    figure = Figure(layout=layout)
+    return figure, figure.subplots(2, 2)
+
+
+@pytest.mark.parametrize("layout", [None, "constrained"])
+def test_nothing_is_cut_off_or_covered_in_panels_of_ones_own(tree: xr.DataTree, layout: Any) -> None:
+    figure, axes = own_grid(layout)
+    plot.transmission_error(tree, parts="loaded", axes=axes[0, 0])
+    plot.pressure(tree, torque=100.0, member="gear", axes=axes[0, 1])
+    plot.ease_off(tree, axes=axes[1, 0])
+    plot.efficiency(tree, parts="speed", axes=axes[1, 1])
+    figure.draw_without_rendering()
+    for curves in (axes[0, 0], axes[1, 1]):
+        legend, box = curves.get_legend().get_window_extent(), curves.get_window_extent()
+        assert box.x0 <= legend.x0 < legend.x1 <= box.x1
+        assert box.y0 <= legend.y0 < legend.y1 <= box.y1 + 1.0
+        highest = max(float(np.max(line.get_ydata())) for line in curves.lines)
+        assert curves.transData.transform((0.0, highest))[1] <= legend.y0
+    (bar,) = (one for one in figure.axes if hasattr(one, "_colorbar"))
+    for flank in (axes[0, 1], axes[1, 0]):
+        names = {text.get_text(): text.get_window_extent() for text in flank.texts if text.get_gid() == EDGE_NAME}
+        assert sorted(names) == ["heel", "root", "tip", "toe"]
+        assert all(not name.overlaps(bar.get_window_extent()) for name in names.values())
+        ticks = [text.get_window_extent() for text in flank.get_yticklabels() if text.get_text()]
+        assert ticks
+        assert all(not names["toe"].overlaps(tick) for tick in ticks)
+
+
+def test_panels_of_ones_own_name_the_quantity_in_the_sizes_of_their_figure(tree: xr.DataTree) -> None:
+    for size in (7.0, 14.0):
+        with matplotlib.rc_context({"font.size": size}):
+            axes = own_grid(None)[1]
+            axes[0, 0].set_title("mine", fontsize=5.0)
+            plot.transmission_error(tree, parts="loaded", axes=axes[0, 0])
+            plot.ease_off(tree, axes=axes[0, 1])
+        assert axes[0, 0].get_title() == "mine"
+        assert axes[0, 0].title.get_fontsize() == 5.0
+        assert axes[0, 0].get_title(loc="left") == "transmission error"
+        assert axes[0, 0].get_ylabel() == "under load [µrad]"
+        assert axes[0, 1].get_title(loc="left") == "ease-off [µm]"
+        for own in axes[0]:
+            assert own._left_title.get_fontsize() == pytest.approx(size)
+            assert own.xaxis.label.get_fontsize() == pytest.approx(size, rel=0.2)
+            assert own.xaxis.get_ticklabels()[0].get_fontsize() == pytest.approx(size, rel=0.2)
 
 
 def test_a_torque_draws_its_own_values(tree: xr.DataTree) -> None:
@@ -205,6 +255,31 @@ def test_what_is_no_result_is_refused(wrong: Any) -> None:
             draw(wrong)
 
 
+def test_friction_maps_leave_out_what_has_no_pressure_and_have_colour_bars(tree: xr.DataTree) -> None:
+    friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset().isel(torque=2)
+    here = friction["friction_coefficient"].isel(torque=2, speed=0, temperature=0, roughness=0)
+    assert bool((here.notnull() & loaded["pressure"].isnull()).any())  # of edges
+    carried = here.where(loaded["pressure"] > 0.0)
+    assert loaded_map(loaded, here).values.size == int(carried.notnull().sum())
+    figure = plot.friction_maps(tree, torque=200.0, speed=500.0, quantities="friction_coefficient")
+    digits = figure.axes[0].get_title(loc="right").split(" to ")
+    np.testing.assert_allclose([float(one) for one in digits], [carried.min(), carried.max()], atol=1e-3)
+    assert [hasattr(axes, "_colorbar") for axes in figure.axes] == [False, True]
+
+
+def test_efficiency_marks_conditions_beyond_the_range_of_the_formula(tree: xr.DataTree) -> None:
+    changed = tree.copy()
+    share = 0.0 * changed["friction"].to_dataset()["extrapolated_share"]
+    share[{"speed": 0}] = 0.5
+    changed["friction"] = changed["friction"].to_dataset().assign(extrapolated_share=share)
+    axes = plot.efficiency(changed, parts="speed").axes[0]
+    marks = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(marks) == 2 * 3  # two a torque
+    for line in marks:
+        wanted = [500.0] if str(line.get_markerfacecolor()) == "white" else [1500.0]
+        assert np.asarray(line.get_xdata()).tolist() == wanted
+
+
 # --- studies
 
 
@@ -213,7 +288,9 @@ def test_load_cases_of_both_flanks_are_drawn_into_their_folders(tmp_path: Path) 
     rows = [LoadCase(name="climb", torque=100.0), LoadCase(name="brake", torque=50.0, flank="coast")]
     tree = analyze_load_cases(coarse(), rows)
     assert plot.pictures(tree) == ("load_cases",)
-    assert len(plot.load_cases(tree, axes=Figure().subplots(1, 3)).axes) == 3
+    axes = Figure().subplots(1, 3)
+    plot.load_cases(tree, axes=axes)
+    assert all(one.has_data() for one in axes)
     written = plot.write_pictures(tree, tmp_path, names=["load_cases", "pressure"])
     assert [path.relative_to(tmp_path).as_posix() for path in written] == [
         "nasa-12x36-load_cases.png",
@@ -231,10 +308,11 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
     found = easeoff.sweep(coarse(), {"E": [-0.02, 0.02], "flank": ["drive", "coast"]}, torques=[100.0])
     write_sweep(found, tmp_path / "sweep.nc")
     assert "sweep_curves" in plot.pictures(found)
-    figure = plot.sweep(found, "sweep_curves", names=["max_pressure"], axes=Figure().subplots())
-    assert figure.axes[0].get_title(loc="left") == "greatest pressure [MPa]"
-    with pytest.raises(InputError, match="picture = 'sweep_map': must be one of sweep_curves"):
-        plot.sweep(found, "sweep_map")
+    axes = Figure().subplots()
+    plot.sweep(found, "curves", names=["max_pressure"], axes=axes)
+    assert axes.get_title(loc="left") == "greatest pressure [MPa]"
+    with pytest.raises(InputError, match=r"picture = 'curvs': must be one of curves, .*did you mean 'curves'"):
+        plot.sweep(found, "curvs")
     assert file_prefix(found) == "nasa-12x36"
     done = call("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
     assert done.exit_code == 0, done.output
@@ -257,9 +335,8 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
 @pytest.mark.thorough
 def test_prints_of_a_check_come_on_axes_of_ones_own(tmp_path: Path) -> None:
     found = vh_check("fh-design-a", grid=(2, 2))
-    figure = Figure()
-    axes = figure.subplots(1, 7)
-    assert plot.vh_check(found, axes=axes) is figure
+    axes = Figure().subplots(1, 7)
+    plot.vh_check(found, axes=axes)
     page = plot.vh_check(found)
     assert [len(one.lines) for one in axes] == [len(one.lines) for one in page.axes]
     with pytest.raises(InputError, match="axes = 7 of Axes: must be 3 Axes"):

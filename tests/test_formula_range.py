@@ -99,7 +99,7 @@ def test_share_between_the_regimes_is_that_of_the_windows(tree: xr.DataTree) -> 
 
 def test_a_run_outside_the_study_is_told_with_share_place_and_inputs(tree: xr.DataTree) -> None:
     (note,) = range_notes(friction(tree, Operation([30.0, 1500.0], 90.0, [0.8, 3.0])).isel(torque=[1]))
-    assert note.startswith("Note: 100 % of the power loss at 500 N m, 30 / min")
+    assert note.startswith("Note: 100 % of the power loss at 500 N m, 30 1/min")
     assert "outside the range of the friction formula" in note
     assert "rolling velocity" in note
 
@@ -110,7 +110,7 @@ def test_the_share_in_the_note_is_that_of_the_dataset(tree: xr.DataTree) -> None
     share = 100.0 * float(found["extrapolated_share"].max())
     assert 5.0 < share < 95.0
     (note,) = range_notes(found)
-    assert f"Note: {share:.0f} % of the power loss at 100 N m, 1500 / min, 0.3 um" in note
+    assert f"Note: {share:.0f} % of the power loss at 100 N m, 1500 1/min, 0.3 um" in note
     assert note.endswith("(pressure).")
 
 
@@ -161,7 +161,7 @@ def test_notes_go_with_the_feedback_too() -> None:
     )
     found = tree["friction"].to_dataset()
     assert found["extrapolated_share"].sizes == {"torque": 1, "speed": 2, "temperature": 1, "roughness": 2}
-    assert "100 % of the power loss at 100 N m, 30 / min" in range_notes(found)[0]
+    assert "100 % of the power loss at 100 N m, 30 1/min" in range_notes(found)[0]
 
 
 def test_an_older_result_has_no_notes(tree: xr.DataTree) -> None:
@@ -171,7 +171,7 @@ def test_an_older_result_has_no_notes(tree: xr.DataTree) -> None:
 
 def test_show_and_pictures_tell_it(tree: xr.DataTree) -> None:
     whole = with_friction(tree, friction(tree, Operation(30.0, 90.0, 3.0)))
-    assert "Note: 100 % of the power loss at 100 N m, 30 / min, 3 um lies outside" in result_summary(whole)
+    assert "Note: 100 % of the power loss at 100 N m, 30 1/min, 3 um lies outside" in result_summary(whole)
     view = tooth_view(whole)
     for figure in (draw_maps(whole, view), draw_efficiency(whole)):
         small_print = " ".join(" ".join(text.get_text() for text in figure.texts).split())
@@ -183,7 +183,7 @@ def test_run_tells_it(tmp_path: Path) -> None:
     options = ["--torque", "500", "--speed", "30", "--roughness", "3"]
     made = CliRunner().invoke(main, ["run", "fh-design-a", "-o", str(tmp_path / "a.nc"), *options])
     assert made.exit_code == 0, made.output
-    assert "Note: 100 % of the power loss at 500 N m, 30 / min, 3 um lies outside the range" in made.stderr
+    assert "Note: 100 % of the power loss at 500 N m, 30 1/min, 3 um lies outside the range" in made.stderr
 
 
 # --- models that give no friction

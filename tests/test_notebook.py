@@ -17,10 +17,12 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
+from easeoff.contact.evaluation.pressure_place import LineEnd
 from easeoff.core.errors import InputError
 from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers, result_summary
+from easeoff.study.report.summary.supports_report import bearing_loads
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
 
@@ -99,7 +101,7 @@ def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree,
     np.testing.assert_array_equal(loaded["harmonic 2 [urad]"], numbers["harmonic"].sel(order=2))
     assert tables["unloaded"]["unloaded_peak_to_peak [urad]"].item() == numbers["unloaded_peak_to_peak"].item()
     friction = tables["friction"]
-    assert friction.index.names == ["torque [N m]", "speed [rpm]", "temperature [degC]", "roughness [um]"]
+    assert friction.index.names == ["torque [N m]", "speed [1/min]", "temperature [degC]", "roughness [um]"]
     np.testing.assert_array_equal(friction["efficiency"], numbers["efficiency"].values.ravel())
     assert {name for table in tables.values() for name in table if "[rad" in name or "[N mm" in name} == set()
     assert sum(map(len, (table.columns for table in tables.values()))) >= len(numbers.data_vars)
@@ -125,6 +127,48 @@ def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
     assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
     assert "script" not in Cells(page).tags
     assert len(page) < 20_000
+
+
+@pytest.fixture(scope="module")
+def held() -> xr.DataTree:
+    return easeoff.analyze(coarse(), torques=np.linspace(50.0, 230.0, 10).tolist(), supports="gearbox-nasa-12x36")
+
+
+def test_misalignment_and_supports_are_tables(held: xr.DataTree) -> None:
+    tables = held.easeoff.summary().tables
+    assert list(tables) == ["unloaded", "misalignment", "supports", "loaded"]
+    moved, supports = tables["misalignment"], tables["supports"]
+    assert moved.index.tolist() == [0.0, *held["loaded"].to_dataset()["torque"].values.tolist()]
+    group = held["misalignment"].to_dataset().mean("mesh_position")
+    np.testing.assert_allclose(moved["P [mm]"].iloc[1:], group["pinion_axial"])
+    np.testing.assert_allclose(moved["Sigma [deg]"].iloc[1:], np.degrees(group["shaft_angle"]))
+    parts = [name for name in supports if "rotation" in name]
+    assert parts[0] == "whole_rotation [urad]"
+    np.testing.assert_allclose(supports[parts[1:]].sum(axis=1), supports[parts[0]])
+    names, radial, axial = bearing_loads(held)
+    np.testing.assert_allclose(supports[f"{names[0]}, radial [N]"], radial[0].mean(axis=1))
+    np.testing.assert_allclose(supports[f"{names[0]}, axial [N]"], axial[0].mean(axis=1))
+    assert len(supports.columns) == len(parts) + 2 * len(names)
+
+
+def test_flags_are_words_in_the_tables(tree: xr.DataTree, duty: xr.DataTree) -> None:
+    loaded = tree.easeoff.summary().tables["loaded"]
+    ends = key_numbers(tree)["max_pressure_line_end"].values
+    assert loaded["max_pressure_line_end"].tolist() == [
+        LineEnd(int(end)).name.lower().replace("_", " ") for end in ends
+    ]
+    assert duty.easeoff.summary().tables["load_cases"]["status"].tolist() == ["certified", "certified"]
+
+
+def test_the_page_shows_assembly_stiffness_and_places_as_the_text_does(held: xr.DataTree) -> None:
+    page = held.easeoff.summary()._repr_html_()
+    rows = {row[0]: row[1:] for row in Cells(page).rows}
+    assert rows["torque [N m]"][0].startswith("pinion")  # the last table with a row a torque: bearing loads
+    assert "Misalignment over the torque" in page
+    assert "Bearing loads" in page
+    for name in ("mesh stiffness, mean [N m/µrad]", "pattern, length [%]", "greatest pressure, from the toe [%]"):
+        assert len(rows[name]) == 8
+    assert "and 2 more: <code>summary().tables[&quot;loaded&quot;]</code>" in page
 
 
 def test_the_page_of_load_cases_has_a_row_each(duty: xr.DataTree) -> None:
@@ -213,7 +257,7 @@ def test_pictures_are_the_functions_of_the_package(tree: xr.DataTree, monkeypatc
     assert calls == [(tree, 100.0, "q")]
     assert plot.pressure.__doc__ == "Draw the pressure."
     assert str(inspect.signature(plot.pressure)).startswith("(torque: ")
-    with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure"):
+    with pytest.raises(AttributeError, match=r"no picture 'presure'; there are: pressure; did you mean 'pressure'"):
         plot.presure()
 
 

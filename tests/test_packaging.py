@@ -61,6 +61,22 @@ def test_public_names_are_there_and_shown(package: ModuleType) -> None:
         package.missing  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("package", "name", "said"),
+    [
+        (easeoff, "report", ": it is easeoff.study.write_report$"),
+        (easeoff, "shipped_cases", ": it is easeoff.cases.shipped_cases$"),
+        (easeoff, "read_sweep", r": it is easeoff\.study\.sweep\.read_sweep$"),
+        (easeoff, "analyse", "did you mean 'analyze'"),
+        (easeoff.plot, "presure", "did you mean 'pressure'"),
+        (easeoff.contact, "solv", "did you mean 'solve'"),
+    ],
+)
+def test_a_name_that_is_elsewhere_or_misspelt_is_told(package: ModuleType, name: str, said: str) -> None:
+    with pytest.raises(AttributeError, match=said):
+        getattr(package, name)
+
+
 def test_names_at_the_top() -> None:
     names = {"analyze", "contact", "friction", "geometry", "read_case", "verification", "EaseoffError", "InputError"}
     assert names <= set(dir(easeoff))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from easeoff.core.errors import GeometryError
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh, WearLaw, contact_analysis, wear
 from easeoff.study.analysis.supported_analysis import in_assembly_under_load
+from easeoff.study.report.summary.result_summary import doubts
 
 COARSE = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
 GROUPS = ["flanks", "ease_off", "teeth", "unloaded", "light_load", "misalignment", "supports", "loaded"]
@@ -40,6 +42,16 @@ def test_analysis_on_supports_is_a_result_like_others(tmp_path: Path) -> None:
         assert again[name].to_dataset().equals(tree[name].to_dataset())
     named = easeoff.analyze(on_supports(), torques=[300.0, 100.0])
     assert named["supports"].to_dataset().equals(tree["supports"].to_dataset())
+
+
+@pytest.mark.parametrize(("given", "told"), [(None, True), ({"E": 0.0}, False), ({"E": 0.05}, False)])
+def test_the_misalignment_of_a_case_is_told_to_be_added_on_supports(given: Any, told: bool) -> None:
+    tree = easeoff.analyze(on_supports(), torques=[250.0], misalignment=given)
+    notes = [note for note in doubts(tree) if "is added to that of the supports" in note]
+    assert len(notes) == told
+    if told:
+        assert "the case's misalignment E -0.15 mm, P +0.12 mm stands without torque" in notes[0]
+        assert "is added to that of the supports" in tree.easeoff.summary()._repr_html_()
 
 
 def test_rigid_supports_give_the_analysis_without() -> None:

@@ -5,11 +5,15 @@ Names follow the REXS standard where it has one. A misspelt key is an error, nev
 
 from __future__ import annotations
 
+import html
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
+from ...core.checks import shown
+from ...core.errors import InputError
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
@@ -237,6 +241,11 @@ class TargetsTable(Table):
     coast: TargetTable | None = None
 
 
+def _given_flanks(member: MemberTable) -> list[str]:
+    """Names of the flanks that a member has."""
+    return [side for side in ("concave", "convex") if getattr(member, side) is not None]
+
+
 class Case(InputFile):
     """A whole case file.
 
@@ -263,6 +272,40 @@ class Case(InputFile):
     target: TargetsTable = TargetsTable()
     load_cases: LoadCases = ()
     _supports_name: str = PrivateAttr(default="")
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, with other values for some keys, which are not checked but for tables that must be tables.
+
+        Raises
+        ------
+        InputError
+            If a mapping is given for a table; says how to copy that.
+        """
+        for key, value in (update or {}).items():
+            if isinstance(value, Mapping) and key in type(self).model_fields:
+                inner = ", ".join(f"{name!r}: ..." for name in value)
+                change = f"model_copy(update={{{key!r}: case.{key}.model_copy(update={{{inner}}})}})"
+                raise InputError(
+                    f"{key} = {shown(dict(value))}: must be a table, not a dict; copy it too: case.{change}"
+                )
+        return super().model_copy(update=update, deep=deep)
+
+    def _repr_html_(self) -> str:
+        """The case in a few lines, for a notebook."""
+        members = (("pinion", self.pinion), ("gear", self.gear))
+        rows = [
+            ("teeth", f"{self.pinion.number_of_teeth} x {self.gear.number_of_teeth}"),
+            ("pinion", f"{self.pinion.hand_of_spiral}-hand"),
+            ("hypoid offset", f"{self.pair.hypoid_offset:g} mm"),
+            ("shaft angle", f"{self.pair.shaft_angle:g} °"),
+            *((f"flanks of the {name}", ", ".join(_given_flanks(member))) for name, member in members),
+            ("torques", f"{', '.join(f'{torque:g}' for torque in self.contact.torques)} N m at the pinion"),
+            ("mesh positions", f"{self.contact.mesh_positions}"),
+            ("elastic teeth", self.compliance.model),
+            ("supports", self.supports_name),
+        ]
+        cells = "".join(f"<tr><td>{name}</td><td>{html.escape(words)}</td></tr>" for name, words in rows if words)
+        return f"<h4>{html.escape(self.title)}</h4><table>{cells}</table>"
 
     @property
     def supports_name(self) -> str:

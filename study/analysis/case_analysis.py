@@ -13,7 +13,7 @@ from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
 from ...cases.supported_case import with_supports
 from ...contact.evaluation.marking_print import checked_thickness
-from ...contact.solvers import SolverChoice, require_solver
+from ...contact.solvers import SolverChoice
 from ...contact.supports.assembly_rounds import AssemblyRounds
 from ...contact.supports.support import LoadedSupports
 from ...geometry.deviation.deviation import Method
@@ -24,12 +24,15 @@ from ..case_in_mesh import CaseInMesh, checked_case
 from ..deviations.deviation_source import Deviated, Source
 from .contact_analysis import case_torques, contact_analysis
 from .friction_analysis import friction_settings, operation_of, with_friction
+from .shown_progress import shows_progress, told
+from .solver_options import require_solver_options
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant
     from ...friction.operation import Array, Numbers, Roughness
 
 
+@shows_progress("analysis", "solve")
 def analyze(
     case: Case | str | Path,
     *,
@@ -51,7 +54,7 @@ def analyze(
     friction_feedback: bool | None = None,
     supports: LoadedSupports | str | Path | None = None,
     rounds: AssemblyRounds | None = None,
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -103,11 +106,13 @@ def analyze(
         How far the ease-off follows the assembly that the supports give under load, see ``MeshCycle.supported``; as the
         case says of its supports if left out.
     progress
-        Called after every solved torque and mesh position, then after every part of the friction.
+        ``True`` for a line that shows it; or a function, called after every solved torque and mesh position, then after
+        every part of the friction.
     stage
         Called with the name of what takes long before it begins: each elastic tooth, the loaded contact, the friction.
     **options
-        Passed to the solver: ``tolerance``, ``time_limit``, ``max_iterations`` and what else ``contact.solve`` takes.
+        Passed to the solver: ``tolerance``, ``time_limit``, ``max_iterations``, ``polish`` and ``form`` of
+        ``contact.solve``, ``method`` of the native solver, settings of another one.
 
     Returns
     -------
@@ -121,7 +126,8 @@ def analyze(
     Raises
     ------
     InputError
-        If an argument is out of range, the case has no such flanks, or the analysis needs more memory than is free.
+        If an argument is unknown or out of range, the case has no such flanks, or the analysis needs more memory than
+        is free.
     GeometryError
         If the settings describe no tooth in the blank, or flanks that do not meet, or if deviations scatter so much
         that there is no line contact.
@@ -139,10 +145,10 @@ def analyze(
     >>> tree["loaded/peak_to_peak"].sizes["torque"]
     2
     """
+    require_solver_options(options, solver, analyze)
     case = checked_case(case)
     if isinstance(supports, str | Path):
         case, supports = with_supports(case, supports), None
-    require_solver(solver)
     operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     friction_model, feedback = friction_settings(case, operation, friction_model, friction_feedback)
     load = case_torques(case, torques)  # a torque given twice shows before the work, too
@@ -170,11 +176,11 @@ def analyze(
         solver=solver,
         supports=supports,
         rounds=rounds,
-        progress=progress,
+        progress=told(progress),
         **options,
     )
     if operation is None:
         return found.tree
     return with_friction(
-        found, operation, friction_model, feedback=feedback, solver=solver, progress=progress, stage=stage
+        found, operation, friction_model, feedback=feedback, solver=solver, progress=told(progress), stage=stage
     ).tree

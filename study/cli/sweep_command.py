@@ -168,7 +168,7 @@ def sweep(
     )
     _check_kept(plan, keep)
     _tell_cost(plan)
-    total = plan.table.count
+    total = plan.points
     done = 0
     try:
         with terminal_bar(total=total, desc="sweep", unit="point") as bar:

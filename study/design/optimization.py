@@ -34,6 +34,7 @@ from ...core.errors import GeometryError, InputError
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification, basis, terms
 from ..analysis.contact_analysis import case_torques, contact_analysis
+from ..analysis.shown_progress import shows_progress, told
 from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
 
@@ -44,6 +45,7 @@ LARGEST_MODIFICATION_MINIMUM, LARGEST_MODIFICATION_LIMIT = 1e-4, 1000.0  # [um]
 TRANSMISSION_ERROR_MINIMUM = 1e-3  # [urad]
 
 
+@shows_progress("optimisation", "programme")
 def optimize(
     case: Case | str | Path,
     *,
@@ -57,7 +59,7 @@ def optimize(
     largest: float = 50.0,
     programmes: int = 40,
     solver: str = "auto",
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> xr.DataTree:
     """Find the modification of a case's ease-off that is best under load, and analyse the case with it.
@@ -94,7 +96,7 @@ def optimize(
     solver
         Name of the contact solver.
     progress
-        Called after every programme.
+        ``True`` for a line that shows it; or a function, called after every programme.
     stage
         Called with the name of what takes long before it begins: each elastic tooth, then the convex programmes.
 
@@ -170,7 +172,7 @@ def optimize(
         )
     goal = _goal(start, chosen, load.size, names, transmission_error, end_load, largest)
     held = stacked([contact.held(none, cycles) for cycles, contact in contacts])
-    found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
+    found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=told(progress))
     best = contacts[0][1].modification(found.coefficients)
     tree = contact_analysis(own.modified(best), torques, edge_contact=False, solver=solver).tree
     record = _compared(

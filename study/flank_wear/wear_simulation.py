@@ -36,6 +36,7 @@ from ...geometry.deviation.ease_off_update import deviated_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..analysis.shown_progress import shows_progress, told
 from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case, deflection_attributes, prepared_pair
 from ..deviations.deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
@@ -48,6 +49,7 @@ WEAR_NODES = (49, 33)  # of either flank
 CONTACT_LOST, NOT_SOLVED = "contact lost", "contact not solved"  # how the reason of a stop before its time begins
 
 
+@shows_progress("wear", "revolution")
 def wear(
     case: Case | str | Path,
     law: WearLaw,
@@ -58,7 +60,7 @@ def wear(
     deviations: Mapping[MemberName, Source] | None = None,
     interpolation: Method = "spline",
     solver: str = "auto",
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Wear of both flanks of a pair, at one torque or a duty cycle.
@@ -78,7 +80,7 @@ def wear(
         As in ``analyze``; deviations are those at the start. Where the misalignment depends on the torque, either flank
         wears in all assemblies of its torques.
     progress
-        Called after every step with the pinion's revolutions.
+        ``True`` for a line that shows it; or a function, called after every step with the pinion's revolutions.
     stage
         Called with the name of what takes long before it begins: each elastic tooth, then the wear.
 
@@ -121,7 +123,7 @@ def wear(
     designed = in_assembly_under_load(unloaded, list(shares))
     if stage is not None:
         stage("wear")
-    begin = time.perf_counter()
+    begin, report = time.perf_counter(), told(progress)
     run = _Run(designed, law, shares, solver, start)
     positions = len(shares) * checked.contact.mesh_positions
     law.require_few_steps(run.fastest, positions, time.perf_counter() - begin)
@@ -137,8 +139,8 @@ def wear(
             run.stop, completed = str(error), False
             break
         history.append(run.state())
-        if progress is not None:
-            progress(run.revolutions)
+        if report is not None:
+            report(run.revolutions)
     result = xr.concat(history, "step", combine_attrs="override").assign_coords(step=np.arange(len(history)))
     result["revolution_share"] = ("torque", list(run.shares.values()))
     own = ("member", "lengthwise", "profile", "xyz")

@@ -18,7 +18,7 @@ from ...cases.load_cases import has_own_misalignment, load_case_misalignment, re
 from ...cases.schema.case_schema import Case
 from ...cases.schema.load_case_table import LoadCase, named_load_cases
 from ...contact.evaluation.marking_print import checked_thickness
-from ...contact.solvers import Status, require_solver
+from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.errors import EaseoffError, InputError
 from ...core.stored_status import StoredStatus
@@ -29,6 +29,8 @@ from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
+from ..analysis.shown_progress import shows_progress, told
+from ..analysis.solver_options import require_solver_options
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviations.deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
@@ -57,6 +59,7 @@ class LoadCaseStatus(StoredStatus):
     FAILED = 2
 
 
+@shows_progress("load cases", "solve")
 def analyze_load_cases(
     case: Case | str | Path,
     load_cases: Sequence[LoadCase] | str | Path | None = None,
@@ -76,7 +79,7 @@ def analyze_load_cases(
     friction_model: FrictionModel | None = None,
     friction_feedback: bool | None = None,
     damage_exponents: Sequence[float] = DAMAGE_EXPONENTS,
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
     stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -133,11 +136,11 @@ def analyze_load_cases(
     >>> tree["load_cases/max_pressure"].dims, tree["results/climb/loaded"].sizes["torque"]
     (('load_case',), 1)
     """
+    require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
     rows = _named(case, load_cases)
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
     exponents = checked_exponents(damage_exponents)
-    require_solver(solver)
     AnalysisSize.of(case, 1).require_memory()
     if marking is not None:
         checked_thickness(marking)
@@ -175,14 +178,14 @@ def analyze_load_cases(
                 edge_contact=edge_contact,
                 marking=marking,
                 solver=solver,
-                progress=progress,
+                progress=told(progress),
                 **options,
             )
             operation = operations[name]
             if operation is not None:
                 fed_back = bool(friction_feedback)
                 found = with_friction(
-                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=progress
+                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=told(progress)
                 )
             trees[name] = found.tree
         except EaseoffError as error:

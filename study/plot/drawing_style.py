@@ -39,7 +39,7 @@ def default_style() -> Iterator[None]:
 
 @contextlib.contextmanager
 def drawing(axes: object) -> Iterator[None]:
-    """Draw pages with matplotlib's defaults, and on the caller's axes with the settings of the caller.
+    """Draw pages with matplotlib's defaults, and on the caller's axes with the settings and sizes of the caller.
 
     Parameters
     ----------
@@ -53,9 +53,15 @@ def drawing(axes: object) -> Iterator[None]:
     ...     matplotlib.rcParams["text.usetex"]
     False
     """
-    style = default_style() if axes is None else contextlib.nullcontext()
-    with style, without_compiled_code():  # a drawing needs too little of it to load it for
-        yield
+    with without_compiled_code():  # a drawing needs too little of it to load it for
+        if axes is None:
+            with default_style():
+                yield
+            return
+        from .figures.own_axes import on_own_axes
+
+        with on_own_axes(axes):
+            yield
 
 
 def _load() -> None:

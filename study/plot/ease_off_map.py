@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from .contour_labels import number_lines, outlined
-from .page import GREY, INK, VERMILION, WIDTH
+from .page import BODY_SIZE, GREY, INK, VERMILION, WIDTH
 from .panel_grid import OwnAxes, panels
 from .pattern_lines import contact_pattern, draw_path, legend_below
 from .tooth_view import ToothView, draw_flank, fine_grid
@@ -66,7 +66,10 @@ def draw(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
-    legend_below(axes, entries, columns=3)
+    if found.on_page:
+        legend_below(axes, entries, columns=3)
+    else:
+        axes.set_title("ease-off [µm]", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
     return found.figure
 
 

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...friction.operation import named_models
-from ..report.notes.ranges import range_notes
+from ..report.notes.ranges import TOLD_SHARE, range_notes
 from .friction_map_chart import chosen_condition, roughness_name
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, plain_axes
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, legend_of_curves, plain_axes
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .transmission_error_chart import two_cycles
 
@@ -27,7 +27,7 @@ AXES = {
     "temperature": "oil temperature [°C]",
     "roughness": "RMS roughness [µm]",
 }
-UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
+UNITS = {"speed": "1/min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
 PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 CURVE_COUNT_LIMIT = 5
@@ -35,8 +35,14 @@ ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, 
 EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
-def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
-    """Draw a quantity along one operating condition, a curve for each value of another, the rest as given."""
+def curves(
+    axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, float], *, on_page: bool = True
+) -> None:
+    """Draw the efficiency along one operating condition, a curve for each value of another, the rest as given.
+
+    Open marks: conditions where more than ``TOLD_SHARE`` of the power loss lies beyond the range of the formula.
+    """
+    quantity = 100.0 * friction["efficiency"]
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
     here = quantity.isel(fixed).transpose(by, along)
     order = np.argsort(here[along].values)
@@ -44,7 +50,13 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         label = value_name(quantity, by, int(index))
-        axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
+        x, y = here[along].values[order], here.values[index][order]
+        axes.plot(x, y, color=colour, linewidth=1.6, label=label)
+        if "extrapolated_share" in friction:
+            share = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order]
+            out = share >= TOLD_SHARE
+            axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
+            axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
     plain_axes(axes)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
@@ -52,7 +64,7 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
     axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
         name_pairs(axes, quantity)
-    legend_beside(axes, how_many(chosen.size, here.sizes[by], by))
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, here.sizes[by], by))
 
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
@@ -79,7 +91,7 @@ def how_many(drawn: int, count: int, condition: str) -> str:
     return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
 
 
-def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> None:
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on_page: bool = True) -> None:
     """Draw the power loss over two mesh cycles as part of the input power, a curve a torque."""
     fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
     loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
@@ -93,7 +105,7 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> No
     axes.set_xlim(0, 2)
     axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
     axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
-    legend_beside(axes, how_many(chosen.size, torques.size, "torque"))
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
 
 
 def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
@@ -103,28 +115,21 @@ def draw(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAx
     varied = [name for name in AXES if friction.sizes[name] > 1]
     names = chosen_parts(["cycle", *varied], parts)
     rows, columns = -(-len(names) // 2), min(2, len(names))
-    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction))])
+    marks = "open marks: 5 % of the power loss or more is beyond the range of the formula"
+    beyond = [marks] if bool((friction.get("extrapolated_share", xr.DataArray(0.0)) >= TOLD_SHARE).any()) else []
+    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction)), *beyond])
     shape, count = (rows, columns), len(names)
     found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
     for axes, name in zip(found.axes, names, strict=True):
         if name == "cycle":
-            over_the_cycle(axes, friction, at)
+            over_the_cycle(axes, friction, at, on_page=found.on_page)
             title(axes, friction, at, ("torque",))
             continue
         by = COMPANION[name]
-        curves(axes, 100.0 * friction["efficiency"], name, by, at)
+        curves(axes, friction, name, by, at, on_page=found.on_page)
         axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
         title(axes, friction, at, (name, by))
     return found.figure
-
-
-def legend_beside(axes: Axes, heading: str) -> None:
-    """Legend to the right of the axes."""
-    legend = axes.legend(
-        fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-        handlelength=1.6, borderaxespad=0.4, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
-    )  # fmt: skip
-    legend.get_title().set_color(GREY)
 
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:

@@ -33,7 +33,7 @@ from .contour_labels import (
     without_border,
     without_steep,
 )
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, in_print, torque_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, in_print, plain_bar, torque_name
 from .panel_grid import TORQUE_TOLERANCE, OwnAxes, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
 
@@ -115,32 +115,36 @@ def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
         The group ``loaded`` at one torque.
     field
         Values; NaN where there is none.
+
+    Segments without pressure, those of edges beside the lines, are left out: an edge passes points that lines pass too,
+    and what is computed for it is that of its whole strip.
     """
     order = ("mesh_position", "segment")
     values = field.transpose(*order).values
     chosen = np.isfinite(values) & (loaded["force"].transpose(*order).values > 0.0)
-    if "overhang" in loaded:
-        # Edges pass points that lines pass too, and a map has one value at a point.
-        chosen &= np.isnan(loaded["overhang"].transpose(*order).values)
+    chosen &= loaded["pressure"].transpose(*order).values > 0.0
     points = np.stack([loaded[n].transpose(*order).values[chosen] for n in ("lengthwise", "profile")])
     return FlankMap(points, values[chosen], False)
 
 
-def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None) -> None:
-    """Draw a map in shades between labelled contour lines; text if it has too few points."""
+def draw_values(
+    axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None
+) -> ContourSet | None:
+    """Draw a map in shades between labelled contour lines and return the shades; text if it has too few points."""
     x, y = view.in_plane(flank_map.points)
     finite = np.isfinite(flank_map.values)
     if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
         x, y = view.in_plane(np.array([0.5, 0.5]))
         text = "the same everywhere" if np.any(finite) else "no values"
         axes.text(x, y, text, ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)
-        return
+        return None
     values = flank_map.values
     if levels is None:
         levels = np.asarray(
             MaxNLocator(LEVEL_COUNT).tick_values(*np.percentile(values[finite], LEVEL_PERCENTILES[flank_map.smooth]))
         )
     lines: ContourSet
+    shading: ContourSet
     outline = view.outline(view.common)
     shades = pale(colours)
     if flank_map.smooth:
@@ -158,16 +162,17 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
         longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
         mesh.set_mask(longest > TRIANGLE_SIDE_LIMIT * np.median(longest))
-        axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
+        shading = axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
         # The load ends within a segment: at the border values jump from one line of contact to the next.
         steepest = float(levels[1] - levels[0]) / (CONTOUR_DISTANCE / float(points_per_unit(axes)[0]))
         lined = without_steep(without_border(mesh), values[finite], steepest)
         if not lined.get_masked_triangles().size:  # of a coarse analysis
-            return
+            return shading
         lines = axes.tricontour(lined, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
         drop_short(lines, CONTOUR_LENGTH_MINIMUM * float(np.ptp(axes.get_xlim())))
         region = triangulated(mesh)
     number_lines(axes, lines, region, SMALL_SIZE - 0.5)
+    return shading
 
 
 def pale(name: str) -> Colormap:
@@ -176,10 +181,13 @@ def pale(name: str) -> Colormap:
 
 
 def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
-    """Draw a map on an empty flank, with its name and range above."""
+    """Draw a map on an empty flank, with its name and range above and a colour bar beside it."""
     draw_flank(axes, view, labels=(False, False))
     axes.tick_params(bottom=False, left=False, labelleft=False)
-    draw_values(axes, view, flank_map, COLOUR_MAPS[name], levels)
+    shading = draw_values(axes, view, flank_map, COLOUR_MAPS[name], levels)
+    if shading is not None:
+        figure: Any = axes.get_figure(root=True)
+        plain_bar(figure.colorbar(shading, ax=axes, shrink=0.75, aspect=14, pad=0.02), "")
     axes.set_title(QUANTITY_NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     finite = flank_map.values[np.isfinite(flank_map.values)]
     if finite.size:
@@ -231,7 +239,7 @@ def draw(
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     rough = roughness_name(friction, index["roughness"])
     told = (
-        f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
+        f"{torque_name(at['torque'])}, {at['speed']:g} 1/min, "
         f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
     note = " · ".join([told, *in_print(range_notes(friction, index))])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps, rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colorbar import Colorbar
@@ -31,7 +31,7 @@ HEADER, FOOTER = 0.60, 0.40  # heights [in]
 SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
 SEPARATOR = " · "
 HELD = "\0"  # a blank at which no line ends
-BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:µm|mm|MPa|N m|/ min|°C|%))")
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:µm|mm|MPa|N m|1/min|°C|%))")
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
@@ -41,6 +41,8 @@ PRESSURE_MAP = "YlOrRd"
 TORQUE_MAP = "viridis"
 
 PANEL_COUNT_LIMIT = 6
+#: Height of a row of a legend over the size of its text, and greatest share of the axes that a legend takes.
+LEGEND_ROW, LEGEND_SHARE_LIMIT = 1.25, 0.6
 
 
 def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") -> Figure:
@@ -118,6 +120,23 @@ def legend_at_foot(figure: Figure, entries: list[Any], height: float) -> None:
         handles=entries, loc="center", bbox_to_anchor=(0.5, bottom + 0.5 * strip), ncols=3, fontsize=SMALL_SIZE + 0.5,
         frameon=False, labelcolor=INK, handlelength=2.2, columnspacing=2.0,
     )  # fmt: skip
+
+
+def legend_of_curves(axes: Axes, *, on_page: bool, heading: str = "") -> None:
+    """Legend to the right of the axes on a page; on axes of the caller above the curves, in room made for it."""
+    style: dict[str, Any] = {"fontsize": SMALL_SIZE, "labelcolor": INK, "handlelength": 1.6, "alignment": "left"}
+    style |= {"title": heading or None, "title_fontsize": SMALL_SIZE, "frameon": False}
+    if on_page:
+        legend = axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.6, **style)
+    else:
+        rows = len(axes.get_legend_handles_labels()[1]) + bool(heading)
+        figure: Any = axes.figure
+        height = axes.get_position().height * figure.bbox.height / figure.dpi
+        share = min(rows * LEGEND_ROW * rcParams["font.size"] / 72.0 / height, LEGEND_SHARE_LIMIT)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, low + (high - low) / (1.0 - share))
+        legend = axes.legend(loc="upper left", borderaxespad=0.3, labelspacing=0.25, **style)
+    legend.get_title().set_color(GREY)
 
 
 def sheet(height: float) -> Figure:

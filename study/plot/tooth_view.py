@@ -25,6 +25,7 @@ from .page import GREY, INK, PAPER, SMALL_SIZE
 Array = NDArray[Any]
 
 FINE_GRID = (241, 121)  # points along the face and the profile
+EDGE_NAME = "edge name"  # mark of the words beside the edges of a flank
 MARGIN_WIDTH = 1.3  # around the flank, for the names of its edges [mm per 30 mm of face]
 
 
@@ -137,7 +138,8 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     for name, t, h, across, up in names:
         x, y = view.plane(np.array([t, h])) + gap * np.array([across, up])
         horizontal, vertical = ("right", "center", "left")[across + 1], ("top", "center", "bottom")[up + 1]
-        axes.text(x, y, name, ha=horizontal, va=vertical, fontsize=SMALL_SIZE + 0.5, color=GREY, style="italic")
+        words: dict[str, Any] = {"fontsize": SMALL_SIZE + 0.5, "color": GREY, "style": "italic", "gid": EDGE_NAME}
+        axes.text(x, y, name, ha=horizontal, va=vertical, **words)
     axes.set_aspect("equal")
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...contact.evaluation.tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
 from .page import (
     BLUE,
+    BODY_SIZE,
     FAINT,
     GREEN,
     GREY,
@@ -21,6 +22,7 @@ from .page import (
     SMALL_SIZE,
     VERMILION,
     evenly_chosen,
+    legend_of_curves,
     plain_axes,
     torque_colours,
     torque_name,
@@ -59,12 +61,12 @@ def draw(
     over_time = [name for name in names if name != "orders"]
     for axes, name in zip(found.axes, names, strict=True):
         if name == "orders":
-            draw_orders(axes, loaded)
+            draw_orders(axes, loaded, on_page=found.on_page)
             continue
         if name == "unloaded":
-            draw_unloaded(axes, unloaded)
+            draw_unloaded(axes, unloaded, on_page=found.on_page)
         else:
-            draw_loaded(axes, loaded, about_mean=name == "about_mean")
+            draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=found.on_page)
         axes.set_xlim(0, CYCLES)
         if name == over_time[-1] or not found.on_page:
             axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
@@ -90,7 +92,7 @@ def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
     return course, times, envelope(course, times)
 
 
-def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
+def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> None:
     """Draw the curves of the tooth pairs and their envelope."""
     course, times, lowest = unloaded_curves(unloaded)
     for pair in pairs_in_view(course, CYCLES):
@@ -103,10 +105,10 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
         # The curves of the other pairs rise far above: show how they leave, not where they end.
         extent = max(float(np.ptp(finite)), 1e-3)
         axes.set_ylim(float(finite.min()) - 0.12 * extent, float(finite.max()) + 0.6 * extent)
-    _finish(axes, "without load [µrad]")
+    _finish(axes, "without load [µrad]", on_page=on_page)
 
 
-def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
+def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool, on_page: bool = True) -> None:
     """Draw the curves of all torques, as they are or about their means."""
     torques = loaded["torque"].values
     error = loaded["transmission_error"].transpose("torque", "mesh_position").values
@@ -124,10 +126,11 @@ def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
         times, values = two_cycles(error[index] - level if about_mean else error[index])
         axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
-    _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]", heading)
+    label = "under load, about its mean [µrad]" if about_mean else "under load [µrad]"
+    _finish(axes, label, on_page=on_page, heading=heading)
 
 
-def draw_orders(axes: Axes, loaded: xr.Dataset) -> None:
+def draw_orders(axes: Axes, loaded: xr.Dataset, *, on_page: bool = True) -> None:
     """Draw the amplitudes of the first orders of mesh frequency over torque, or of all orders at a single torque."""
     orders = loaded["order"].values
     amplitudes = loaded["harmonic"].transpose("torque", "order").values
@@ -137,7 +140,7 @@ def draw_orders(axes: Axes, loaded: xr.Dataset) -> None:
         if np.any(np.isfinite(amplitudes)):
             axes.bar(orders, amplitudes[0], width=0.55, color=BLUE, label=torque_name(float(torques[0])))
             axes.set_xticks(orders)
-        _finish(axes, label)
+        _finish(axes, label, on_page=on_page)
         axes.set_xlabel("order of the mesh frequency", fontsize=SMALL_SIZE + 1, color=INK)
         return
     rank = np.argsort(torques)
@@ -146,19 +149,17 @@ def draw_orders(axes: Axes, loaded: xr.Dataset) -> None:
             line: dict[str, Any] = {"color": ORDER_COLOURS[number], "linewidth": 1.4}
             mark: dict[str, Any] = {"marker": ORDER_MARKS[number], "markersize": 3.5}
             axes.plot(torques[rank], amplitudes[rank, number], label=f"order {orders[number]:g}", **line, **mark)
-    _finish(axes, label)
     axes.set_ylim(bottom=0.0)
+    _finish(axes, label, on_page=on_page)
     axes.set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
 
 
-def _finish(axes: Axes, label: str, heading: str = "") -> None:
+def _finish(axes: Axes, label: str, *, on_page: bool, heading: str = "") -> None:
     plain_axes(axes)
     axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+    if not on_page:
+        axes.set_title("transmission error", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
     if axes.get_legend_handles_labels()[0]:
-        legend = axes.legend(
-            fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-            handlelength=1.6, borderaxespad=0.6, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
-        )  # fmt: skip
-        legend.get_title().set_color(GREY)
+        legend_of_curves(axes, on_page=on_page, heading=heading)
     else:
         axes.text(0.5, 0.5, "no certified solution", transform=axes.transAxes, ha="center", color=GREY)

@@ -20,6 +20,7 @@ from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..analysis.shown_progress import shows_progress, told
 from ..case_in_mesh import case_attributes, deflection_attributes, prepared_pair
 from ..deviations.deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
@@ -56,6 +57,7 @@ def usable_cores() -> int:
     return os.cpu_count() or 1
 
 
+@shows_progress("sweep", "point")
 def sweep(
     case: Case | str | Path,
     over: Mapping[str, Any] | None = None,
@@ -84,7 +86,7 @@ def sweep(
     scheduler: str | None = None,
     store: str | os.PathLike[str] | None = None,
     fresh: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
 ) -> xr.Dataset:
     """Analyse a case at every point of a sweep.
 
@@ -117,7 +119,8 @@ def sweep(
     fresh
         Ignore and replace what the folder has.
     progress
-        Called with the number of points done and of all.
+        ``True`` for a line that shows it; or a function, called with the numbers of points done and of all; every
+        torque of an analysis is a point.
 
     Returns
     -------
@@ -165,7 +168,7 @@ def sweep(
         friction_model=friction_model,
         friction_feedback=friction_feedback,
     )
-    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=progress)
+    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=told(progress))
 
 
 def run_plan(
@@ -195,7 +198,7 @@ def run_plan(
             numbers.add(block)
             done += block.rows.size
             if progress is not None:
-                progress(done, table.count)
+                progress(done * plan.loads, plan.points)
     result = numbers.dataset()
     result.attrs = _attributes(plan)
     return result

@@ -113,6 +113,11 @@ class SweepPlan:
         """Number of torques of the analysis at one point."""
         return 1 if self.setup.torques is None else len(self.setup.torques)
 
+    @property
+    def points(self) -> int:
+        """Number of points with a status: every torque of every analysis."""
+        return self.table.count * self.loads
+
     def require_memory(self, processes: int) -> None:
         """Refuse a sweep that needs more memory than is free.
 

@@ -74,7 +74,7 @@ CONDITIONS = ("speed", "temperature", "roughness")
 _NAMED = {
     **{name: SweptQuantity(name, *words, Stage.ASSEMBLY) for name, words in ASSEMBLY.items()},
     "torque": SweptQuantity("torque", "N m", "torque at the pinion", Stage.LOAD),
-    "speed": SweptQuantity("speed", "rpm", "rotational speed of the pinion", Stage.FRICTION),
+    "speed": SweptQuantity("speed", "1/min", "rotational speed of the pinion", Stage.FRICTION),
     "temperature": SweptQuantity(
         "temperature", "degC", "temperature of the oil at the inlet of the contact", Stage.FRICTION
     ),

@@ -25,6 +25,7 @@ from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..analysis.shown_progress import shows_progress, told
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviations.deviation_source import Deviated, Source
 from .shifted_patterns import PLACES, STORED_GRID, ShiftedPatterns, found_dataset, grid_dataset
@@ -40,6 +41,7 @@ RANGE_LIMIT = 9.9  # [mm]
 GRID_COUNT_LIMIT = 21  # of the values of V and of H in the grid
 
 
+@shows_progress("V-H check", "pattern")
 def vh_check(
     case: Case | str | Path,
     *,
@@ -54,7 +56,7 @@ def vh_check(
     height: float = 0.5,
     largest: float | None = None,
     grid: tuple[int, int] | None = None,
-    progress: Callable[[], None] | None = None,
+    progress: Callable[[], None] | bool | None = None,
 ) -> xr.Dataset:
     """Shift V and H until the unloaded pattern is centred at toe, middle and heel, at one height of the flank.
 
@@ -73,7 +75,7 @@ def vh_check(
     grid
         Numbers of values of V and H at which the pattern is computed besides, around those found; none if left out.
     progress
-        Called after every pattern that is computed.
+        ``True`` for a line that shows it; or a function, called after every pattern that is computed.
 
     Returns
     -------
@@ -112,8 +114,8 @@ def vh_check(
     }
     fine = CaseInMesh.of(_unloaded(case, NODES, case.contact.mesh_positions), **given)
     coarse = CaseInMesh.of(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), **given)
-    exact = ShiftedPatterns(fine, thickness, progress=progress)
-    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, progress)
+    exact = ShiftedPatterns(fine, thickness, progress=told(progress))
+    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, told(progress))
     size = exact.size
     reach = RANGE_SHARE * size[0] if largest is None else number("largest", largest, "mm", above=0.0, most=RANGE_LIMIT)
     places = np.array([[share, height], [0.5, height], [1.0 - share, height]])
@@ -121,7 +123,7 @@ def vh_check(
     dataset = found_dataset(found, places, exact)
     if counts is not None:
         dataset = dataset.merge(
-            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, progress))
+            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, told(progress)))
         )
     origin = case_attributes(case, "vh_check") | fine.attributes
     units = {"separation": thickness, "attribute_units": "separation: um"}

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...report.summary.deflection_report import misalignment_over_torque
-from ..page import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, plain_axes
+from ..page import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, legend_of_curves, plain_axes
 from ..panel_grid import OwnAxes, panels
 
 DISPLACEMENTS = (
@@ -37,21 +37,19 @@ def draw(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
     for fraction, label, colour, mark in (("lengthwise", "from toe", INK, "o"), ("profile", "from root", GREY, "s")):
         at, centres = _pattern_centres(tree, f"pattern_centre_{fraction}")
         _curve(grid[2], at, centres[:, None], label, colour, mark)
+    grid[2].set_ylim(0.0, 100.0)
     labels = ("displacement [µm]", "angle [mrad]", "pattern centre [%]")
     for axes, label in zip(grid, labels, strict=True):
         plain_axes(axes)
         axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
         if torques[-1] > last:
             axes.axvspan(last, torques[-1], color=GREY, alpha=0.12, linewidth=0, zorder=0, label="beyond the table")
-        axes.legend(
-            fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-            handlelength=1.6, borderaxespad=0.6,
-        )  # fmt: skip
+        legend_of_curves(axes, on_page=drawn_in.on_page)
     for axes in grid[:2]:
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    grid[2].set_ylim(0.0, 100.0)
     grid[2].set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
-    grid[2].set_xlim(left=0.0)
+    for axes in grid:
+        axes.set_xlim(left=0.0)
     if drawn_in.on_page:
         drawn_in.figure.align_ylabels(grid)
     return drawn_in.figure

@@ -11,8 +11,8 @@ from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
-from matplotlib.ticker import MaxNLocator
+from matplotlib.patches import Ellipse, Rectangle
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
@@ -54,6 +54,7 @@ BAR_LIMIT = 12  # coordinates of a tornado
 BIN_LIMIT = 40
 ROWS = ("sample", "load_case")
 UNITS = {"degree": "°", "degC": "°C", "um": "µm", "rpm": "1/min", "1": ""}
+TICK_LIMIT = 7  # swept values that are ticked themselves
 PERCENT = (5.0, 50.0, 95.0)
 PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 
@@ -85,25 +86,35 @@ def drawn_numbers(dataset: xr.Dataset) -> list[str]:
     return names
 
 
-def draw(dataset: xr.Dataset, picture: str, names: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw a picture of a sweep; the numbers that it shows are those of ``DRAWN`` unless ``names`` chooses.
+def short_names(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Names of the pictures without the first word, as ``easeoff.plot.sweep`` takes them. Raises as ``pictures``."""
+    return tuple(name.removeprefix("sweep_") for name in pictures(dataset))
+
+
+def draw(
+    dataset: xr.Dataset, picture: str | None = None, names: str | Sequence[str] | None = None, own: OwnAxes = None
+) -> Figure:
+    """Draw a picture of a sweep, the first that it has if left out, with the numbers of ``DRAWN`` or of ``names``.
 
     Raises
     ------
     InputError
         As ``pictures``, and if the sweep does not have the picture or a number.
     """
-    chosen_parts(pictures(dataset), picture, "picture")
+    there = short_names(dataset)
+    if not there:
+        raise InputError("the sweep has no picture: nothing in it takes several values")
+    picture = chosen_parts(there, there[0] if picture is None else picture.removeprefix("sweep_"), "picture")[0]
     known = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())]
     shown = drawn_numbers(dataset) if names is None else list(chosen_parts(known, names, "names"))
-    if picture == "sweep_pattern":
+    if picture == "pattern":
         return _pattern(dataset, own)
-    if picture == "sweep_histograms":
+    if picture == "histograms":
         return _histograms(dataset, shown, own)
-    if picture == "sweep_tornado":
+    if picture == "tornado":
         return _tornado(dataset, shown, own)
     grids = _grids(dataset)
-    if picture == "sweep_map":
+    if picture == "map":
         return _map(dataset, shown, grids[0], grids[1], own)
     return _curves(dataset, shown, grids[0], own)
 
@@ -178,9 +189,14 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxe
         failed = np.nonzero(np.ma.getmaskarray(table))
         if failed[0].size:
             axes.plot(x[failed[1]], y[failed[0]], "x", color=VERMILION, markersize=4)
+        known = np.nonzero(~np.ma.getmaskarray(table))
+        axes.plot(
+            x[known[1]], y[known[0]], "o", color="white", markersize=2.5, markeredgecolor=INK, markeredgewidth=0.4
+        )
         plain_axes(axes)
         axes.grid(False)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        for axis, at in ((axes.xaxis, x), (axes.yaxis, y)):
+            axis.set_major_locator(FixedLocator(at.tolist()) if at.size <= TICK_LIMIT else MaxNLocator(5))
         axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_ylabel(_label(dataset, up), fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
@@ -238,10 +254,11 @@ def _pattern(dataset: xr.Dataset, own: OwnAxes) -> Figure:
         colours = colormaps["viridis"](scale(shades))
         known = order[np.isfinite(t[order])]
         outlined = known[np.unique(np.linspace(0, known.size - 1, PATTERN_LIMIT).astype(int))] if known.size else known
+        flank = axes.add_patch(Rectangle((0.0, 0.0), 1.0, 1.0, fill=False, edgecolor=GREY, linewidth=0.8))
         for i in outlined if along not in ROWS else []:
-            axes.add_patch(
-                Ellipse((t[i], h[i]), length[i], height[i], fill=False, edgecolor=colours[i], linewidth=0.9, alpha=0.8)
-            )
+            style = {"fill": False, "edgecolor": colours[i], "linewidth": 0.9, "alpha": 0.8}
+            outline = axes.add_patch(Ellipse((t[i], h[i]), length[i], height[i], **style))
+            outline.set_clip_path(flank)
         if along not in ROWS:
             axes.plot(t[known], h[known], color=FAINT, linewidth=0.8)
         axes.scatter(t[known], h[known], c=colours[known], s=14, zorder=3)

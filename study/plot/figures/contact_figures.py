@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import xarray as xr
 
@@ -15,10 +15,14 @@ from .drawn_result import require_result, views
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .drawn_result import AxesChoice
+    from .drawn_result import AxesChoice, DrawnAxes
 
 
-def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+@overload
+def ease_off(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
+@overload
+def ease_off(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Ease-off of the gear flank with the path of contact.
 
     Parameters
@@ -26,7 +30,8 @@ def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     tree
         A result of ``analyze`` or ``read_result``.
     axes
-        One Axes to draw in; a page of its own if left out.
+        One Axes to draw in; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -45,9 +50,28 @@ def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     with drawing(axes):
         from ..ease_off_map import draw
 
-        return draw(tree, views(tree, "gear")[0], axes)
+        figure = draw(tree, views(tree, "gear")[0], axes)
+    return figure if axes is None else None
 
 
+@overload
+def contact_pattern(
+    tree: xr.DataTree,
+    *,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    marking: float | None = None,
+    axes: None = None,
+) -> Figure: ...
+@overload
+def contact_pattern(
+    tree: xr.DataTree,
+    *,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    marking: float | None = None,
+    axes: DrawnAxes,
+) -> None: ...
 def contact_pattern(
     tree: xr.DataTree,
     *,
@@ -55,7 +79,7 @@ def contact_pattern(
     parts: str | Sequence[str] | None = None,
     marking: float | None = None,
     axes: AxesChoice = None,
-) -> Figure:
+) -> Figure | None:
     """Contact pattern without load and at light load.
 
     Parameters
@@ -70,7 +94,8 @@ def contact_pattern(
     marking
         Thickness of the marking compound [um]; that of the result if left out.
     axes
-        An Axes a panel, row by row; a page of its own if left out.
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -94,16 +119,33 @@ def contact_pattern(
     with drawing(axes):
         from ..contact_pattern_chart import draw
 
-        return draw(tree, views(tree, member), marking, parts, axes)
+        figure = draw(tree, views(tree, member), marking, parts, axes)
+    return figure if axes is None else None
 
 
+@overload
+def pressure(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    axes: None = None,
+) -> Figure: ...
+@overload
+def pressure(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    axes: DrawnAxes,
+) -> None: ...
 def pressure(
     tree: xr.DataTree,
     *,
     torque: float | Sequence[float] | None = None,
     member: MemberName | None = None,
     axes: AxesChoice = None,
-) -> Figure:
+) -> Figure | None:
     """Greatest contact pressure over the mesh cycle, a row a torque.
 
     Parameters
@@ -115,7 +157,8 @@ def pressure(
     member
         ``gear`` or ``pinion``; both, side by side, if left out.
     axes
-        An Axes a panel, row by row; a page of its own if left out.
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -135,16 +178,33 @@ def pressure(
     with drawing(axes):
         from ..pressure_chart import draw
 
-        return draw(tree, views(tree, member), torque, axes)
+        figure = draw(tree, views(tree, member), torque, axes)
+    return figure if axes is None else None
 
 
+@overload
+def transmission_error(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: None = None,
+) -> Figure: ...
+@overload
+def transmission_error(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: DrawnAxes,
+) -> None: ...
 def transmission_error(
     tree: xr.DataTree,
     *,
     torque: float | Sequence[float] | None = None,
     parts: str | Sequence[str] | None = None,
     axes: AxesChoice = None,
-) -> Figure:
+) -> Figure | None:
     """Transmission error over two mesh cycles, and its orders.
 
     Parameters
@@ -157,7 +217,8 @@ def transmission_error(
         Panels: ``unloaded``, ``loaded``, ``about_mean`` (loaded, about its mean), ``orders`` (amplitudes at multiples
         of the mesh frequency: the first four over torque, or all at a single torque); all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -171,20 +232,25 @@ def transmission_error(
     >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().subplots()
-    >>> figure = easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
-    >>> figure is axes.figure, axes.get_ylabel()
-    (True, 'under load, about its mean [µrad]')
+    >>> easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
+    >>> axes.get_title(loc="left"), axes.get_ylabel()
+    ('transmission error', 'under load, about its mean [µrad]')
     """
     require_result(tree)
     with drawing(axes):
         from ..transmission_error_chart import draw
 
-        return draw(tree, torque, parts, axes)
+        figure = draw(tree, torque, parts, axes)
+    return figure if axes is None else None
 
 
+@overload
+def load_sharing(tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: None = None) -> Figure: ...
+@overload
+def load_sharing(tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: DrawnAxes) -> None: ...
 def load_sharing(
     tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
-) -> Figure:
+) -> Figure | None:
     """Share of the torque that each tooth pair carries, a panel a torque.
 
     Parameters
@@ -194,7 +260,8 @@ def load_sharing(
     torque
         One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -213,10 +280,15 @@ def load_sharing(
     with drawing(axes):
         from ..load_share_chart import draw
 
-        return draw(tree, torque, axes)
+        figure = draw(tree, torque, axes)
+    return figure if axes is None else None
 
 
-def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+@overload
+def misalignment(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
+@overload
+def misalignment(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Misalignment E, P, G and Sigma over the torque, and the centre of the pattern that moves with them.
 
     Parameters
@@ -224,7 +296,8 @@ def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     tree
         A result on supports, or with deflections over the torque.
     axes
-        Three Axes: displacements, angle, centre of the pattern; a page of its own if left out.
+        Three Axes: displacements, angle, centre of the pattern; a page of its own if left out. With them
+        nothing is returned; ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -250,9 +323,28 @@ def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     with drawing(axes):
         from ..charts.misalignment_chart import draw
 
-        return draw(tree, axes)
+        figure = draw(tree, axes)
+    return figure if axes is None else None
 
 
+@overload
+def root_stress(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: None = None,
+) -> Figure: ...
+@overload
+def root_stress(
+    tree: xr.DataTree,
+    *,
+    torque: float | Sequence[float] | None = None,
+    member: MemberName | None = None,
+    parts: str | Sequence[str] | None = None,
+    axes: DrawnAxes,
+) -> None: ...
 def root_stress(
     tree: xr.DataTree,
     *,
@@ -260,7 +352,7 @@ def root_stress(
     member: MemberName | None = None,
     parts: str | Sequence[str] | None = None,
     axes: AxesChoice = None,
-) -> Figure:
+) -> Figure | None:
     """Greatest root stress along the face and over the mesh cycle, of results with finite-element teeth.
 
     Parameters
@@ -274,7 +366,8 @@ def root_stress(
     parts
         Rows of panels: ``face``, ``cycle``; both if left out.
     axes
-        An Axes a panel, row by row; a page of its own if left out.
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -298,10 +391,15 @@ def root_stress(
     with drawing(axes):
         from ..charts.root_stress_chart import draw
 
-        return draw(tree, torque, member, parts, axes)
+        figure = draw(tree, torque, member, parts, axes)
+    return figure if axes is None else None
 
 
-def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+@overload
+def deviations(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
+@overload
+def deviations(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """What the deviations of both flanks add to the ease-off.
 
     Parameters
@@ -309,7 +407,8 @@ def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     tree
         A result of deviating flanks.
     axes
-        One Axes to draw in; a page of its own if left out.
+        One Axes to draw in; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -330,4 +429,5 @@ def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     with drawing(axes):
         from ..charts.flank_change_map import draw_deviations
 
-        return draw_deviations(tree, views(tree, "gear")[0], axes)
+        figure = draw_deviations(tree, views(tree, "gear")[0], axes)
+    return figure if axes is None else None

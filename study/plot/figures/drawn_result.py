@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from ..tooth_view import ToothView
 
-    AxesChoice: TypeAlias = Axes | Iterable[Axes] | None
+    DrawnAxes: TypeAlias = Axes | Iterable[Axes]
+    AxesChoice: TypeAlias = DrawnAxes | None
 
 #: What makes a group that not every result has.
 MADE_BY = {

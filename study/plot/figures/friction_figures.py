@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import xarray as xr
 
@@ -13,9 +13,31 @@ from .drawn_result import require_result, views
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .drawn_result import AxesChoice
+    from .drawn_result import AxesChoice, DrawnAxes
 
 
+@overload
+def friction_maps(
+    tree: xr.DataTree,
+    *,
+    torque: float | None = None,
+    speed: float | None = None,
+    temperature: float | None = None,
+    roughness: float | None = None,
+    quantities: str | Sequence[str] | None = None,
+    axes: None = None,
+) -> Figure: ...
+@overload
+def friction_maps(
+    tree: xr.DataTree,
+    *,
+    torque: float | None = None,
+    speed: float | None = None,
+    temperature: float | None = None,
+    roughness: float | None = None,
+    quantities: str | Sequence[str] | None = None,
+    axes: DrawnAxes,
+) -> None: ...
 def friction_maps(
     tree: xr.DataTree,
     *,
@@ -25,7 +47,7 @@ def friction_maps(
     roughness: float | None = None,
     quantities: str | Sequence[str] | None = None,
     axes: AxesChoice = None,
-) -> Figure:
+) -> Figure | None:
     """Velocities, film, friction and temperature over the gear flank, at one operating condition.
 
     Parameters
@@ -39,7 +61,8 @@ def friction_maps(
         Panels: ``rolling_velocity``, ``sliding_velocity``, ``slide_to_roll``, ``equivalent_radius``, ``lambda_ratio``,
         ``friction_coefficient``, ``flash_temperature``, ``pressure_velocity``; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -60,10 +83,17 @@ def friction_maps(
         from ..friction_map_chart import draw
 
         conditions = {"torque": torque, "speed": speed, "temperature": temperature, "roughness": roughness}
-        return draw(tree, views(tree, "gear")[0], conditions, quantities, axes)
+        figure = draw(tree, views(tree, "gear")[0], conditions, quantities, axes)
+    return figure if axes is None else None
 
 
-def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def efficiency(
+    tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure | None:
     """Power loss over the mesh cycle, and efficiency over every operating condition that varies.
 
     Parameters
@@ -74,7 +104,8 @@ def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, a
         Panels: ``cycle``, and those of ``speed``, ``torque``, ``temperature`` and ``roughness`` of which the result has
         several; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -92,4 +123,5 @@ def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, a
     with drawing(axes):
         from ..efficiency_chart import draw
 
-        return draw(tree, parts, axes)
+        figure = draw(tree, parts, axes)
+    return figure if axes is None else None

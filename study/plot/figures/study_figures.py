@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import xarray as xr
 
 from ....core.errors import InputError
+from ...sweep.sweep_file import is_sweep
 from ..drawing_style import drawing
 from .drawn_result import require_result, views
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .drawn_result import AxesChoice
+    from .drawn_result import AxesChoice, DrawnAxes
 
 
-def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
+@overload
+def load_cases(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
+@overload
+def load_cases(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Pattern, pressure, transmission error, power loss and damage of load cases, a row each.
 
     Parameters
@@ -25,8 +30,9 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     tree
         Of ``study.analyze_load_cases``.
     axes
-        An Axes a panel: pattern, greatest pressure, peak to peak, and power loss and damage if the result has them; a
-        page of its own if left out.
+        An Axes a panel: pattern, greatest pressure, peak to peak, and power loss and damage if the result has
+        them; a page of its own if left out. With them nothing is returned; ``layout="constrained"`` of their
+        figure makes room.
 
     Raises
     ------
@@ -46,12 +52,25 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure:
     with drawing(axes):
         from ...load_cases.load_case_chart import draw
 
-        return draw(tree, axes)
+        figure = draw(tree, axes)
+    return figure if axes is None else None
 
 
+@overload
 def sweep(
-    dataset: xr.Dataset, picture: str, *, names: str | Sequence[str] | None = None, axes: AxesChoice = None
-) -> Figure:
+    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: None = None
+) -> Figure: ...
+@overload
+def sweep(
+    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: DrawnAxes
+) -> None: ...
+def sweep(
+    dataset: xr.Dataset,
+    picture: str | None = None,
+    *,
+    names: str | Sequence[str] | None = None,
+    axes: AxesChoice = None,
+) -> Figure | None:
     """A picture of a sweep.
 
     Parameters
@@ -59,13 +78,14 @@ def sweep(
     dataset
         Of ``easeoff.sweep`` or ``study.sweep.read_sweep``.
     picture
-        ``sweep_map`` over two grids, ``sweep_curves`` over one, ``sweep_pattern``, ``sweep_histograms`` of samples or
-        ``sweep_tornado`` of sensitivities; ``pictures`` says which a sweep has.
+        ``map`` over two grids, ``curves`` over one, ``pattern``, ``histograms`` of samples or ``tornado`` of
+        sensitivities; the first of them that the sweep has if left out. ``pictures`` lists them with ``sweep_`` before.
     names
         Numbers to draw, a panel each: ``peak_to_peak``, ``max_pressure``, ``contact_ratio``,
         ``pattern_centre_lengthwise``, ``max_root_stress``, ``efficiency``; the first four of them if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -78,16 +98,23 @@ def sweep(
     >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
     >>> easeoff.plot.pictures(found)
     ('sweep_curves', 'sweep_pattern')
-    >>> len(easeoff.plot.sweep(found, "sweep_curves", names="max_pressure").axes)
+    >>> len(easeoff.plot.sweep(found, "curves", names="max_pressure").axes)
     1
     """
+    if not is_sweep(dataset):
+        raise InputError("dataset: must be of easeoff.sweep or study.sweep.read_sweep")
     with drawing(axes):
         from ..charts.sweep_chart import draw
 
-        return draw(dataset, picture, names, axes)
+        figure = draw(dataset, picture, names, axes)
+    return figure if axes is None else None
 
 
-def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
 
     Parameters
@@ -97,8 +124,8 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     parts
         ``places`` and, if it was asked for, ``grid``; both if left out.
     axes
-        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its own if
-        left out.
+        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its
+        own if left out. With them nothing is returned; ``layout="constrained"`` of their figure makes room.
 
     Raises
     ------
@@ -117,10 +144,15 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     with drawing(axes):
         from ...vh.vh_chart import draw
 
-        return draw(found, parts, axes)
+        figure = draw(found, parts, axes)
+    return figure if axes is None else None
 
 
-def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Wear of both flanks at the end, and depth, transmission error and pressure over the revolutions.
 
     Parameters
@@ -130,7 +162,8 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     parts
         Panels: ``pinion``, ``gear``, ``largest_depth``, ``peak_to_peak``, ``max_pressure``; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -152,10 +185,17 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     with drawing(axes):
         from ..charts.wear_chart import draw
 
-        return draw(history, parts, axes)
+        figure = draw(history, parts, axes)
+    return figure if axes is None else None
 
 
-def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure:
+@overload
+def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
+@overload
+def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+def optimization(
+    tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure | None:
     """Optimised modification of the ease-off, and what it changes, in the worst assembly.
 
     Parameters
@@ -165,7 +205,8 @@ def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None,
     parts
         Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
     axes
-        An Axes a panel; a page of its own if left out.
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
 
     Raises
     ------
@@ -186,4 +227,5 @@ def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None,
     with drawing(axes):
         from ..charts.flank_change_map import draw_optimization
 
-        return draw_optimization(tree, views(tree, "gear")[0], parts, axes)
+        figure = draw_optimization(tree, views(tree, "gear")[0], parts, axes)
+    return figure if axes is None else None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
+from ....core.suggestion import suggestion
 from ...result_layout import VARIABLES, faults, load_case_faults
 
 if TYPE_CHECKING:
@@ -58,10 +59,11 @@ class ResultSummary:
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Key numbers as tables of pandas: ``unloaded``, ``loaded`` and ``friction``, or ``load_cases``.
+        """Key numbers as tables of pandas: ``unloaded``, ``misalignment``, ``supports``, ``loaded``, ``friction``.
 
-        A column bears the name of its variable and the unit in which people read it: angles are in degrees, torques in
-        N m. The result itself keeps rad and N mm.
+        Misalignment, supports and friction are there if the result has them; of load cases there is ``load_cases``
+        alone. A column bears the name of its variable and the unit in which people read it: angles are in degrees,
+        torques in N m. The result itself keeps rad and N mm. ``tables["loaded"].T`` has a row a number.
         """
         from .summary_frames import summary_frames
 
@@ -108,7 +110,8 @@ class ResultPlots:
             raise AttributeError(name)
         functions = _pictures()
         if name not in functions:
-            raise AttributeError(f"there is no picture {name!r}; there are: {', '.join(sorted(functions))}")
+            known = ", ".join(sorted(functions))
+            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, functions)}")
         function = functions[name]
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ....core.printable import printable
-from ..contact_report.report_tables import loaded_numbers
+from ..contact_report.report_tables import loaded_numbers, misalignment_rows, supports_rows
 from ..summary.load_case_summary import input_columns, load_case_notes, result_columns
 from ..summary.result_summary import head_rows, result_notes
 
@@ -19,14 +19,23 @@ ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
 SHOWN_NUMBERS = (
     "loaded/mean_level",
     "loaded/peak_to_peak",
+    "loaded/mean_mesh_stiffness",
     "loaded/contact_ratio",
     "loaded/max_load_share",
     "loaded/edge_share",
+    "loaded/pattern_centre_lengthwise",
+    "loaded/pattern_centre_profile",
+    "loaded/pattern_length",
+    "loaded/pattern_height",
     "loaded/max_pressure",
+    "loaded/max_pressure_lengthwise",
+    "loaded/max_pressure_profile",
+    "loaded/max_pressure_line_end",
     "root_stress/max_root_stress",
     "loaded/status",
 )
 
+MISALIGNMENT = ("torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]")
 #: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and format.
 CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
 FRICTION = {
@@ -57,11 +66,12 @@ def result_page(tree: xr.DataTree) -> str:
         numbers = tree["load_cases"].to_dataset()
         for columns in (input_columns(numbers), result_columns(numbers)):
             rows = list(zip(*columns.values(), strict=True))
-            parts += [_table([head.replace("\n", " ") for head in columns], rows[:ROW_COUNT_LIMIT]), _left(len(rows))]
+            heads = [head.replace("\n", " ") for head in columns]
+            parts += [_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows), "load_cases")]
         notes = load_case_notes(tree)
     else:
         parts.append(_table([], [list(row) for row in head_rows(tree)]))
-        parts += [_loaded(tree), *_friction(tree)]
+        parts += [*_assembly(tree), _loaded(tree), *_friction(tree)]
         notes = result_notes(tree)
     if notes:
         told = "".join(f"<li>{_shown(note.removeprefix('Note: '))}</li>" for note in notes)
@@ -79,8 +89,25 @@ def _loaded(tree: xr.DataTree) -> str:
         for name, unit, variable, *values in numbers["rows"]
         if variable in SHOWN_NUMBERS
     ]
-    left = len(numbers["torques"]) - len(torques)
-    return _table(["torque at the pinion [N m]", *torques], rows) + (f"<p>and {left} more torques</p>" if left else "")
+    left = _left(len(numbers["torques"]), "loaded", TORQUE_COUNT_LIMIT)
+    return _table(["torque at the pinion [N m]", *torques], rows) + left
+
+
+def _assembly(tree: xr.DataTree) -> list[str]:
+    """Tables of the misalignment over the torque, and of the supports, if the result has them."""
+    parts = []
+    if rows := misalignment_rows(tree):
+        parts.append(
+            _titled("Misalignment over the torque, mean over the mesh cycle", MISALIGNMENT, rows, "misalignment")
+        )
+    for table in supports_rows(tree):
+        parts.append(_titled(table["title"], table["heads"], table["rows"], "supports"))
+    return parts
+
+
+def _titled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], name: str) -> str:
+    """A table under its title."""
+    return f"<p><b>{_shown(title)}</b></p>" + _table(heads, rows[:ROW_COUNT_LIMIT]) + _left(len(rows), name)
 
 
 def _friction(tree: xr.DataTree) -> list[str]:
@@ -97,12 +124,14 @@ def _friction(tree: xr.DataTree) -> list[str]:
         + [format(values[head][at], form) for head, (_, _, form) in shown.items()]
         for at in conditions[:ROW_COUNT_LIMIT]
     ]
-    return [_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions))]
+    return [_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction")]
 
 
-def _left(count: int) -> str:
-    """How many rows of a table are not shown."""
-    return f"<p>and {count - ROW_COUNT_LIMIT} more</p>" if count > ROW_COUNT_LIMIT else ""
+def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
+    """How many rows or columns of a table are not shown, and where they are."""
+    return (
+        f"<p>and {count - limit} more: <code>summary().tables[&quot;{name}&quot;]</code></p>" if count > limit else ""
+    )
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

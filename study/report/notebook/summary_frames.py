@@ -10,13 +10,22 @@ import numpy as np
 import xarray as xr
 
 from ..key_numbers import key_numbers
+from ..summary.deflection_report import misalignment_over_torque
+from ..summary.supports_report import SHARES, bearing_loads
 
 if TYPE_CHECKING:
     import pandas as pd
 
 CONDITIONS = ("torque", "speed", "temperature", "roughness")
+TORQUE = "torque [N m]"
 #: Units of the data that nobody reads, and what they are shown in: unit and factor.
-READ_UNITS = {"rad": ("deg", math.degrees(1.0)), "N mm": ("N m", 1e-3), "1": ("", 1.0), "": ("", 1.0)}
+READ_UNITS = {
+    "rad": ("deg", math.degrees(1.0)),
+    "N mm": ("N m", 1e-3),
+    "rpm": ("1/min", 1.0),
+    "1": ("", 1.0),
+    "": ("", 1.0),
+}
 
 
 def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
@@ -30,8 +39,10 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     Returns
     -------
     dict of str to pandas.DataFrame
-        ``unloaded``: one row. ``loaded``: a row a torque [N m]. ``friction``, if the result has it: a row an operating
-        condition. Of load cases: ``load_cases`` with a row each.
+        ``unloaded``: one row. ``misalignment``, if it depends on the torque, and ``supports``, if there are some: means
+        over the mesh cycle, a row a torque [N m], the rotations of the gear and the bearing loads. ``loaded``: a row a
+        torque. ``friction``, if the result has it: a row an operating condition. Of load cases: ``load_cases`` with a
+        row each. Wide ones are best read as ``frame.T``.
 
     Examples
     --------
@@ -48,7 +59,38 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
         part = "friction" if "speed" in variable.dims else "loaded" if "torque" in variable.dims else "unloaded"
         parts[part].append(str(name))
     indices: dict[str, tuple[str, ...]] = {"unloaded": (), "loaded": CONDITIONS[:1], "friction": CONDITIONS}
-    return {part: _frame(numbers[names], indices[part]) for part, names in parts.items() if names}
+    frames = {part: _frame(numbers[names], indices[part]) for part, names in parts.items() if names}
+    assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
+    held = {part: frame for part, frame in assembly.items() if frame is not None}
+    return {"unloaded": frames.pop("unloaded")} | held | frames
+
+
+def _misalignment(tree: xr.DataTree) -> pd.DataFrame | None:
+    """E, P, G and Sigma over the torque; ``None`` if they do not depend on it."""
+    import pandas as pd
+
+    found = misalignment_over_torque(tree)
+    if found is None:
+        return None
+    means = found[1].mean(axis=1)
+    means[:, 3] = np.degrees(means[:, 3])
+    return pd.DataFrame(
+        means, index=pd.Index(found[0], name=TORQUE), columns=["E [mm]", "P [mm]", "G [mm]", "Sigma [deg]"]
+    )
+
+
+def _supports(tree: xr.DataTree) -> pd.DataFrame | None:
+    """Parts of the gear's rotation and bearing loads over the torque; ``None`` without supports."""
+    import pandas as pd
+
+    if "supports" not in tree.children:
+        return None
+    group = tree["supports"].to_dataset().sortby("torque")
+    rotations = ("whole_rotation", *SHARES.values())
+    columns = {f"{name} [urad]": group[name].mean("mesh_position").values for name in rotations}
+    for name, radial, axial in zip(*bearing_loads(tree), strict=True):
+        columns |= {f"{name}, radial [N]": radial.mean(axis=1), f"{name}, axial [N]": axial.mean(axis=1)}
+    return pd.DataFrame(columns, index=pd.Index(group["torque"].values, name=TORQUE))
 
 
 def _frame(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
@@ -74,6 +116,14 @@ def _frame(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
 
 def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
     """Head and values of a quantity in the unit in which people read it."""
+    if "flag_meanings" in variable.attrs:
+        words = {
+            int(value): word.replace("_", " ")
+            for value, word in zip(
+                np.atleast_1d(variable.attrs["flag_values"]), str(variable.attrs["flag_meanings"]).split(), strict=True
+            )
+        }
+        return name, np.vectorize(lambda value: words.get(int(value), ""), otypes=[object])(values)
     unit = str(variable.attrs.get("units", ""))
     told, factor = READ_UNITS.get(unit, (unit, 1.0))
     return (f"{name} [{told}]" if told else name), values if factor == 1.0 else factor * values

@@ -55,7 +55,7 @@ def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> li
     >>> import easeoff
     >>> tree = easeoff.analyze("nasa-12x36", torques=100.0, speed=10.0)
     >>> range_notes(tree["friction"].to_dataset())[0].partition(" lies")[0]
-    'Note: 100 % of the power loss at 100 N m, 10 / min, 0.8 um'
+    'Note: 100 % of the power loss at 100 N m, 10 1/min, 0.8 um'
     """
     if "film_thinning" not in friction:
         return []
@@ -153,7 +153,7 @@ def _at(friction: xr.Dataset, place: Mapping[str, int], more: str, named: bool) 
     """Torque, speed and another condition in words, and those of which the result has several; or nothing."""
     if not named:
         return ""
-    units = {"torque": "N m", "speed": "/ min", "temperature": "degC", "roughness": "um"}
+    units = {"torque": "N m", "speed": "1/min", "temperature": "degC", "roughness": "um"}
     chosen = [name for name in CONDITIONS if name in ("torque", "speed", more) or friction.sizes[name] > 1]
     values = {name: f"{float(friction[name].values[place[name]]):.4g}" for name in chosen}
     if "roughness" in values:

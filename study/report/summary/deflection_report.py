@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,21 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
         return None
     whole = np.concatenate([np.broadcast_to(unloaded, (1, *errors.shape[1:])), errors])
     return np.concatenate([[0.0], group["torque"].values]), whole
+
+
+def misalignment_words(attributes: Mapping[Any, Any]) -> str:
+    """The misalignment without torque in words, from the attributes of a result; empty if there is none.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> misalignment_words(easeoff.analyze("fm-11x41", torques=100.0).attrs)
+    'E -0.15 mm, P +0.12 mm'
+    """
+    values = {symbol: float(attributes[name]) for symbol, (_, name) in ERRORS.items()}
+    values["Sigma"] = float(np.degrees(values["Sigma"]))
+    units = {symbol: "deg" if symbol == "Sigma" else "mm" for symbol in values}
+    return ", ".join(f"{symbol} {value:+g} {units[symbol]}" for symbol, value in values.items() if value)
 
 
 def deflection_table(tree: xr.DataTree) -> str:

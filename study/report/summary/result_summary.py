@@ -19,8 +19,8 @@ from ..notes.plausibility import plausibility
 from ..notes.pressure_jumps import jump_notes
 from ..notes.ranges import range_notes
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
-from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
-from .supports_report import supports_tables, supports_words
+from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque, misalignment_words
+from .supports_report import added_notes, supports_tables, supports_words
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
@@ -60,7 +60,7 @@ def efficiencies(friction: xr.Dataset) -> str:
         table += f"\n... and {left} more in the group friction"
         known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
-            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} / min, {row[2]} degC, {row[3]} um"
+            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
     return table
 
 
@@ -125,7 +125,14 @@ def doubts(tree: xr.DataTree) -> list[str]:
     """Notes on implausible numbers, extrapolation, load on edges, pressures that jump, and friction out of range."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     loaded = tree["loaded"].to_dataset()
-    return [*plausibility(tree), *deflection_notes(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
+    return [
+        *plausibility(tree),
+        *added_notes(tree),
+        *deflection_notes(tree),
+        *edge_notes(loaded),
+        *jump_notes(loaded),
+        *ranges,
+    ]
 
 
 def outcome(tree: xr.DataTree) -> str:
@@ -159,14 +166,7 @@ def _failures(status: Any) -> list[tuple[int, str]]:
 def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
     """Pair, misalignment, departures from the design and models: names and words."""
     attrs, numbers = tree.attrs, key_numbers(tree)
-    sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
-    errors = [
-        ("E", attrs["misalignment_offset_mm"], "mm"),
-        ("P", attrs["misalignment_pinion_axial_mm"], "mm"),
-        ("G", attrs["misalignment_gear_axial_mm"], "mm"),
-        ("Sigma", sigma, "deg"),
-    ]
-    misaligned = ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"
+    misaligned = misalignment_words(attrs) or "none"
     if misalignment_over_torque(tree) is not None:
         misaligned = f"{misaligned} without torque; under load see below"
     pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"

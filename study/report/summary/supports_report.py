@@ -13,6 +13,7 @@ from tabulate import tabulate
 
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
+from .deflection_report import misalignment_words
 
 Array = NDArray[Any]
 
@@ -147,9 +148,43 @@ def supports_words(tree: xr.DataTree) -> str:
     return f"{name}: {_held(tree)}" if name and name != "of the case" else _held(tree)
 
 
+def added_notes(tree: xr.DataTree) -> list[str]:
+    """Note that the misalignment of the case is added to that of the supports, if it is that of the result.
+
+    A published misalignment may stand for deflections under load, which would then count twice.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("fm-11x41", torques=[100.0], supports="axle-fm-11x41")
+    >>> print(added_notes(tree)[0].partition(" and ")[0])
+    Note: the case's misalignment E -0.15 mm, P +0.12 mm stands without torque
+    >>> added_notes(easeoff.analyze("fm-11x41", torques=[100.0], supports="axle-fm-11x41", misalignment={"E": 0.0}))
+    []
+    """
+    if "supports" not in tree.children or "deflections" in tree.attrs:
+        return []
+    found, own = misalignment_words(tree.attrs), _table_of_case(tree, "misalignment")
+    alike = all(
+        np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(own.get(key, 0.0)))
+        for key, unit, scale in (
+            ("offset", "mm", 1.0),
+            ("pinion_axial", "mm", 1.0),
+            ("gear_axial", "mm", 1.0),
+            ("shaft_angle", "rad", np.radians(1.0)),
+        )
+    )
+    if not found or not alike:
+        return []
+    return [
+        f"Note: the case's misalignment {found} stands without torque and is added to that of the supports; "
+        "--misalignment E=0 leaves it out, as it should be where it stands for deflections under load."
+    ]
+
+
 def _held(tree: xr.DataTree) -> str:
     """What holds each member."""
-    table = _stored_table(tree)
+    table = _table_of_case(tree, "supports")
     if "housing" in table:
         return "both members by one matrix, with the housing"
     group = tree["supports"].to_dataset()
@@ -164,12 +199,12 @@ def _held(tree: xr.DataTree) -> str:
     return "; ".join(parts) or "by matrices"
 
 
-def _stored_table(tree: xr.DataTree) -> dict[str, Any]:
-    """Table of the supports in the text of the case that a result keeps; empty if there is none."""
+def _table_of_case(tree: xr.DataTree, name: str) -> dict[str, Any]:
+    """A table in the text of the case that a result keeps; empty if there is none."""
     text = str(tree.attrs.get("case", ""))
     try:
         data = tomllib.loads(text)
-        table = data.get("supports", {})
+        table = data.get(name, {})
     except (ValueError, AttributeError):
         return {}
     return table if isinstance(table, dict) else {}

@@ -334,8 +334,7 @@ function frictionField(result, name) {
 
 function friction() {
   if (!results.some((result) => result.friction)) {
-    const node = section("friction", "Friction and efficiency");
-    element("p", "none", node, "No friction: the result was made without a speed (easeoff run CASE --speed ...).");
+    element("p", "small none", page, "No friction: the result was made without a speed (easeoff run CASE --speed ...).");
     return;
   }
   const node = section("friction", "Friction and efficiency");
