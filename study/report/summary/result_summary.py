@@ -15,9 +15,11 @@ from ..departures import deviations, modification
 from ..key_numbers import key_numbers
 from ..model_name import model_name
 from ..notes.edge_load import edge_notes
+from ..notes.end_pressure import end_notes
 from ..notes.plausibility import plausibility
 from ..notes.pressure_jumps import jump_notes
 from ..notes.ranges import range_notes
+from ..notes.supports_notes import supports_notes
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
 from .supports_report import supports_tables, supports_words
@@ -122,10 +124,11 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on implausible numbers, extrapolation, load on edges, pressures that jump, and friction out of range."""
+    """Notes on implausible numbers, extrapolation, supports, edges and line ends, pressures that jump, and friction."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     loaded = tree["loaded"].to_dataset()
-    return [*plausibility(tree), *deflection_notes(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
+    contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
+    return [*plausibility(tree), *deflection_notes(tree), *supports_notes(tree), *contact, *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:

@@ -119,7 +119,7 @@ function summary() {
       element("p", "small", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
     }
     for (const note of result.notes) element("p", "note", box, note);
-    if (!result.notes.length) element("p", "small", box, "No notes: no number is implausible, and no model leaves its range.");
+    if (!result.notes.length) element("p", "small", box, "No automatic note.");
     if (result.torque_count > result.torques.length) element("p", "small", box, `Pictures and charts over the mesh cycle show ${result.torques.length} of ${result.torque_count} torques.`);
   }
 }
