@@ -8,6 +8,7 @@ import numpy as np
 
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SOLVERS, available_solvers, solve
+from ...core.processes.foreign_output import foreign_output_on_errors
 from ..flank_contact.segment_gap import segment_gaps
 from .flank_rows import greatest
 from .verification_row import VerificationRow, not_applicable
@@ -118,6 +119,7 @@ def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, fl
 
     With polish every answer must be certified: NaN if one is not.
     """
-    found = [solve(case.problem, name, polish=polish) for case in cases]
+    with foreign_output_on_errors():  # HiGHS prints its name
+        found = [solve(case.problem, name, polish=polish) for case in cases]
     ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]
     return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")

@@ -18,7 +18,7 @@ FORETOLD_SHARE = 0.03  # of the steps, before which nothing is said of those lef
 SWITCH = "EASEOFF_PROGRESS"  # an environment variable; "off" for no lines where there is no terminal
 
 
-def terminal_bar(**options: Any) -> Any:
+def terminal_bar(*, foretold_steps: int = 0, **options: Any) -> Any:
     """A bar of tqdm on a terminal, without tqdm's thread; elsewhere the same as lines.
 
     In that thread Python may collect garbage, and close a netCDF file while the main thread is in the netCDF library,
@@ -26,6 +26,8 @@ def terminal_bar(**options: Any) -> Any:
 
     Parameters
     ----------
+    foretold_steps
+        Number of steps before which lines say nothing of the time left, where steps are unlike each other.
     **options
         Arguments of ``tqdm.tqdm``: of lines ``desc``, ``total`` and ``unit`` count.
 
@@ -36,7 +38,8 @@ def terminal_bar(**options: Any) -> Any:
     True
     """
     if not _on_terminal() and _lines_wanted():
-        return ProgressLines(**{name: options[name] for name in ("desc", "total", "unit") if name in options})
+        known = {name: options[name] for name in ("desc", "total", "unit") if name in options}
+        return ProgressLines(**known, foretold_steps=foretold_steps)
     from tqdm import tqdm
 
     tqdm.monitor_interval = 0
@@ -77,6 +80,8 @@ class ProgressLines:
         Number of steps, if it is known.
     unit
         What a step is, in the singular.
+    foretold_steps
+        As of ``terminal_bar``.
 
     Examples
     --------
@@ -88,8 +93,11 @@ class ProgressLines:
 
     disable = False
 
-    def __init__(self, desc: str = "", total: float | None = None, unit: str = "step") -> None:
+    def __init__(
+        self, desc: str = "", total: float | None = None, unit: str = "step", *, foretold_steps: int = 0
+    ) -> None:
         self.description, self.total, self.unit = desc, total, unit
+        self.foretold_steps = foretold_steps
         self.n = 0.0
         self._postfix = ""
         self._begin = self._stage_begin = time.perf_counter()
@@ -121,6 +129,9 @@ class ProgressLines:
         """Name what is done within the stage."""
         self._postfix = text
 
+    def clear(self) -> None:
+        """Nothing: lines stay; a bar leaves the terminal to other output until it is refreshed."""
+
     def words(self, seconds: float) -> str:
         """The line of now, which is a time [s] after the begin of the stage."""
         name = f"{self.description}, {self._postfix}" if self._postfix else self.description
@@ -129,7 +140,8 @@ class ProgressLines:
             return f"{name}: {self.n:.5g} {units}, {seconds:.0f} s" if self.n and seconds >= 1.0 else f"{name} ..."
         if not self.n:
             return f"{name}: {self.total:.5g} {self.unit}s ..."
-        left = seconds * (self.total - self.n) / self.n if self.n >= FORETOLD_SHARE * self.total else 0.0
+        foretold = self.n >= max(FORETOLD_SHARE * self.total, self.foretold_steps)
+        left = seconds * (self.total - self.n) / self.n if foretold else 0.0
         told = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
         return f"{told}, {time_in_words(left)} left" if left > 0.0 else told
 
