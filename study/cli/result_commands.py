@@ -21,11 +21,13 @@ if TYPE_CHECKING:
 def show(result: Path) -> None:
     """Show the main numbers of RESULT.
 
-    RESULT is a file of 'easeoff run' or 'easeoff sweep'.
+    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'.
     """
+    from ..report.contact_report.given_results import kind_of, read_given
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.result_summary import result_summary
-    from ..result import read_result
+    from ..report.vh_table import vh_table
+    from ..report.wear_report import wear_summary
 
     dataset = _sweep(result)
     if dataset is not None:
@@ -33,7 +35,11 @@ def show(result: Path) -> None:
 
         echo(sweep_summary(dataset))
         return
-    tree = read_result(result)
+    tree = read_given(result)
+    if not hasattr(tree, "children"):
+        title = f"{tree.attrs['title']}, {tree.attrs['flank']} flanks"
+        echo(f"{title}\n\n{vh_table(tree) if kind_of(tree) == 'V-H check' else wear_summary(tree)}")
+        return
     echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
 
 
@@ -107,9 +113,14 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 @click.command(cls=Command)
 @click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="HTML file to write."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    show_default="RESULT.html, if there is one",
+    help="HTML file to write.",
 )
-def report(results: tuple[Path, ...], output: Path) -> None:
+def report(results: tuple[Path, ...], output: Path | None) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
     RESULT is a file of 'easeoff run', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before and after
@@ -122,6 +133,10 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     from ..report.contact_report.given_results import read_given
     from ..report.contact_report.report_file import write_report
 
+    if output is None:
+        if len(results) > 1:
+            raise click.UsageError("-o: must be given with several results, as in -o report.html")
+        output = results[0].with_suffix(".html")
     check_writable(output, *results, suffix=".html")
     names = [path.stem for path in results]
     if len(set(names)) < len(names):
