@@ -32,6 +32,7 @@ PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures"
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 CURVE_COUNT_LIMIT = 5
 ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, and their least distance over the axis
+MARKED_COUNT_LIMIT = 40  # computed points of a curve that are marked
 EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
@@ -44,7 +45,11 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         label = value_name(quantity, by, int(index))
-        axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
+        mark = "o" if order.size <= MARKED_COUNT_LIMIT else None  # where it was computed
+        axes.plot(
+            here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, marker=mark,
+            markersize=3.5, label=label,
+        )  # fmt: skip
     plain_axes(axes)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
