@@ -14,9 +14,12 @@ from easeoff.cases import Case, read_supports
 from easeoff.cases.supported_case import with_supports
 from easeoff.contact.evaluation.pressure_place import LineEnd, at_line_end, max_inner_pressure
 from easeoff.study import result_summary
+from easeoff.study.plot.page import page
 from easeoff.study.report.notes.edge_load import TOLD_SHARE, edge_notes
 from easeoff.study.report.notes.end_pressure import end_notes
 from easeoff.study.report.notes.supports_notes import axial_face, supports_notes
+from easeoff.study.report.summary.result_summary import efficiencies
+from easeoff.study.vh.shifted_patterns import round_values
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
 
@@ -122,3 +125,46 @@ def test_bearings_that_share_the_axial_load_in_one_sense_are_told() -> None:
 
 def test_no_supports_have_no_note() -> None:
     assert supports_notes(easeoff.analyze(coarse("nasa-12x36"))) == []
+
+
+def test_contact_ratios_say_whether_edges_count() -> None:
+    """Edges carry beside the contact lines, so that the ratio under load may exceed the geometric one."""
+    with_edges = " ".join(result_summary(supported("gearbox-nasa-12x36")).split())
+    assert "contact ratio, with edges" in with_edges
+    assert "of contact lines alone; under load edges beside them count, too" in with_edges
+    lines = " ".join(result_summary(easeoff.analyze(coarse("nasa-12x36"), edge_contact=False)).split())
+    assert "with edges" not in lines
+    assert "of contact lines alone" not in lines
+
+
+@pytest.mark.parametrize(("beyond", "written"), [(0.3, ["0.0512", "1234.6", "1.5", "95.43"]), (0.5, ["0.051", "95.4"])])
+def test_an_efficiency_beyond_the_formula_has_fewer_digits(beyond: float, written: list[str]) -> None:
+    over = ("torque", "speed", "temperature", "roughness")
+    values = {"efficiency": 0.95432, "mean_power_loss": 1234.56, "mean_rolling_loss": 18.5}
+    values |= {"mean_friction_coefficient": 0.05123, "extrapolated_share": beyond}
+    friction = xr.Dataset(
+        {name: (over, np.full((1, 1, 1, 1), value)) for name, value in values.items()}
+        | {"temperature_clamped": ("temperature", [0])}
+        | {f"roughness_{member}": ("roughness", [0.8]) for member in ("pinion", "gear")},
+        coords={"torque": [100.0], "speed": [500.0], "temperature": [90.0], "roughness": [0.8]},
+    )
+    table = efficiencies(friction)
+    assert set(written) <= set(table.split())
+    assert ("with fewer digits" in table) == (beyond > 0.4)
+
+
+def test_a_picture_says_that_supports_misalign() -> None:
+    tree = supported("gearbox-nasa-12x36")
+    figure = page(tree, "Pressure", 2.0)
+    words = " ".join(text.get_text() for text in figure.texts).split()
+    assert "none without load, then that of the supports" in " ".join(words)
+
+
+@pytest.mark.parametrize("low", [-0.51, -0.08, 0.0])
+@pytest.mark.parametrize("count", [2, 5, 8])
+def test_values_of_a_vh_grid_are_round_and_cover_the_range(low: float, count: int) -> None:
+    values = round_values(low, low + 0.7, count)
+    assert values[0] <= low + 1e-9
+    assert values[-1] >= low + 0.7 - 1e-9
+    assert np.ptp(values) < 2.6 * 0.7
+    assert all(len(f"{value:.6g}".lstrip("-")) <= 6 for value in values)

@@ -24,6 +24,7 @@ AXES = {
     "temperature": "oil temperature [°C]",
     "roughness": "RMS roughness [µm]",
 }
+CONDITION_UNITS = {"speed": "1/min", "temperature": "°C", "roughness": "µm"}
 
 
 def chart(
@@ -88,12 +89,15 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
         if group not in groups or variable not in groups[group]:
             continue
         values = groups[group][variable].sortby("torque")
+        held = []
         for name in values.dims:
             if name != "torque":
                 values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
+                held += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
         if np.any(np.isfinite(values.values)):
             found[variable] = {
                 "title": title,
+                "at": ", ".join(held),
                 "unit": unit,
                 "source": f"{group}/{variable}",
                 "x": packed_exactly(values["torque"].values),

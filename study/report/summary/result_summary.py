@@ -26,6 +26,8 @@ from .supports_report import supports_tables, supports_words
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
+#: Share of the power loss outside the range of the friction formula from which numbers have fewer digits.
+ROUGH_SHARE = 0.4
 #: Heads of the columns that name an operating condition.
 CONDITIONS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
 #: Torques that the outcome names; of more it names the range.
@@ -38,12 +40,18 @@ def efficiencies(friction: xr.Dataset) -> str:
     films = _with_place(friction, names, "min_film", "thickness", 3)
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
+    beyond = np.zeros(coefficient.shape)
+    if "extrapolated_share" in friction:
+        beyond = np.nan_to_num(friction["extrapolated_share"].transpose(*names).values)
     rows = []
     for at in np.ndindex(coefficient.shape):
         efficiency, loss, rolling = (v[at] for v in values)
         conditions = _conditions(friction, names, at)
         share = 100.0 * rolling / loss if loss else np.nan
-        found = (f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}")
+        rough = beyond[at] >= ROUGH_SHARE
+        digits = (3, 0, 0, 1) if rough else (4, 1, 1, 2)
+        values_of = (coefficient[at], loss, share, 100 * efficiency)
+        found = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
         rows.append((*conditions, *found, *films.get(at, ())))
     headers = [
         *CONDITIONS,
@@ -56,6 +64,8 @@ def efficiencies(friction: xr.Dataset) -> str:
     shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
     left = len(rows) - len(shown)
+    if np.any(beyond >= ROUGH_SHARE):
+        table += f"\nwith fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
     if np.any(friction["temperature_clamped"].values):
         table += "\n* beyond the oil's data: the last value was taken"
     if left:

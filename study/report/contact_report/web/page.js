@@ -387,9 +387,9 @@ function comparison() {
     if (series.length) new LineChart(grid, results[0], { ...own[0].charts[key].find((chart) => chart.id === id), id: `compare_${id}`, by: "each", series });
   }
   for (const name of new Set(results.flatMap((result) => Object.keys(result.over_torque)))) {
-    const own = results.filter((result) => result.over_torque[name]), { title, unit, source } = own[0].over_torque[name];
+    const own = results.filter((result) => result.over_torque[name]), { title, at, unit, source } = own[0].over_torque[name];
     const series = own.map((result) => ({ name: result.name, x: result.over_torque[name].x, y: result.over_torque[name].y, number: results.indexOf(result) }));
-    if (series.some((one) => one.x.shape[0] > 1)) new LineChart(grid, results[0], { id: `compare_${name}`, title: `${title} over torque`, source, x: "torque at the pinion [N m]", y: unit ? `[${unit}]` : "", series, by: "" });
+    if (series.some((one) => one.x.shape[0] > 1)) new LineChart(grid, results[0], { id: `compare_${name}`, title: `${title} over torque${at ? ` at ${at}` : ""}`, source, x: "torque at the pinion [N m]", y: unit ? `[${unit}]` : "", series, by: "" });
   }
 }
 
@@ -399,7 +399,7 @@ function compareNumbers(wide) {
     const loaded = result.loaded_numbers, at = nearest(loaded.torques.map(Number), result.torques[torqueOf(result)]), rows = new Map();
     for (const [name, unit, path, ...values] of loaded.rows) rows.set(name, [unit, values[at], path]);
     const efficiency = result.over_torque.efficiency;
-    if (efficiency) rows.set("efficiency, middle speed", ["%", unpack(efficiency.y)[nearest(Array.from(unpack(efficiency.x)), Number(loaded.torques[at]))].toFixed(2), efficiency.source]);
+    if (efficiency) rows.set(`efficiency at ${efficiency.at}`, ["%", unpack(efficiency.y)[nearest(Array.from(unpack(efficiency.x)), Number(loaded.torques[at]))].toFixed(2), efficiency.source]);
     for (const [name, unit, path, value] of result.unloaded_numbers) rows.set(`without load: ${name}`, [unit, value, path]);
     return { rows, head: `${result.name}, ${loaded.torques[at]} N m` };
   });
