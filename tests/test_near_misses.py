@@ -122,7 +122,8 @@ def test_a_report_is_named_after_its_result(tmp_path: Path) -> None:
     case = easeoff.read_case("nasa-12x36")
     case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     easeoff.write_result(easeoff.analyze(case), tmp_path / "one.nc")
-    said = call("report", tmp_path / "one.nc")
+    said = call("report", tmp_path / "one.nc", "--author", "A. Gear <engineer>")
     assert said.exit_code == 0, said.output
+    assert "A. Gear \\u003cengineer>" in (tmp_path / "one.html").read_text(encoding="utf-8")
     assert (tmp_path / "one.html").exists()
     assert "-o: must be given with several results" in call("report", "a.nc", "b.nc").output

@@ -120,7 +120,8 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
     show_default="RESULT.html, if there is one",
     help="HTML file to write.",
 )
-def report(results: tuple[Path, ...], output: Path | None) -> None:
+@click.option("--author", metavar="NAME", default="", help="Who made the report, for its head.")
+def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
     RESULT is a file of 'easeoff run', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before and after
@@ -145,7 +146,7 @@ def report(results: tuple[Path, ...], output: Path | None) -> None:
     if twice is not None:
         raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
     with working("drawing the report"):
-        write_report(dict(zip(names, map(read_given, results), strict=True)), output)
+        write_report(dict(zip(names, map(read_given, results), strict=True)), output, author=author)
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
     echo("next: open it in a browser, which also prints it")
 

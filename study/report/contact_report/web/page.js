@@ -24,7 +24,7 @@ function table(parent, heads, rows, caption) {
   const node = element("table", "numbers", parent);
   if (caption) element("caption", "", node, caption);
   const head = element("tr", "", element("thead", "", node));
-  for (const text of heads) element("th", "", head, text);
+  for (const text of heads) element("th", text === "variable" ? "variable" : "", head, text);
   const body = element("tbody", "", node);
   for (const cells of rows) {
     const row = element("tr", "", body);
@@ -87,7 +87,7 @@ window.addEventListener("hashchange", () => {
 document.documentElement.style.setProperty("--title", JSON.stringify(`Contact report: ${data.title}`));
 const header = element("header", "", document.body);
 element("h1", "", header, "Contact report");
-element("p", "case-title", header, data.title);
+element("p", "case-title", header, data.author ? `${data.title}, by ${data.author}` : data.title);
 const contents = element("nav", "", document.body);
 const bar = element("div", "sliders", document.body);
 if (results.length) {
@@ -156,7 +156,7 @@ function easeOff() {
   const grid = element("div", "grid", node);
   const scale = range(14, ...results.map((result) => result.fields.ease_off));
   for (const result of results) {
-    const field = { raster: raster(result.fields.ease_off), ...scale, map: "viridis", unit: "µm", lines: true };
+    const field = { raster: raster(result.fields.ease_off), ...scale, map: "ease_off", unit: "µm", lines: true, named: true };
     new FlankPicture(grid, result, "gear", { id: "ease_off", title: title("Ease-off, gear flank", result), source: "ease_off/ease_off", keys: [], field: () => field, words: () => "positive where there is a gap; dashed: boundary of the common flank" });
   }
 }
@@ -244,8 +244,8 @@ function pattern() {
   }
 }
 
-function pressureField(result, member) {
-  const stored = result.pressure[member][torqueOf(result)], peak = pressurePeak();
+function pressureField(result, member, i = torqueOf(result)) {
+  const stored = result.pressure[member][i], peak = pressurePeak();
   return unpack(stored).some((v) => v > 0) ? { raster: raster(stored), low: 0, high: peak, map: "pressure", unit: "MPa", positive: true } : null;
 }
 
@@ -282,6 +282,19 @@ function pressure() {
       });
     }
   drawCharts(grid, "contact");
+  onPaper(node);
+}
+
+// Greatest pressure at every torque: on paper nobody moves a slider.
+function onPaper(parent) {
+  const box = element("div", "on-paper", parent);
+  element("h3", "", box, "Greatest pressure over the mesh cycle at every torque, gear");
+  const grid = element("div", "grid", box);
+  for (const result of results) {
+    result.torques.forEach((torque, i) => {
+      new FlankPicture(grid, result, "gear", { id: `pressure-${i}`, title: title(`${written(torque)} N m`, result), keys: [], field: () => pressureField(result, "gear", i) });
+    });
+  }
 }
 
 // The same chart of all results, one after the other, before the next.
@@ -410,7 +423,9 @@ function compareNumbers(wide) {
     const change = /mesh position/.test(name) ? "" : changed(a, b, unit, values[0]);
     return [name, unit, ...values, ...(own.length === 2 ? [change] : []), ...(own.length > 3 ? [] : [path.replace(/ [×/].*/, "")])];
   });
-  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows).classList.add(own.length > 3 ? "many" : "few");
+  const alike = own.length > 1 ? rows.filter((row) => row.slice(2, 2 + own.length).every((value) => value === row[2])) : [];
+  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows.filter((row) => !alike.includes(row))).classList.add(own.length > 3 ? "many" : "few");
+  if (alike.length) element("p", "small", wide, `Alike in all: ${alike.map(([name, unit, value]) => `${name} ${value}${unit ? ` ${unit}` : ""}`).join("; ")}.`);
 }
 
 // Change of a number: of a share its difference, of anything else in per cent.
