@@ -35,12 +35,13 @@ def show(result: Path) -> None:
 
         echo(sweep_summary(dataset))
         return
-    tree = read_given(result)
-    if not hasattr(tree, "children"):
-        title = f"{tree.attrs['title']}, {tree.attrs['flank']} flanks"
-        echo(f"{title}\n\n{vh_table(tree) if kind_of(tree) == 'V-H check' else wear_summary(tree)}")
+    given: Any = read_given(result)
+    kind = kind_of(given)
+    if kind in ("V-H check", "wear"):
+        table = vh_table(given) if kind == "V-H check" else wear_summary(given)
+        echo(f"{given.attrs['title']}, {given.attrs['flank']} flanks\n\n{table}")
         return
-    echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
+    echo(load_case_summary(given) if "load_cases" in given.children else result_summary(given))
 
 
 @click.command(cls=Command)

@@ -17,7 +17,7 @@ def wear_summary(history: xr.Dataset) -> str:
     --------
     >>> import easeoff
     >>> from easeoff.study import WearLaw, wear
-    >>> history = wear("nasa-12x36", WearLaw(revolutions=1e3, most_steps=1), torque=100.0)
+    >>> history = wear("nasa-12x36", WearLaw(1e-12, 1e-12, revolutions=1e3, most_steps=1), torque=100.0)
     >>> print(wear_summary(history).splitlines()[1].partition(":")[0])
     largest depth
     """

@@ -30,7 +30,7 @@ def end_notes(loaded: xr.Dataset) -> list[str]:
     >>> import easeoff
     >>> (note,) = end_notes(easeoff.analyze("nasa-12x36", torques=[100.0])["loaded"].to_dataset())
     >>> note.partition(" MPa")[2].partition(":")[0]
-    ' is at the end of a contact line (pinion tip)'
+    ', is at the end of a contact line (pinion tip)'
     """
     if "max_pressure_line_end" not in loaded:
         return []
