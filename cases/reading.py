@@ -19,10 +19,10 @@ from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ..core.suggestion import suggestion
 from ..core.toml_text import toml_tables
-from .inch_lengths import refuse_inches
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
+from .schema.inch_lengths import refuse_inches
 from .schema.supports_table import SupportFile, SupportsTable
 
 NAME_LENGTH_LIMIT = 80  # of a case that results keep [characters]

@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases.inch_lengths import INCH, refuse_inches
 from easeoff.cases.reading import CASE, DESIGN
+from easeoff.cases.schema.inch_lengths import INCH, refuse_inches
 from easeoff.core.toml_text import toml_tables
 from easeoff.study import vh_check
 from easeoff.study.cli import main

@@ -40,7 +40,6 @@ from easeoff.verification import (
     segment_gaps,
     verify,
 )
-from easeoff.verification.verification_table import row_lines
 from easeoff.verification.yardsticks import flank_rows as flank_module
 from easeoff.verification.yardsticks import loaded_rows, unloaded_rows, unsplit_rows
 from easeoff.verification.yardsticks.convergence_rows import LIMITS, changes, convergence_rows, refinements
@@ -49,6 +48,7 @@ from easeoff.verification.yardsticks.row_meaning import meaning
 from easeoff.verification.yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
 from easeoff.verification.yardsticks.unsplit_rows import UnsplitContact
 from easeoff.verification.yardsticks.verification_row import not_applicable
+from easeoff.verification.yardsticks.verification_table import row_lines
 from easeoff.verification.yardsticks.verified_pair import VerifiedPair
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}

@@ -18,13 +18,13 @@ from ..core.errors import EaseoffError
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
 from .flank_contact.flank_contact import FlankContact
-from .verification_table import head_lines, row_lines
 from .yardsticks.convergence_rows import convergence_rows, refinements
 from .yardsticks.flank_rows import flank_rows
 from .yardsticks.loaded_rows import certificate_row, gap_row, solver_rows
 from .yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
 from .yardsticks.unsplit_rows import UnsplitContact, unsplit_rows
 from .yardsticks.verification_row import RowStatus, VerificationRow, not_applicable
+from .yardsticks.verification_table import head_lines, row_lines
 from .yardsticks.verified_pair import VerifiedPair
 
 Step = tuple[str, Callable[[], list[VerificationRow]]]

@@ -77,7 +77,7 @@ def verify(
     """
     from ...core.writing.output_file import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
-    from ...verification.verification_table import head_lines, row_lines
+    from ...verification.yardsticks.verification_table import head_lines, row_lines
 
     if output is not None:
         check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..core.errors import InputError
-from .schema.case_schema import Case
-from .schema.design_schema import Design
+from ...core.errors import InputError
+from .case_schema import Case
+from .design_schema import Design
 
 INCH = 25.4  # [mm]
 #: Radius of the cutter over the outer cone distance, or over the gear's pitch radius: what is absurd, what is usual.

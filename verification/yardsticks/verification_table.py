@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from .yardsticks.row_meaning import meaning
-from .yardsticks.verification_row import RowStatus, VerificationRow
+from .row_meaning import meaning
+from .verification_row import RowStatus, VerificationRow
 
 HEADS = ("quantity", "compared with", "difference", "limit", "unit", "within")
 WIDTHS = (36, 46, 10, 7, 4, 6)  # characters
