@@ -22,6 +22,7 @@ from ..core.toml_text import toml_tables
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
+from .schema.inch_lengths import refuse_inches
 from .schema.supports_table import SupportFile, SupportsTable
 
 NAME_LENGTH_LIMIT = 80  # of a case that results keep [characters]
@@ -88,7 +89,9 @@ class FileKind(Generic[Model]):
             for other in KINDS:
                 if name in other.names():
                     raise InputError(f"{name} is {self.others[other.name].format(name)}")
-            near = suggestion(name, [*self.names(), *_beside(path)])
+            whole = f"{name}.toml"  # people leave the suffix out, as of shipped names
+            near = f"; did you mean {whole!r}?" if os.path.isfile(whole) else ""
+            near = near or suggestion(name, [*self.names(), *_beside(path)])
             known = ", ".join(self.names())
             raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}{near}")
         if path.suffix.lower() in FOREIGN_SUFFIXES:
@@ -150,9 +153,10 @@ def stem(name_or_path: str | Path) -> str:
 
 
 def _require_possible(found: Case | Design | SupportFile) -> None:
-    """Refuse basic data that make no blanks, and supports that do not hold."""
+    """Refuse radii in inches, basic data that make no blanks, and supports that do not hold."""
     if isinstance(found, SupportFile):
         return  # to be checked with the case whose axes they hold
+    refuse_inches(found)
     if found.blank_design is not None:
         from .conversion import designed_blanks
 

@@ -10,6 +10,7 @@ from .errors import InputError
 from .printable import printable, shortened
 
 DECIMAL_COMMA = re.compile(r"=\s*\[?\s*([+-]?\d+),(\d+)")
+BARE_TEXT = re.compile(r"=\s*([A-Za-z][\w-]*)\s*(?:#.*)?$")
 #: Lists of values in increasing order, as a rule; two whole numbers without a blank are a number with a decimal comma.
 LIST_KEYS = re.compile(r"^\s*(torques|speed|temperature|roughness)\s*=")
 PAIR = re.compile(r"\[(\d+),(\d+)\]")
@@ -93,12 +94,14 @@ def _pairs(line: str) -> list[tuple[str, str, str]]:
 
 
 def _shown(text: str, message: str) -> str:
-    """The line that a message of ``tomllib`` names, and the number with a decimal comma in it."""
+    """The line that a message of ``tomllib`` names, and what is wrong with it: a decimal comma, text without quotes."""
     lines = text.splitlines()
     named = re.search(r"\(at line (\d+)", message)
     if named is None or int(named[1]) > len(lines):
         return ""
     line = lines[int(named[1]) - 1].strip()
     decimal = DECIMAL_COMMA.search(line)
+    bare = BARE_TEXT.search(line)
     hint = f": a decimal has a point: {decimal[1]}.{decimal[2]}" if decimal else ""
+    hint = hint or (f': text needs quotes: "{bare[1]}"' if bare else "")
     return f": {_excerpt(line)}{hint}"

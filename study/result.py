@@ -15,6 +15,14 @@ from ..core.reading.regular_file import named
 from ..core.writing.output_file import whole_file
 from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
 
+#: What netCDF files of other commands are, by a variable that no result has.
+OTHER_KINDS = {
+    "print_excess": "of 'easeoff vh', for 'easeoff show', 'plot' and 'report'",
+    "wear_depth": "of 'easeoff wear', for 'easeoff show', 'plot', 'report' and --deviation",
+    "comparison_status": "the table of 'easeoff verify', for xarray.open_dataset",
+    "solver_tolerance": "the table of 'easeoff compare', which wrote its report and pictures beside it",
+}
+
 
 def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     """Write a result to a netCDF-4 file.
@@ -92,9 +100,9 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
         raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
     found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
     if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
-        raise InputError(
-            f"{source} is a netCDF file, but no result of 'easeoff run': make one with 'easeoff run CASE -o FILE'"
-        )
+        other = next((words for sign, words in OTHER_KINDS.items() if sign in tree.variables), None)
+        told = f"is {other}" if other else "is a netCDF file, but no result of 'easeoff run'"
+        raise InputError(f"{source} {told}: make a result with 'easeoff run CASE -o FILE'")
     found = layout_fault(tree.attrs, "schema_version", RESULT_SCHEMA_VERSION) or found
     if found:
         raise unreadable(source, tree.attrs, found, "easeoff run CASE -o FILE")

@@ -20,7 +20,7 @@ from easeoff.contact import ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio
 from easeoff.contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
-from easeoff.contact.evaluation.flank_region import grid_triangles, region_below
+from easeoff.contact.evaluation.flank_region import flank_share, grid_triangles, region_below
 from easeoff.contact.evaluation.marking_print import MarkingPrint, least_gap
 from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness
 from easeoff.contact.evaluation.pressure_place import LineEnd, nearest_border
@@ -601,3 +601,18 @@ def test_passage_of_one_pair_repeats_in_the_error_of_the_carrying_one() -> None:
     nearest = (asked + 0.25) % 0.5 - 0.25
     np.testing.assert_allclose(error.least(asked), 1e-3 * nearest**2, atol=2e-6)
     assert error.steepest == pytest.approx(2e-3 * 0.25, rel=0.05)
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.8, 1.2])
+def test_the_share_of_a_flank_does_not_depend_on_the_grid(angle: float) -> None:
+    """A half plane across the unit square: its share is nearer than the mean of the nodes, on the coarse grid alike."""
+
+    def inside(nodes: tuple[int, int]) -> np.ndarray:
+        t, h = np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in nodes), indexing="ij")
+        return np.asarray(np.cos(angle) * t + np.sin(angle) * h > 0.4)
+
+    exact = flank_share(inside((1201, 901)))
+    for nodes in ((15, 11), (31, 21)):
+        assert abs(flank_share(inside(nodes)) - exact) < 0.015
+        assert abs(flank_share(inside(nodes)) - exact) < abs(inside(nodes).mean() - exact) + 0.004
+    assert flank_share(np.ones((7, 5), dtype=bool)) == 1.0

@@ -436,3 +436,29 @@ def test_the_comparison_follows_the_torque(browser: Browser) -> None:
     assert browser.run(heads)[2:5] == ["strength, 400 N m", "axle, 200 N m", "change"]
     browser.open(path, "torque=40")
     assert browser.run(heads)[2:5] == ["strength, 40 N m", "axle, 50 N m", "change"]
+
+
+@pytest.mark.thorough
+def test_paper_has_every_torque_and_the_teeth_name_their_ends(browser: Browser, strength: xr.DataTree) -> None:
+    """On paper nobody moves a slider; the picture of the teeth begins with both members and toe and heel named."""
+    count = strength["loaded"].sizes["torque"]
+    assert browser.run("document.querySelectorAll('.on-paper [id^=\"r0-pressure-\"] canvas').length") == count
+    assert browser.run("getComputedStyle(document.querySelector('.on-paper')).display") == "none"
+    if browser.run("document.querySelectorAll('.scene').length"):
+        assert browser.run("[...document.querySelectorAll('#r0-teeth .end')].map(e => e.textContent)") == [
+            "toe",
+            "heel",
+        ]
+        assert browser.run("document.querySelector('#r0-teeth select').value") == "both"
+    assert browser.run("document.querySelectorAll('#r0-ease_off-gear text.level').length") > 2
+
+
+@pytest.mark.thorough
+def test_what_is_alike_in_all_results_is_told_once(browser: Browser) -> None:
+    alike = browser.run("document.querySelector('#comparison .wide .small').textContent")
+    assert alike.startswith("Alike in all: ")
+    rows = "[...document.querySelectorAll('#comparison .numbers tbody tr')].map(r => r.cells[0].textContent)"
+    names = browser.run(rows)
+    assert not any(name and f"{name} " in alike.split(": ", 1)[1].split("; ") for name in names)
+    dashed = "[...document.querySelectorAll('#comparison .series path')].map(p => p.hasAttribute('stroke-dasharray'))"
+    assert set(browser.run(dashed)) == {True, False}

@@ -64,6 +64,8 @@ def test_every_command_refuses_what_comes_twice() -> None:
         ([*RUN, "--torque", "50", ",150"], "',150': belongs to no option"),
         ([*RUN, "--torque", "50", "150"], "'150': belongs to no option"),
         ([*RUN, "--torque", "50,5"], "in a list must increase, as in 5,50; a decimal has a point: 50.5"),
+        ([*RUN, "--torque", "50,5,100"], "in a list must increase, as in 5,50,100"),
+        ([*RUN, "--torque", "800,400"], "in a list must increase, as in 400,800"),
         ([*RUN, "--torque", "30,0"], "'30,0': a decimal has a point: 30.0"),
         ([*RUN, "--torque", "0,5"], "'0,5': a decimal has a point: 0.5"),
         ([*RUN, "--torque", "50,05"], "'50,05': a decimal has a point: 50.05"),

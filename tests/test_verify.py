@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import STEEL, solve
+from easeoff.core.processes.foreign_output import without_foreign_output
 from easeoff.geometry import Blade, FlankName, GeneratingSurface, MachineSettings, Modification, principal_curvatures
 from easeoff.geometry.cutting import generating_surface
 from easeoff.geometry.cutting.blade_sections import Relief
@@ -42,9 +44,11 @@ from easeoff.verification.yardsticks import flank_rows as flank_module
 from easeoff.verification.yardsticks import loaded_rows, unloaded_rows, unsplit_rows
 from easeoff.verification.yardsticks.convergence_rows import LIMITS, changes, convergence_rows, refinements
 from easeoff.verification.yardsticks.flank_rows import flank_rows
+from easeoff.verification.yardsticks.row_meaning import meaning
 from easeoff.verification.yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
 from easeoff.verification.yardsticks.unsplit_rows import UnsplitContact
 from easeoff.verification.yardsticks.verification_row import not_applicable
+from easeoff.verification.yardsticks.verification_table import row_lines
 from easeoff.verification.yardsticks.verified_pair import VerifiedPair
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
@@ -301,9 +305,9 @@ def test_changes_of_key_numbers_by_group() -> None:
     fine["max_pressure"].values[:] *= [1.02, 1.05]
     fine["unloaded_peak_to_peak"] = fine["unloaded_peak_to_peak"] + 0.2
     found = {group: (round(value, 9), label) for group, value, label in changes(NUMBERS, fine)}
-    assert found["transmission error"] == (0.5, "peak_to_peak at 250 N m 20 and 22 urad")
+    assert found["transmission error"] == (0.5, "peak_to_peak at 250 N m 20 and 22 urad, over the mean level 400")
     assert found["unloaded transmission error"][0] == 1.0
-    assert found["shares, ratios and places"] == (1.0, "max_load_share at 50 N m 0.8 and 0.79")
+    assert found["shares, ratios and places"] == (1.0, "max_load_share at 50 N m 0.8 and 0.79, in points of 1")
     assert found["greatest pressure"][0] == 2.0
     assert found["greatest pressure, at a line's end"][0] == 5.0
     assert found["other numbers"][0] == 0.0
@@ -439,7 +443,9 @@ def test_a_yardstick_that_gives_up_counts(monkeypatch: pytest.MonkeyPatch) -> No
 
     only(monkeypatch, ("smallest gap", gives_up), ("path", lambda: [VerificationRow("path", "", 0.0, 1.0, "mm")]))
     seen: list[tuple[int, int, str]] = []
-    found = verify(case(), progress=lambda *given: seen.append(given))
+    told: list[VerificationRow] = []
+    found = verify(case(), progress=lambda *given: seen.append(given), on_row=told.append)
+    assert tuple(told) == found.rows
     assert [row.quantity for row in found.outside] == ["smallest gap"]
     assert "the flanks do not meet" in found.outside[0].compared
     assert seen == [(0, 2, "smallest gap"), (1, 2, "path"), (2, 2, "")]
@@ -467,7 +473,7 @@ def test_command_prints_the_table_and_says_whether_it_is_within(
 ) -> None:
     for difference, code, words in (
         (0.5, 0, "every comparison that applies is within"),
-        (2.0, 1, "1 of 2 comparisons"),
+        (2.0, 1, "1 of 2 comparisons outside their limits: path of contact"),
     ):
         row = VerificationRow("path of contact", "five equations", difference, 1.0, "um")
         only(monkeypatch, ("path", lambda row=row: [row]))
@@ -475,10 +481,50 @@ def test_command_prints_the_table_and_says_whether_it_is_within(
         done = CliRunner().invoke(main, ["verify", "fm-11x41", "--flank", "coast", "-o", str(file)])
         assert done.exit_code == code, done.output
         assert "path of contact" in done.output
+        assert ("-> the path of contact may be off by 2 um" in done.output) == (code == 1)
         assert words in done.output
         with xr.open_dataset(file, engine="netcdf4") as read:
             assert read.attrs["flank"] == "coast"
             assert read["difference"].values[0] == difference
+
+
+def test_rows_are_printed_as_they_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was printed before an interruption stays."""
+
+    def interrupted() -> list[VerificationRow]:
+        raise KeyboardInterrupt
+
+    row = VerificationRow("path of contact", "five equations", 0.5, 1.0, "um")
+    only(monkeypatch, ("path", lambda: [row]), ("gap", interrupted))
+    done = CliRunner().invoke(main, ["verify", "fm-11x41"])
+    assert done.exit_code != 0
+    assert "path of contact" in done.stdout
+    assert "comparisons" not in done.output
+
+
+@pytest.mark.parametrize(
+    ("quantity", "words"),
+    [
+        ("relative curvature across the line", "half of it, 2.4 %; transmission error and load shares are not"),
+        ("segments of a line: greatest pressure", "off by 4.7 %; set more segments_per_line"),
+        ("transmission error of a tooth pair", "unloaded transmission error may be off by 4.7 %"),
+        ("transmission error", "the elastic model"),
+        ("solver osqp", "the other solver"),
+    ],
+)
+def test_a_row_outside_says_what_it_means(quantity: str, words: str) -> None:
+    outside = VerificationRow(quantity, "another method", 4.7, 4.0, "%")
+    assert words in meaning(outside)
+    assert words.split()[0] in row_lines(outside)
+    assert meaning(VerificationRow(quantity, "another method", 3.9, 4.0, "%")) == ""
+    assert "not checked" in meaning(VerificationRow(quantity, "another method", math.nan, 4.0, "%"))
+
+
+def test_a_library_that_prints_does_not_reach_the_standard_output(capfd: pytest.CaptureFixture[str]) -> None:
+    with without_foreign_output():
+        os.write(1, b"Running HiGHS")
+    os.write(1, b"a row")
+    assert capfd.readouterr() == ("a row", "")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from tabulate import tabulate
 
 from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case
@@ -25,11 +24,12 @@ from .yardsticks.loaded_rows import certificate_row, gap_row, solver_rows
 from .yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
 from .yardsticks.unsplit_rows import UnsplitContact, unsplit_rows
 from .yardsticks.verification_row import RowStatus, VerificationRow, not_applicable
+from .yardsticks.verification_table import head_lines, row_lines
 from .yardsticks.verified_pair import VerifiedPair
 
 Step = tuple[str, Callable[[], list[VerificationRow]]]
 Progress = Callable[[int, int, str], None]
-COLUMN_WIDTHS = (36, 46)  # characters of the first columns of the table
+RowSeen = Callable[[VerificationRow], None]
 
 
 @dataclass(frozen=True)
@@ -88,13 +88,8 @@ class Verification:
         attributes = {"Conventions": "CF-1.11", "title": f"{self.title}: verification", "flank": self.flank}
         return labelled(xr.Dataset(data, attrs=attributes))
 
-    def table(self, style: str = "simple") -> str:
-        """The rows as a table of text.
-
-        Parameters
-        ----------
-        style
-            Style of ``tabulate``.
+    def table(self) -> str:
+        """The rows as a table of text, with what those outside their limits mean.
 
         Examples
         --------
@@ -102,15 +97,7 @@ class Verification:
         >>> print(Verification("a pair", "drive", rows).table().splitlines()[-1].split())
         ['path', 'another', 'method', '1', '2', 'um', 'yes']
         """
-        words = {RowStatus.WITHIN: "yes", RowStatus.OUTSIDE: "NO", RowStatus.NOT_APPLICABLE: "-"}
-        cells = []
-        for row in self.rows:
-            numbers = (f"{row.difference:.2g}", f"{row.limit:.2g}", row.unit.replace("1", "")) if row.applicable else ()
-            compared = row.compared if row.applicable else f"not applicable: {row.compared}"
-            cells.append((row.quantity, compared, *(numbers or ("", "", "")), words[row.status]))
-        heads = ["quantity", "compared with", "difference", "limit", "unit", "within"]
-        widths = [*COLUMN_WIDTHS, *[None] * 4] if style == "simple" else None
-        return str(tabulate(cells, heads, style, disable_numparse=True, maxcolwidths=widths))
+        return "\n".join([head_lines(), *map(row_lines, self.rows)])
 
 
 def verify(
@@ -121,6 +108,7 @@ def verify(
     torques: float | Sequence[float] | None = None,
     without_split: bool = False,
     progress: Progress | None = None,
+    on_row: RowSeen | None = None,
 ) -> Verification:
     """Put the pair of a case through the independent methods.
 
@@ -136,6 +124,8 @@ def verify(
         takes minutes.
     progress
         Called before every step with its number, the number of steps, and its name; at the end once more.
+    on_row
+        Called with every row as soon as it is known.
 
     Raises
     ------
@@ -168,11 +158,16 @@ def verify(
     for number, (label, step) in enumerate(steps):
         if progress is not None:
             progress(number, len(steps), label)
-        rows += step() if label == ANALYSIS else _rows(label, step)
+        for row in step() if label == ANALYSIS else _rows(label, step):
+            rows.append(row)
+            if on_row is not None:
+                on_row(row)
     if progress is not None:
         progress(len(steps), len(steps), "")
     if not without_split:
         rows.append(not_applicable(name, "not asked for, see without_split"))
+        if on_row is not None:
+            on_row(rows[-1])
     return Verification(pair.case.title, flank, tuple(rows))
 
 

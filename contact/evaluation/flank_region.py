@@ -122,3 +122,22 @@ def _areas(corners: Array) -> Array:
     """Areas (m) of triangles (2, m, 3)."""
     first, second = corners[..., 1] - corners[..., 0], corners[..., 2] - corners[..., 0]
     return np.asarray(np.abs(0.5 * (first[0] * second[1] - first[1] * second[0])))
+
+
+def flank_share(inside: NDArray[np.bool_]) -> float:
+    """Share of a flank that has a property at the nodes of its grid (m, n), those at its border counting half.
+
+    A mean of the nodes would count the border, where flanks seldom meet, twice: it is 2 % less at 31 by 21 nodes.
+
+    Examples
+    --------
+    >>> inside = np.ones((11, 5), dtype=bool)
+    >>> inside[:, 0] = False  # half a row of cells
+    >>> flank_share(inside)
+    0.875
+    """
+    weights = [np.ones(size) for size in inside.shape]
+    for weight in weights:
+        weight[[0, -1]] = 0.5
+    weight_at = np.multiply.outer(*weights)
+    return float(np.sum(weight_at, where=inside) / np.sum(weight_at))

@@ -1,4 +1,4 @@
-"""Place of the greatest pressure: mesh position, tooth pair, point, and whether a contact line ends there."""
+"""Place of the greatest pressure, whether a contact line ends there, and the greatest pressure away from line ends."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from ..lines.flank_splines import FlankSplines
 Array = NDArray[Any]
 LINE_END_SHARE = 0.1  # of a contact line, within which a segment counts as one at its end
 BORDER_SHARE = 0.02  # of a flank, within which a point counts as one at its border
+OVER = ("torque", "mesh_position", "segment")
 EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
 
 
@@ -150,3 +151,61 @@ def _margins(splines: FlankSplines, point: Array) -> Array:
     opposite = splines.evaluate(["pinion_lengthwise", "pinion_profile"], point[:, None]).values()
     on_both = np.array([*point, *(float(values[0]) for values in opposite)])
     return np.stack([on_both, 1.0 - on_both], axis=1).ravel()
+
+
+def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
+    """Whether a segment is among the outer ones of its contact line, or at the border of the gear flank.
+
+    Parameters
+    ----------
+    loaded
+        The group ``/loaded``.
+
+    Returns
+    -------
+    Array
+        Over (torque, mesh_position, segment); those on no line are not.
+
+    Examples
+    --------
+    >>> shape = ("torque", "mesh_position", "segment")
+    >>> line = {"pressure": 500.0, "tooth": 0.0, "length": 1.0, "lengthwise": 0.5, "profile": 0.5}
+    >>> loaded = xr.Dataset({name: (shape, np.full((1, 1, 5), value)) for name, value in line.items()})
+    >>> at_line_end(loaded)[0, 0].tolist()
+    [True, False, False, False, True]
+    """
+    pressure, tooth, length, lengthwise, profile = (
+        ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")
+    )
+    on_line = np.isfinite(pressure)
+    with np.errstate(invalid="ignore"):
+        same = (tooth[..., 1:] == tooth[..., :-1]) & on_line[..., 1:] & on_line[..., :-1]
+        same &= np.abs(length[..., 1:] - length[..., :-1]) <= EQUAL_LENGTH_TOLERANCE * length[..., 1:]
+        margin = np.minimum(np.minimum(lengthwise, 1.0 - lengthwise), np.minimum(profile, 1.0 - profile))
+    before, after = np.zeros(pressure.shape), np.zeros(pressure.shape)
+    for number in range(same.shape[-1]):
+        before[..., number + 1] = np.where(same[..., number], before[..., number] + 1.0, 0.0)
+        back = same.shape[-1] - 1 - number
+        after[..., back] = np.where(same[..., back], after[..., back + 1] + 1.0, 0.0)
+    outer = np.minimum(before, after) <= LINE_END_SHARE * (1.0 + before + after)
+    return np.asarray(on_line & (outer | (margin < BORDER_SHARE)))
+
+
+def max_inner_pressure(loaded: xr.Dataset) -> Array:
+    """Greatest pressure [MPa] away from the ends of the contact lines, over (torque); NaN where nothing carries there.
+
+    Parameters
+    ----------
+    loaded
+        The group ``/loaded``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> loaded = easeoff.analyze("nasa-12x36", torques=[100.0])["loaded"].to_dataset()
+    >>> bool(max_inner_pressure(loaded)[0] < loaded["max_pressure"].values[0])
+    True
+    """
+    pressure = ordered(loaded, "pressure", *OVER)
+    inner = np.where(np.isfinite(pressure) & ~at_line_end(loaded), pressure, -np.inf).max(axis=(1, 2))
+    return np.where(inner > 0.0, inner, np.nan)

@@ -21,11 +21,13 @@ if TYPE_CHECKING:
 def show(result: Path) -> None:
     """Show the main numbers of RESULT.
 
-    RESULT is a file of 'easeoff run' or 'easeoff sweep'; of a file of contact problems it is said what they are.
+    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'; of contact problems it is said what they are.
     """
+    from ..report.contact_report.given_results import kind_of, read_given
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.result_summary import result_summary
-    from ..result import read_result
+    from ..report.vh_table import vh_table
+    from ..report.wear_report import wear_summary
 
     dataset = _sweep(result)
     if dataset is not None:
@@ -38,8 +40,13 @@ def show(result: Path) -> None:
 
         echo(problem_summary(result))
         return
-    tree = read_result(result)
-    echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
+    given: Any = read_given(result)
+    kind = kind_of(given)
+    if kind in ("V-H check", "wear"):
+        table = vh_table(given) if kind == "V-H check" else wear_summary(given)
+        echo(f"{given.attrs['title']}, {given.attrs['flank']} flanks\n\n{table}")
+        return
+    echo(load_case_summary(given) if "load_cases" in given.children else result_summary(given))
 
 
 @click.command(cls=Command)
@@ -112,9 +119,15 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 @click.command(cls=Command)
 @click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="HTML file to write."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    show_default="RESULT.html, if there is one",
+    help="HTML file to write.",
 )
-def report(results: tuple[Path, ...], output: Path) -> None:
+@click.option("--author", metavar="NAME", default="", help="Who made the report, for its head.")
+def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
     RESULT is a file of 'easeoff run', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before and after
@@ -127,6 +140,10 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     from ..report.contact_report.given_results import read_given
     from ..report.contact_report.report_file import write_report
 
+    if output is None:
+        if len(results) > 1:
+            raise click.UsageError("-o: must be given with several results, as in -o report.html")
+        output = results[0].with_suffix(".html")
     check_writable(output, *results, suffix=".html")
     names = [path.stem for path in results]
     if len(set(names)) < len(names):
@@ -135,7 +152,7 @@ def report(results: tuple[Path, ...], output: Path) -> None:
     if twice is not None:
         raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
     with working("drawing the report"):
-        write_report(dict(zip(names, map(read_given, results), strict=True)), output)
+        write_report(dict(zip(names, map(read_given, results), strict=True)), output, author=author)
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
     echo("next: open it in a browser, which also prints it")
 

@@ -26,6 +26,7 @@ from .terminal.word_completion import case_names
 if TYPE_CHECKING:
     from ...cases.deflections import Deflections
     from ...geometry.pair.assembly import Misalignment
+    from ...verification.yardsticks.verification_row import VerificationRow
 
 
 @click.command(cls=Command)
@@ -68,21 +69,28 @@ def verify(
 ) -> None:
     """Check CASE by independent methods, row by row.
 
-    A row of the table is a comparison: what was compared, the difference, and whether it is within the limit. The exit
-    code is 1 if a difference is outside its limit.
+    A row of the table is a comparison: what was compared, the difference, and whether it is within the limit; below one
+    that is not stands what that means. Rows are printed as they come. The exit code is 1 if a difference is outside
+    its limit.
     """
     from ...core.writing.output_file import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
+    from ...verification.yardsticks.verification_table import head_lines, row_lines
 
     if output is not None:
         check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
     checked = chosen_case(case, supports)
+    echo(f"{checked.title}, {flank} flanks\n\n{head_lines()}")
     with terminal_bar(desc="verification", unit="step") as bar:
 
         def progress(done: int, total: int, name: str) -> None:
             bar.total = total
             bar.set_postfix_str(name)
             bar.update(done - bar.n)
+
+        def told(row: VerificationRow) -> None:
+            bar.clear()
+            echo(row_lines(row))
 
         found = run_verification(
             checked,
@@ -91,12 +99,13 @@ def verify(
             torques=loads,
             without_split=without_split,
             progress=progress,
+            on_row=told,
         )
-    echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
     if found.passed:
-        echo("every comparison that applies is within its limit")
+        echo("\nevery comparison that applies is within its limit")
     else:
-        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
+        names = "; ".join(row.quantity for row in found.outside)
+        echo(f"\n{len(found.outside)} of {len(found.rows)} comparisons outside their limits: {names}", err=True)
     if output is not None:
         with whole_file(output) as temporary:
             found.dataset().to_netcdf(temporary, engine="netcdf4")

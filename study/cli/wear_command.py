@@ -77,6 +77,7 @@ def wear(
     from ...core.writing.output_file import check_writable, whole_file
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
+    from ..report.wear_report import wear_summary
 
     held = [] if supports is None else [supports]
     check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")
@@ -95,15 +96,7 @@ def wear(
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     last = history.isel(step=-1)
-    depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
-    echo(f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps")
-    echo(f"largest depth: {depths}")
-    echo("contact on lines alone, without tooth edges")
-    if "deflections" in history.attrs:
-        echo(f"deflections: {history.attrs['deflections']}")
-    for torque_value in torque:
-        both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
-        echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
+    echo(wear_summary(history))
     echo(f"wrote {output}")
     worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
     on_supports = [] if supports is None else ["--supports", supports]

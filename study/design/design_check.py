@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...cases.conversion import blank_design, ease_off_target, setting_limits
 from ...cases.schema.design_schema import Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
+from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
@@ -235,7 +236,7 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
         residual=residual,
         wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
-        common_flank=float(inside.mean()),
+        common_flank=flank_share(inside.reshape(EASE_OFF_NODES)),
         uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
         root_gap=fit.root_gap,
         at_limit=_at_limit(design, designed, side),

@@ -59,7 +59,9 @@ def draw(
     light = tree["light_load"].to_dataset().isel(torque=0) if "light_load" in tree.children else None
     names = chosen_parts(PARTS if light is not None else PARTS[:2], parts)
     height = len(names) * ((WIDTH - 0.9) / len(views) * shared_aspect(views) + 0.28) + 0.35 + LEGEND_HEIGHT
-    note = f"contact lines where the gap is within {separation:g} µm"
+    note = f"contact lines where the gap is within {separation:g} µm · toe left, tip at the top"
+    if light is not None and math.isfinite(float(light["max_pressure"])) and "light_load" in names:
+        note += f" · light load: yellow to dark red, 0 to {float(light['max_pressure']):.0f} MPa"
     found = panels(tree, "Contact pattern", height, note, (len(names), len(views)), own)
     grid = found.axes.reshape(len(names), len(views))
     rows = dict(zip(names, grid, strict=True))

@@ -32,6 +32,7 @@ PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures"
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 CURVE_COUNT_LIMIT = 5
 ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, and their least distance over the axis
+MARKED_COUNT_LIMIT = 40  # computed points of a curve that are marked
 EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
@@ -40,7 +41,8 @@ def curves(
 ) -> None:
     """Draw the efficiency along one operating condition, a curve for each value of another, the rest as given.
 
-    Open marks: conditions where more than ``TOLD_SHARE`` of the power loss lies beyond the range of the formula.
+    Marks are computed points, if they are few; open ones are conditions where more than ``TOLD_SHARE`` of the power
+    loss lies beyond the range of the formula.
     """
     quantity = 100.0 * friction["efficiency"]
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
@@ -52,11 +54,13 @@ def curves(
         label = value_name(quantity, by, int(index))
         x, y = here[along].values[order], here.values[index][order]
         axes.plot(x, y, color=colour, linewidth=1.6, label=label)
+        if order.size > MARKED_COUNT_LIMIT:
+            continue
+        out = np.zeros(order.size, dtype=bool)
         if "extrapolated_share" in friction:
-            share = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order]
-            out = share >= TOLD_SHARE
-            axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
-            axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
+            out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
+        axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
+        axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
     plain_axes(axes)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))

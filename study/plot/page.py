@@ -23,6 +23,7 @@ from ...core.printable import printable
 from ...core.writing.output_file import whole_file
 from ..report.departures import deviations, modification
 from ..report.model_name import model_name
+from ..report.summary.deflection_report import misalignment_over_torque
 
 DPI = 160
 TRUETYPE = 42  # kind of the fonts in a PDF file: text that can be searched and edited
@@ -60,7 +61,8 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
         Further small print.
     """
     on_supports = {"supports_name": ""} if "supports" in tree.children else {}
-    parts = small_print(on_supports | tree.attrs)
+    moving = {"misalignment_by_supports": ""} if on_supports and misalignment_over_torque(tree) is not None else {}
+    parts = small_print(on_supports | moving | tree.attrs)
     print_ = even_lines([printable(part) for part in (*parts, *note.split(SEPARATOR)) if part])
     footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
     title = textwrap.shorten(printable(str(tree.attrs.get("title", ""))), 110, placeholder=" ...")
@@ -164,6 +166,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     # A sweep and load cases say by themselves which errors they have.
     if "deflections" in attributes:  # what stands in the other attributes is without torque
         given = f"over the torque: {attributes['deflections']}"
+    if "misalignment_by_supports" in attributes:
+        given = f"{given or 'none'} without load, then that of the supports"
     told = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
     misaligned = f"misalignment {told}" if told else ""
     held = f"on supports {attributes['supports_name']}".strip() if "supports_name" in attributes else ""

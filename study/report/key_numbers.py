@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from ...contact.evaluation.flank_region import flank_share
 from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
 from ...core.attributes import labelled
@@ -141,7 +142,7 @@ def _unloaded(ease_off: xr.Dataset, unloaded: xr.Dataset) -> dict[str, xr.Variab
     inside = ordered(ease_off, "inside", *GRID) == 1
     attributes = unloaded.attrs
     numbers: dict[str, xr.Variable] = {
-        "common_flank": xr.Variable((), inside.mean()),
+        "common_flank": xr.Variable((), flank_share(inside)),
         "max_ease_off": xr.Variable((), ordered(ease_off, "ease_off", *GRID)[inside].max(initial=-np.inf)),
         "unloaded_peak_to_peak": xr.Variable((), attributes["peak_to_peak"]),
         "unloaded_rms": xr.Variable((), attributes["rms"]),

@@ -22,6 +22,8 @@ Array = NDArray[Any]
 PLACES = ("toe", "middle", "heel")
 STORED_GRID = (121, 61)  # points of a stored print along the face and the profile; every second of an exact one
 GRID_MARGIN = 0.1  # of the range of V and of H that was found, beyond it on both sides of the grid
+ROUND_FACTORS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0)  # times a power of ten, of a step
+ROUNDING = 1e-9  # of a step
 GRID_MINIMUM = 0.004  # of the length of the flank, to both sides: the grid is no smaller
 
 
@@ -138,19 +140,43 @@ def _reason(found: Found, size: Array) -> str:
 
 
 def grid_dataset(found: xr.Dataset, counts: tuple[int, int], patterns: ShiftedPatterns) -> xr.Dataset:
-    """Patterns at even values of V and H around those that were found, and around zero."""
+    """Patterns at round, even values of V and H around those that were found, and around zero."""
     face = float(patterns.size[0])
     axes = []
     for name, count in zip(("v", "h"), counts, strict=True):
         values = np.append(found[name].values[np.isfinite(found[name].values)], 0.0)
         margin = max(GRID_MARGIN * float(np.ptp(values)), GRID_MINIMUM * face)
-        axes.append(np.linspace(values.min() - margin, values.max() + margin, count))
+        axes.append(round_values(values.min() - margin, values.max() + margin, count))
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     numbers, prints = _numbers([patterns.at(point) for point in points.reshape(-1, 2)])
     dimensions = ("v_grid", "h_grid")
     data: dict[str, Any] = {f"grid_{name}": (dimensions, values.reshape(counts)) for name, values in numbers.items()}
     data["grid_print_excess"] = ((*dimensions, "lengthwise", "profile"), prints.reshape(*counts, *STORED_GRID))
     return xr.Dataset(data, coords=dict(zip(dimensions, axes, strict=True)))
+
+
+def round_values(low: float, high: float, count: int) -> Array:
+    """Multiples (count) of half a round step, the smallest with which they reach from ``low`` or below to ``high``.
+
+    Parameters
+    ----------
+    low, high
+        Range that must be covered, of some length.
+    count
+        Number of values, at least 2.
+
+    Examples
+    --------
+    >>> round_values(-0.51, 0.43, 5).tolist()
+    [-0.6, -0.3, 0.0, 0.3, 0.6]
+    """
+    decade = 10.0 ** np.floor(np.log10((high - low) / (count - 1)))
+    for step in (factor * ten * decade for ten in (1.0, 10.0) for factor in ROUND_FACTORS):
+        for offset in (0.0, 0.5):  # an even number of values may be even about zero
+            first = np.floor(low / step - offset + ROUNDING) + offset
+            if (first + count - 1) * step >= high - ROUNDING * step:
+                return np.asarray(np.round((first + np.arange(count)) * step, 12))
+    return np.linspace(low, high, count)
 
 
 def _numbers(patterns: list[UnloadedPattern | None]) -> tuple[dict[str, Array], Array]:

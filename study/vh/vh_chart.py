@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH, page
+from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SEPARATOR, SMALL_SIZE, VERMILION, WIDTH, page
 from ..plot.panel_grid import OwnAxes, chosen_parts, panels
+from ..report.vh_table import totals
 
 Array = NDArray[Any]
 PARTS = ("places", "grid")
@@ -39,7 +40,7 @@ def draw(found: xr.Dataset, parts: str | Sequence[str] | None = None, own: OwnAx
     if columns:
         heights["grid"] = found.sizes["h_grid"] * ((WIDTH - 0.7) / columns * aspect + 0.06) + 0.75
     ratios = [heights[name] for name in names]
-    figure = page(xr.DataTree(found), "V-H check", sum(ratios), f"print of {found.attrs['separation']:g} µm")
+    figure = page(xr.DataTree(found), "V-H check", sum(ratios), _small_print(found))
     subfigures: Any = figure.subfigures(len(names), 1, height_ratios=ratios, squeeze=False)[:, 0]
     for part, name in zip(subfigures, names, strict=True):
         if name == "places":
@@ -50,6 +51,15 @@ def draw(found: xr.Dataset, parts: str | Sequence[str] | None = None, own: OwnAx
         part.supylabel("H [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
         part.suptitle("prints over V and H", x=0.02, ha="left", fontsize=BODY_SIZE, color=INK, weight="bold")
     return figure
+
+
+def _small_print(found: xr.Dataset) -> str:
+    """Totals, thickness of the compound, marks, and what V and H are positive for."""
+    parts = [totals(found)] if "total_v" in found else []
+    parts.append(f"print of {found.attrs['separation']:g} µm, toe left")
+    parts += ["dot: centre", "cross: where it is wanted"]
+    parts += ["V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)"]
+    return SEPARATOR.join(parts).replace("-0", "−0")
 
 
 def _draw_places(grid: Any, found: xr.Dataset, plane: Array) -> None:
@@ -79,9 +89,14 @@ def _draw_grid(grid: Any, found: xr.Dataset, plane: Array) -> None:
     for row, j in enumerate(reversed(range(h.size))):
         for i in range(v.size):
             _draw_print(grid[row, i], plane, prints[i, j], found, np.array([along[i, j], up[i, j]]))
-        grid[row, 0].set_ylabel(f"{h[j]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=4)
+        grid[row, 0].set_ylabel(_signed(h[j]), fontsize=SMALL_SIZE, color=INK, labelpad=4)
     for i in range(v.size):
-        grid[-1, i].set_xlabel(f"{v[i]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=2)
+        grid[-1, i].set_xlabel(_signed(v[i]), fontsize=SMALL_SIZE, color=INK, labelpad=2)
+
+
+def _signed(value: float) -> str:
+    """A value of the grid, which is round."""
+    return f"{value:+.4g}".replace("-", "−") if value else "0"
 
 
 def _draw_print(

@@ -148,6 +148,8 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
     ... )
     >>> next(changes(coarse, fine))
     ('transmission error', 0.5, 'mean_level at 50 N m 200 and 201 urad')
+
+    A number that is compared with another one says so, such as "29.699 and 29.757 urad, over the mean level 604.9".
     """
     worst: dict[str, tuple[float, str]] = {}
     for name, values in coarse.data_vars.items():
@@ -163,7 +165,8 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
             if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
                 at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
                 unit = values.attrs.get("units", "1")
-                worst[group] = change, f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
+                words = f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
+                worst[group] = change, words + _relative_to(coarse, str(name), place)
     for group, (value, label) in worst.items():
         yield group, value, label
 
@@ -178,6 +181,17 @@ def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...
     if unit == "urad":
         return ERRORS if "torque" in values.dims else UNLOADED
     return PLACES if unit == "1" else OTHERS
+
+
+def _relative_to(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
+    """What a change is relative to, if it is not the number itself, with its value."""
+    values = numbers[name]
+    unit, scale = values.attrs.get("units", "1"), float(_scale(numbers, name)[place])
+    if scale == abs(float(values.values[place])):
+        return ""
+    if unit == "urad":
+        return f", over the {'mean level' if 'torque' in values.dims else 'unloaded peak to peak'} {scale:.4g}"
+    return ", in points of 1"
 
 
 def _scale(numbers: xr.Dataset, name: str) -> Array:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
-import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from functools import cache
 from time import perf_counter
 from typing import Any
 
+from ....core.processes.foreign_output import without_foreign_output
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import read_answer, refuse_unknown, run_qpsolvers
 from ..scaled_answer import ScaledAnswer
@@ -22,19 +19,9 @@ def _say_banner() -> None:
     """Let HiGHS say its name and version, once a process, where nobody hears it: no option leaves that out."""
     import highspy
 
-    sys.stdout.flush()
-    library = ctypes.CDLL(None) if os.name == "posix" else None
-    with suppress(OSError), open(os.devnull, "wb") as nowhere:
-        kept = os.dup(1)
-        try:
-            os.dup2(nowhere.fileno(), 1)
-            made: Any = highspy.Highs
-            made()
-            if library is not None:
-                library.fflush(None)  # its text waits in the C library
-        finally:
-            os.dup2(kept, 1)
-            os.close(kept)
+    with without_foreign_output():
+        made: Any = highspy.Highs
+        made()
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:

@@ -45,7 +45,8 @@ def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
     """Refuse a list of whole numbers that do not increase: a decimal comma is the likely reason.
 
     ``50,5`` would be the two values 50 and 5, and ``0,8`` the values 0 and 8. A list with a decimal point somewhere was
-    written by somebody who knows, and may be in any order.
+    written by somebody who knows, and may be in any order; three and more numbers may fall from the first to the last,
+    as no decimal comma makes them.
 
     Parameters
     ----------
@@ -63,6 +64,7 @@ def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
     --------
     >>> refuse_decimal_commas("50,250")
     >>> refuse_decimal_commas("50.5,5")
+    >>> refuse_decimal_commas("800,400,100")
     >>> try:
     ...     refuse_decimal_commas("50,5")
     ... except click.BadParameter as error:
@@ -74,7 +76,9 @@ def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
         return
     numbers = [float(part) for part in parts]
     # Of a value that comes twice the caller says so.
-    falling = len(set(numbers)) == len(numbers) and any(first > second for first, second in pairwise(numbers))
+    steps = [second - first for first, second in pairwise(numbers)]
+    falling = len(set(numbers)) == len(numbers) and any(step < 0.0 for step in steps)
+    falling &= len(steps) == 1 or any(step > 0.0 for step in steps)
     padded = any(re.fullmatch(r"0\d+", part) for part in parts[1:])
     zero = min(numbers) == 0.0 and not from_zero
     if not (falling or padded or zero):

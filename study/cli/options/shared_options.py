@@ -143,7 +143,7 @@ def next_commands(*commands: Sequence[object]) -> None:
 
 
 def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
-    """Torques at the pinion [N m]."""
+    """Torques at the pinion [N m], rising; a line says so of those that were given otherwise."""
     if text is None:
         return None
     values = number_list(text, "numbers in N m separated by commas, such as 50,250,500", from_zero=False)
@@ -152,7 +152,9 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
             raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m")
         if values.count(value) > 1:
             raise click.BadParameter(f"{text!r}: {value:g} comes twice")
-    return tuple(values)
+    if values != sorted(values):
+        echo(f"torques in rising order: {', '.join(f'{value:g}' for value in sorted(values))} N m", err=True)
+    return tuple(sorted(values))
 
 
 def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | Deflections | None:

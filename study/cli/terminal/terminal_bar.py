@@ -36,7 +36,8 @@ def terminal_bar(**options: Any) -> Any:
     True
     """
     if not _on_terminal() and _lines_wanted():
-        return ProgressLines(**{name: options[name] for name in ("desc", "total", "unit") if name in options})
+        known = {name: options[name] for name in ("desc", "total", "unit") if name in options}
+        return ProgressLines(**known)
     from tqdm import tqdm
 
     tqdm.monitor_interval = 0
@@ -121,6 +122,9 @@ class ProgressLines:
         """Name what is done within the stage."""
         self._postfix = text
 
+    def clear(self) -> None:
+        """Nothing: lines stay; a bar leaves the terminal to other output until it is refreshed."""
+
     def words(self, seconds: float) -> str:
         """The line of now, which is a time [s] after the begin of the stage."""
         name = f"{self.description}, {self._postfix}" if self._postfix else self.description
@@ -129,7 +133,7 @@ class ProgressLines:
             return f"{name}: {self.n:.5g} {units}, {seconds:.0f} s" if self.n and seconds >= 1.0 else f"{name} ..."
         if not self.n:
             return f"{name}: {self.total:.5g} {self.unit}s ..."
-        known = self.n >= max(FORETOLD_STEPS, FORETOLD_SHARE * self.total)
+        known = self.n >= max(FORETOLD_SHARE * self.total, FORETOLD_STEPS)
         left = seconds * (self.total - self.n) / self.n if known else 0.0
         told = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
         return f"{told}, {time_in_words(left)} left" if left > 0.0 else told

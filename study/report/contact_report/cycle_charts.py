@@ -24,6 +24,7 @@ AXES = {
     "temperature": "oil temperature [°C]",
     "roughness": "RMS roughness [µm]",
 }
+CONDITION_UNITS = {"speed": "1/min", "temperature": "°C", "roughness": "µm"}
 
 
 def chart(
@@ -70,6 +71,18 @@ def _greatest(table: Array) -> Array:
     return np.where(np.isfinite(most), most, np.nan)
 
 
+def _weighted_mean(table: Array, weight: Array) -> Array:
+    """Mean (torque, mesh_position) over the segments by their weight; NaN where nothing has weight.
+
+    Extremes over the segments jump as one after another begins and ceases to carry; a mean by force does not, as
+    segments begin and cease without force.
+    """
+    known = np.isfinite(table) & (weight > 0.0)
+    whole = np.where(known, weight, 0.0).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(known, table * weight, 0.0).sum(axis=2) / np.where(whole > 0.0, whole, np.nan))
+
+
 def _least(table: Array) -> Array:
     return -_greatest(-table)
 
@@ -88,12 +101,15 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
         if group not in groups or variable not in groups[group]:
             continue
         values = groups[group][variable].sortby("torque")
+        held = []
         for name in values.dims:
             if name != "torque":
                 values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
+                held += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
         if np.any(np.isfinite(values.values)):
             found[variable] = {
                 "title": title,
+                "at": ", ".join(held),
                 "unit": unit,
                 "source": f"{group}/{variable}",
                 "x": packed_exactly(values["torque"].values),
@@ -294,8 +310,13 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
     names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
     carries = np.nan_to_num(ordered(loaded, "pressure", *SEGMENTS)) > 0.0
     charts = []
+    force = np.where(carries, np.nan_to_num(ordered(loaded, "force", *SEGMENTS)), 0.0)
+
+    def mean(table: Array) -> Array:
+        return _weighted_mean(table, force)
+
     for variable, title, unit, reduce in (
-        ("friction_coefficient", "Greatest friction coefficient", "", _greatest),
+        ("friction_coefficient", "Friction coefficient, mean weighted by force", "", mean),
         ("film_thickness", "Least film thickness", "[µm]", _least),
         ("flash_temperature", "Greatest flash temperature", "[K]", _greatest),
     ):
@@ -308,7 +329,7 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         source = "friction/sliding_velocity"
         table = np.where(carries, sliding, np.nan)
         charts.append(
-            _course("sliding", "Greatest sliding velocity under load", "[m/s]", source, names, _greatest(table)[chosen])
+            _course("sliding", "Sliding velocity, mean weighted by force", "[m/s]", source, names, mean(table)[chosen])
         )
         table = table * ordered(loaded, "pressure", *SEGMENTS)
         source = "loaded/pressure × friction/sliding_velocity"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
@@ -33,6 +34,7 @@ from .stored_case import stored_case
 
 TORQUE_COUNT, SPEED_COUNT = 12, 9  # with pictures of the flanks, of all results together
 TORQUE_LIMIT, SPEED_LIMIT = 6, 3  # with pictures of the flanks, of each result
+HISTORY_TIME = re.compile(r"^(\d{4}-\d\d-\d\d)T(\d\d:\d\d)\S*Z")
 PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
 
 #: Nothing may be loaded from anywhere.
@@ -42,7 +44,9 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 Given = xr.DataTree | xr.Dataset
 
 
-def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: str | os.PathLike[str]) -> None:
+def write_report(
+    results: Given | Sequence[Given] | Mapping[str, Given], path: str | os.PathLike[str], *, author: str = ""
+) -> None:
     """Write the report of one or several results: tables, charts, flank pictures and turnable teeth in one HTML file.
 
     Parameters
@@ -54,6 +58,8 @@ def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: s
         ``study.wear`` may be among them, or alone.
     path
         File to write, replaced if it exists; missing folders are made.
+    author
+        Who made the report, for its head.
 
     Raises
     ------
@@ -77,13 +83,13 @@ def write_report(results: Given | Sequence[Given] | Mapping[str, Given], path: s
         named = by_name([results])
     else:
         named = dict(results)
-    text = report_page(named)
+    text = report_page(named, author)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def report_page(results: Mapping[str, Given]) -> str:
-    """Text of the page with results by name."""
+def report_page(results: Mapping[str, Given], author: str = "") -> str:
+    """Text of the page with results by name, and who made it."""
     from ....core.compiled.compiled_use import without_compiled_code
     from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
     from . import flank_departures, vh_part
@@ -99,7 +105,7 @@ def report_page(results: Mapping[str, Given]) -> str:
         }
     title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
-    data |= {"title": printable(title), "version": printable(str(version))}
+    data |= {"title": printable(title), "version": printable(str(version)), "author": printable(author)}
     try:  # "<" would end the element that holds the data, or open a comment
         text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
     except ValueError as error:
@@ -135,7 +141,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "name": name,
         "title": printable(str(tree.attrs["title"])),
         "flank": str(tree.attrs["flank"]),
-        "head": [[left, _signed(printable(right))] for left, right in head_rows(tree)],
+        "head": [[left, _signed(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
         "notes": [_signed(printable(note)) for note in result_notes(tree)],
         "misalignment": misalignment_rows(tree),
         "case": [] if case is None else case_tables(case),
@@ -183,6 +189,14 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "table": efficiency_rows(friction, loaded),
         }
     return content
+
+
+def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
+    """When and by which version a result was made, from its history."""
+    history = str(tree.attrs.get("history", "")).splitlines()
+    if not history or not history[-1].strip():
+        return []
+    return [("analysed", HISTORY_TIME.sub(r"\1 \2 UTC,", history[-1]))]
 
 
 def _signed(text: str) -> str:

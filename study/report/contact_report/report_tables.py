@@ -13,11 +13,13 @@ from pydantic import BaseModel
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.ordered_values import ordered
+from ....geometry.pair.gear_pair import MEMBERS
 from ..key_numbers import key_numbers
 from ..summary.contact_tables import end_name
 from ..summary.deflection_report import misalignment_over_torque
 from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
 from ..summary.supports_report import supports_tables
+from .implied_dimensions import dimension_rows
 
 NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
@@ -53,7 +55,14 @@ UNLOADED_ROWS = (
         ".2f",
     ),
     ("contact ratio", "", "unloaded_contact_ratio", "unloaded/contact_ratio", 1.0, ".2f"),
-    ("geometric contact ratio", "", "geometric_contact_ratio", "unloaded/geometric_contact_ratio", 1.0, ".2f"),
+    (
+        "geometric contact ratio, of contact lines alone (edges count under load, too)",
+        "",
+        "geometric_contact_ratio",
+        "unloaded/geometric_contact_ratio",
+        1.0,
+        ".2f",
+    ),
     ("marking print, length", "%", "unloaded_pattern_length", "unloaded/pattern_length", 100.0, ".0f"),
     ("marking print, height", "%", "unloaded_pattern_height", "unloaded/pattern_height", 100.0, ".0f"),
 )
@@ -253,6 +262,10 @@ def case_tables(case: Case) -> list[dict[str, Any]]:
     pair.append(["hand of spiral of the pinion", "", "pinion.hand_of_spiral", case.pinion.hand_of_spiral])
     pair += [[text, unit, f"pair.{key}", *values] for text, unit, key, values in _compared([("", case.pair)])]
     tables = [{"title": "Pair", "columns": ["case"], "rows": pair}]
+    if dimensions := dimension_rows(case):
+        tables.append(
+            {"title": "What blanks, cutters and settings imply", "columns": list(MEMBERS), "rows": dimensions}
+        )
     for title, part, owners in (
         ("Blanks", "blank", blanks),
         ("Machine settings", "machine", [(name, flank.machine) for name, flank in flanks]),

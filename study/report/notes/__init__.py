@@ -1,1 +1,1 @@
-"""Notes on a result: implausible numbers, load on edges, pressures that jump, ranges of the friction models left."""
+"""Notes on a result: implausible numbers, supports, line ends, edges, pressures that jump, ranges of models left."""

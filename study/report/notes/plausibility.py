@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from ....contact.evaluation.flank_region import flank_share
 from ....core.ordered_values import ordered
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -41,7 +42,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     inside = inside == 1
     widest = float(np.max(np.abs(distance[inside]), initial=0.0))
     greatest = float(np.nan_to_num(tree["loaded"].to_dataset()["max_pressure"].values).max(initial=0.0))
-    common = float(inside.mean())
+    common = flank_share(inside)
     notes = []
     if widest > EASE_OFF_LIMIT:
         notes.append(

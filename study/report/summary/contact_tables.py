@@ -35,8 +35,15 @@ def unloaded_table(numbers: xr.Dataset) -> str:
             place = NO_AREA if any(map(math.isnan, values)) else words.format(*values)
             rows.append((name, f"{place}; contact ratio {ratio:.2f}"))
     if "geometric_contact_ratio" in numbers:
-        rows.append(("geometric contact ratio", f"{numbers['geometric_contact_ratio'].item():.2f}"))
+        words = f"{numbers['geometric_contact_ratio'].item():.2f}"
+        beside = ", of contact lines alone; under load edges beside them count, too" if with_edges(numbers) else ""
+        rows.append(("geometric contact ratio", words + beside))
     return aligned(rows)
+
+
+def with_edges(numbers: xr.Dataset) -> bool:
+    """Whether edges beside the contact lines carry: a pair is then in contact longer than it has contact lines."""
+    return "max_edge_share" in numbers and bool((numbers["max_edge_share"].values > 0.0).any())
 
 
 def aligned(rows: list[tuple[str, str]]) -> str:
@@ -69,7 +76,7 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
         row("  of the pinion, mean", "{:.1f}", "pinion_mean_level"),
         row("  of the pinion, peak to peak", "{:.2f}", "pinion_peak_to_peak"),
         row("mesh stiffness, mean [N m/urad]", "{:.3f}", "mean_mesh_stiffness"),
-        row("contact ratio", "{:.2f}", "contact_ratio"),
+        row("contact ratio, with edges" if with_edges(numbers) else "contact ratio", "{:.2f}", "contact_ratio"),
         row("greatest share of a pair [%]", "{:.1f}", "max_load_share", factor=100.0),
         row("share on edges up to [%]", "{:.1f}", "max_edge_share", factor=100.0),
         row("pattern, centre from toe, root [%]", "{:.0f}, {:.0f}", *PATTERN[:2], factor=100.0, missing=NO_AREA),

@@ -15,15 +15,19 @@ from ..departures import deviations, modification
 from ..key_numbers import key_numbers
 from ..model_name import model_name
 from ..notes.edge_load import edge_notes
+from ..notes.end_pressure import end_notes
 from ..notes.plausibility import plausibility
 from ..notes.pressure_jumps import jump_notes
 from ..notes.ranges import range_notes
+from ..notes.supports_notes import supports_notes
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque, misalignment_words
 from .supports_report import added_notes, supports_tables, supports_words
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
+#: Share of the power loss outside the range of the friction formula from which numbers have fewer digits.
+ROUGH_SHARE = 0.4
 #: Heads of the columns that name an operating condition.
 CONDITIONS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
 #: Torques that the outcome names; of more it names the range.
@@ -36,12 +40,18 @@ def efficiencies(friction: xr.Dataset) -> str:
     films = _with_place(friction, names, "min_film", "thickness", 3)
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
+    beyond = np.zeros(coefficient.shape)
+    if "extrapolated_share" in friction:
+        beyond = np.nan_to_num(friction["extrapolated_share"].transpose(*names).values)
     rows = []
     for at in np.ndindex(coefficient.shape):
         efficiency, loss, rolling = (v[at] for v in values)
         conditions = _conditions(friction, names, at)
         share = 100.0 * rolling / loss if loss else np.nan
-        found = (f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}")
+        rough = beyond[at] >= ROUGH_SHARE
+        digits = (3, 0, 0, 1) if rough else (4, 1, 1, 2)
+        values_of = (coefficient[at], loss, share, 100 * efficiency)
+        found = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
         rows.append((*conditions, *found, *films.get(at, ())))
     headers = [
         *CONDITIONS,
@@ -54,6 +64,8 @@ def efficiencies(friction: xr.Dataset) -> str:
     shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
     left = len(rows) - len(shown)
+    if np.any(beyond >= ROUGH_SHARE):
+        table += f"\nwith fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
     if np.any(friction["temperature_clamped"].values):
         table += "\n* beyond the oil's data: the last value was taken"
     if left:
@@ -122,17 +134,12 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on implausible numbers, extrapolation, load on edges, pressures that jump, and friction out of range."""
+    """Notes on implausible numbers, extrapolation, supports, edges and line ends, pressures that jump, and friction."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     loaded = tree["loaded"].to_dataset()
-    return [
-        *plausibility(tree),
-        *added_notes(tree),
-        *deflection_notes(tree),
-        *edge_notes(loaded),
-        *jump_notes(loaded),
-        *ranges,
-    ]
+    contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
+    supported = [*added_notes(tree), *deflection_notes(tree), *supports_notes(tree)]
+    return [*plausibility(tree), *supported, *contact, *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:

@@ -126,7 +126,7 @@ def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
         return [], np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     names = [str(name) for name in group["bearing"].values]
     force = ordered(group, "bearing_force", "bearing", *OVER, "space")
-    axes = {member: _towards_heel(tree["ease_off"].to_dataset(), member) for member in MEMBERS}
+    axes = {member: towards_heel(tree["ease_off"].to_dataset(), member) for member in MEMBERS}
     own = np.stack([axes["pinion" if name.startswith("pinion ") else "gear"] for name in names])
     axial = np.einsum("btks,bs->btk", force, own)
     across = force - axial[..., None] * own[:, None, None, :]
@@ -164,7 +164,7 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     """
     if "supports" not in tree.children or "deflections" in tree.attrs:
         return []
-    found, own = misalignment_words(tree.attrs), _table_of_case(tree, "misalignment")
+    found, own = misalignment_words(tree.attrs), stored_table(tree, "misalignment")
     alike = all(
         np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(own.get(key, 0.0)))
         for key, unit, scale in (
@@ -184,7 +184,7 @@ def added_notes(tree: xr.DataTree) -> list[str]:
 
 def _held(tree: xr.DataTree) -> str:
     """What holds each member."""
-    table = _table_of_case(tree, "supports")
+    table = stored_table(tree, "supports")
     if "housing" in table:
         return "both members by one matrix, with the housing"
     group = tree["supports"].to_dataset()
@@ -199,7 +199,7 @@ def _held(tree: xr.DataTree) -> str:
     return "; ".join(parts) or "by matrices"
 
 
-def _table_of_case(tree: xr.DataTree, name: str) -> dict[str, Any]:
+def stored_table(tree: xr.DataTree, name: str) -> dict[str, Any]:
     """A table in the text of the case that a result keeps; empty if there is none."""
     text = str(tree.attrs.get("case", ""))
     try:
@@ -210,7 +210,7 @@ def _table_of_case(tree: xr.DataTree, name: str) -> dict[str, Any]:
     return table if isinstance(table, dict) else {}
 
 
-def _towards_heel(ease_off: xr.Dataset, member: str) -> Array:
+def towards_heel(ease_off: xr.Dataset, member: str) -> Array:
     """Unit vector (3) of a member's axis, in the global frame, from its crossing point to the mesh."""
     axis = np.asarray(ease_off.attrs[f"{member}_axis"], dtype=float)
     origin = np.asarray(ease_off.attrs[f"{member}_origin_mm"], dtype=float)

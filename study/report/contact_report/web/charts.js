@@ -137,7 +137,14 @@ class LineChart {
         if (this.marked) svg("circle", { cx: this.px(one.x[i]), cy: this.py(y), r: 3, fill: this.tint(one) }, group);
       } else broken = true;
     });
-    svg("path", { d: path, stroke: this.tint(one), fill: "none", ...(this.discrete ? { "stroke-dasharray": "2 3" } : {}) }, group);
+    svg("path", { d: path, stroke: this.tint(one), fill: "none", ...this.dashes(one) }, group);
+  }
+
+  // Curves of several results are told apart where they coincide: each later one has gaps that show those below.
+  dashes(one) {
+    if (this.discrete) return { "stroke-dasharray": "2 3" };
+    const number = one.owner ? results.indexOf(one.owner) : this.chart.id.startsWith("compare_") ? one.number : 0;
+    return number ? { "stroke-dasharray": ["", "9 6", "3 5", "12 4 3 4", "1 4", "6 2"][number % 6] } : {};
   }
 
   cursor() {

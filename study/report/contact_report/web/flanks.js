@@ -108,6 +108,7 @@ class FlankPicture {
     context.fill();
     if (this.field) this.paint(context);
     this.group.replaceChildren();
+    if (this.field && this.field.named) this.nameLevels();
     if (this.options.marks) this.options.marks(this.group, this);
     this.foot.replaceChildren();
     if (this.field && !this.field.flat) this.bar();
@@ -150,6 +151,23 @@ class FlankPicture {
     if (lines && this.result.flanks[this.member].common.length) this.common(context);
     context.drawImage(this.layer, 0, 0);
     context.restore();
+  }
+
+  // Values of the lines between bands, along the middle of the flank and across it, where there is room.
+  nameLevels() {
+    const { low, high, levels } = this.field, size = 13 * this.unit, taken = [];
+    const step = (high - low) / levels, band = ([t, h]) => Math.floor((this.value(t, h) - low) / step);
+    const steps = Array.from({ length: 241 }, (_, k) => k / 240);
+    for (const way of [steps.map((t) => [t, 0.5]), ...[0.12, 0.5, 0.88].map((t) => steps.map((h) => [t, h]))]) {
+      for (let k = 0; k + 1 < way.length; k++) {
+        const [a, b] = [band(way[k]), band(way[k + 1])];
+        if (!Number.isFinite(a) || !Number.isFinite(b) || a === b) continue;
+        const [x, y] = project(this.plane, ...way[k]);
+        if (taken.some(([u, v]) => Math.abs(u - x) < 3 * size && Math.abs(v - y) < 1.2 * size)) continue;
+        taken.push([x, y]);
+        svg("text", { x, y: -y + 0.35 * size, "text-anchor": "middle", "font-size": size, class: "level" }, this.group, written(low + step * Math.max(a, b)));
+      }
+    }
   }
 
   // Nothing is drawn beyond the common flank.

@@ -24,7 +24,7 @@ function table(parent, heads, rows, caption) {
   const node = element("table", "numbers", parent);
   if (caption) element("caption", "", node, caption);
   const head = element("tr", "", element("thead", "", node));
-  for (const text of heads) element("th", "", head, text);
+  for (const text of heads) element("th", text === "variable" ? "variable" : "", head, text);
   const body = element("tbody", "", node);
   for (const cells of rows) {
     const row = element("tr", "", body);
@@ -87,7 +87,7 @@ window.addEventListener("hashchange", () => {
 document.documentElement.style.setProperty("--title", JSON.stringify(`Contact report: ${data.title}`));
 const header = element("header", "", document.body);
 element("h1", "", header, "Contact report");
-element("p", "case-title", header, data.title);
+element("p", "case-title", header, data.author ? `${data.title}, by ${data.author}` : data.title);
 const contents = element("nav", "", document.body);
 const bar = element("div", "sliders", document.body);
 if (results.length) {
@@ -119,7 +119,7 @@ function summary() {
       element("p", "small", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
     }
     for (const note of result.notes) element("p", "note", box, note);
-    if (!result.notes.length) element("p", "small", box, "No notes: no number is implausible, and no model leaves its range.");
+    if (!result.notes.length) element("p", "small", box, "No automatic note.");
     if (result.torque_count > result.torques.length) element("p", "small", box, `Pictures and charts over the mesh cycle show ${result.torques.length} of ${result.torque_count} torques.`);
   }
 }
@@ -156,7 +156,7 @@ function easeOff() {
   const grid = element("div", "grid", node);
   const scale = range(14, ...results.map((result) => result.fields.ease_off));
   for (const result of results) {
-    const field = { raster: raster(result.fields.ease_off), ...scale, map: "viridis", unit: "µm", lines: true };
+    const field = { raster: raster(result.fields.ease_off), ...scale, map: "ease_off", unit: "µm", lines: true, named: true };
     new FlankPicture(grid, result, "gear", { id: "ease_off", title: title("Ease-off, gear flank", result), source: "ease_off/ease_off", keys: [], field: () => field, words: () => "positive where there is a gap; dashed: boundary of the common flank" });
   }
 }
@@ -244,8 +244,8 @@ function pattern() {
   }
 }
 
-function pressureField(result, member) {
-  const stored = result.pressure[member][torqueOf(result)], peak = pressurePeak();
+function pressureField(result, member, i = torqueOf(result)) {
+  const stored = result.pressure[member][i], peak = pressurePeak();
   return unpack(stored).some((v) => v > 0) ? { raster: raster(stored), low: 0, high: peak, map: "pressure", unit: "MPa", positive: true } : null;
 }
 
@@ -282,6 +282,19 @@ function pressure() {
       });
     }
   drawCharts(grid, "contact");
+  onPaper(node);
+}
+
+// Greatest pressure at every torque: on paper nobody moves a slider.
+function onPaper(parent) {
+  const box = element("div", "on-paper", parent);
+  element("h3", "", box, "Greatest pressure over the mesh cycle at every torque, gear");
+  const grid = element("div", "grid", box);
+  for (const result of results) {
+    result.torques.forEach((torque, i) => {
+      new FlankPicture(grid, result, "gear", { id: `pressure-${i}`, title: title(`${written(torque)} N m`, result), keys: [], field: () => pressureField(result, "gear", i) });
+    });
+  }
 }
 
 // The same chart of all results, one after the other, before the next.
@@ -386,9 +399,9 @@ function comparison() {
     if (series.length) new LineChart(grid, results[0], { ...own[0].charts[key].find((chart) => chart.id === id), id: `compare_${id}`, by: "each", series });
   }
   for (const name of new Set(results.flatMap((result) => Object.keys(result.over_torque)))) {
-    const own = results.filter((result) => result.over_torque[name]), { title, unit, source } = own[0].over_torque[name];
+    const own = results.filter((result) => result.over_torque[name]), { title, at, unit, source } = own[0].over_torque[name];
     const series = own.map((result) => ({ name: result.name, x: result.over_torque[name].x, y: result.over_torque[name].y, number: results.indexOf(result) }));
-    if (series.some((one) => one.x.shape[0] > 1)) new LineChart(grid, results[0], { id: `compare_${name}`, title: `${title} over torque`, source, x: "torque at the pinion [N m]", y: unit ? `[${unit}]` : "", series, by: "" });
+    if (series.some((one) => one.x.shape[0] > 1)) new LineChart(grid, results[0], { id: `compare_${name}`, title: `${title} over torque${at ? ` at ${at}` : ""}`, source, x: "torque at the pinion [N m]", y: unit ? `[${unit}]` : "", series, by: "" });
   }
 }
 
@@ -398,7 +411,7 @@ function compareNumbers(wide) {
     const loaded = result.loaded_numbers, at = nearest(loaded.torques.map(Number), result.torques[torqueOf(result)]), rows = new Map();
     for (const [name, unit, path, ...values] of loaded.rows) rows.set(name, [unit, values[at], path]);
     const efficiency = result.over_torque.efficiency;
-    if (efficiency) rows.set("efficiency, middle speed", ["%", unpack(efficiency.y)[nearest(Array.from(unpack(efficiency.x)), Number(loaded.torques[at]))].toFixed(2), efficiency.source]);
+    if (efficiency) rows.set(`efficiency at ${efficiency.at}`, ["%", unpack(efficiency.y)[nearest(Array.from(unpack(efficiency.x)), Number(loaded.torques[at]))].toFixed(2), efficiency.source]);
     for (const [name, unit, path, value] of result.unloaded_numbers) rows.set(`without load: ${name}`, [unit, value, path]);
     return { rows, head: `${result.name}, ${loaded.torques[at]} N m` };
   });
@@ -409,7 +422,9 @@ function compareNumbers(wide) {
     const change = /mesh position/.test(name) ? "" : changed(a, b, unit, values[0]);
     return [name, unit, ...values, ...(own.length === 2 ? [change] : []), ...(own.length > 3 ? [] : [path.replace(/ [×/].*/, "")])];
   });
-  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows).classList.add(own.length > 3 ? "many" : "few");
+  const alike = own.length > 1 ? rows.filter((row) => row.slice(2, 2 + own.length).every((value) => value === row[2])) : [];
+  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows.filter((row) => !alike.includes(row))).classList.add(own.length > 3 ? "many" : "few");
+  if (alike.length) element("p", "small", wide, `Alike in all: ${alike.map(([name, unit, value]) => `${name} ${value}${unit ? ` ${unit}` : ""}`).join("; ")}.`);
 }
 
 // Change of a number: of a share its difference, of anything else in per cent.

@@ -70,7 +70,9 @@ class Teeth {
     this.box = figure(parent, `Teeth in mesh, ${result.name}`, "case, loaded/pressure");
     this.box.id = `${result.id}-teeth`;
     this.box.classList.add("teeth");
-    this.canvas = element("canvas", "", this.box);
+    const stage = element("div", "scene", this.box);
+    this.canvas = element("canvas", "", stage);
+    this.ends = Object.fromEntries(["toe", "heel"].map((name) => [name, element("span", "end", stage, name)]));
     this.canvas.width = 1400;
     this.canvas.height = 760;
     this.gl = this.canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
@@ -88,7 +90,7 @@ class Teeth {
   controls() {
     const row = element("div", "row", this.box);
     this.see = element("select", "", row);
-    for (const [value, name] of [["through", "gear, pinion transparent"], ["both", "both"], ["gear", "gear alone"], ["pinion", "pinion alone"]]) element("option", "", this.see, name).value = value;
+    for (const [value, name] of [["both", "both"], ["through", "gear, pinion transparent"], ["gear", "gear alone"], ["pinion", "pinion alone"]]) element("option", "", this.see, name).value = value;
     this.over = element("select", "", row);
     for (const [value, name] of [["now", "pressure at the mesh position"], ["cycle", "pressure over the mesh cycle"]]) element("option", "", this.over, name).value = value;
     for (const select of [this.see, this.over]) select.addEventListener("change", () => { this.colourFlanks(); this.draw(); });
@@ -152,7 +154,7 @@ class Teeth {
       this.members[name] = { ...own, name, flankGrid: new Grid(own.flank, own.outward), grid: new Grid(own.grid, own.outward), places: unpack(own.places), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
     }
     const face = minus(this.members.gear.flankGrid.at(0, 7), this.members.gear.flankGrid.at(40, 7));
-    this.size = 0.8 * Math.hypot(...face);
+    this.size = 1.4 * Math.hypot(...face);
     this.middle = [...this.scene.middle];
     // From the gear's axis outwards and from the side of the pinion, so that the loaded flanks face the reader.
     this.aim();
@@ -236,13 +238,14 @@ class Teeth {
     gl.uniform3fv(this.place("middle"), this.middle);
     gl.uniform1f(this.place("size"), this.size);
     gl.uniform1f(this.place("aspect"), this.canvas.width / this.canvas.height);
+    this.nameEnds([right, up]);
     const see = this.see.value;
     const shown = { gear: see !== "pinion", pinion: see !== "gear" };
     for (const name of ["gear", "pinion"]) {
       if (!shown[name]) continue;
       const clear = name === "pinion" && see === "through", member = this.members[name];
       const count = Math.min(2 * SHOWN[name] + 1, member.teeth), first = -Math.floor(count / 2);
-      gl.uniform1f(this.place("opacity"), clear ? 0.3 : 1);
+      gl.uniform1f(this.place("opacity"), clear ? 0.45 : 1);
       clear ? gl.enable(gl.BLEND) : gl.disable(gl.BLEND);
       // What is transparent first fills the depth, so that its foremost surface alone is blended.
       for (const colours of clear ? [false, true] : [true]) {
@@ -254,6 +257,17 @@ class Teeth {
       }
       gl.depthFunc(gl.LESS);
       if (!clear) this.batch(member.bands, member, 0);
+    }
+  }
+
+  // Names of the ends of the gear's face, beside the middle tooth.
+  nameEnds([right, up]) {
+    const gear = this.members.gear, grid = gear.flankGrid, angle = this.angle(gear, 0), top = grid.n - 1;
+    for (const [name, i, inner] of [["toe", 0, 4], ["heel", grid.m - 1, grid.m - 5]]) {
+      const [end, before] = [grid.at(i, top), grid.at(inner, top)], beyond = end.map((v, k) => v + 0.8 * (v - before[k]) - gear.origin[k]);
+      const place = this.turned(beyond, gear.axis, angle).map((v, k) => v + gear.origin[k] - this.middle[k]);
+      const x = dot3(right, place) / this.size / (this.canvas.width / this.canvas.height), y = dot3(up, place) / this.size;
+      Object.assign(this.ends[name].style, { left: `${50 + 50 * x}%`, top: `${50 - 50 * y}%`, display: Math.abs(x) < 0.97 && Math.abs(y) < 0.97 ? "" : "none" });
     }
   }
 

@@ -1,0 +1,170 @@
+"""Notes on what a customer must not overlook: pressure at line ends, load on edges, supports of another pair."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import easeoff
+from easeoff.cases import Case, read_supports
+from easeoff.cases.supported_case import with_supports
+from easeoff.contact.evaluation.pressure_place import LineEnd, at_line_end, max_inner_pressure
+from easeoff.study import result_summary
+from easeoff.study.plot.page import page
+from easeoff.study.report.notes.edge_load import TOLD_SHARE, edge_notes
+from easeoff.study.report.notes.end_pressure import end_notes
+from easeoff.study.report.notes.supports_notes import axial_face, supports_notes
+from easeoff.study.report.summary.result_summary import efficiencies
+from easeoff.study.vh.shifted_patterns import round_values
+
+COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+
+
+def coarse(name: str) -> Case:
+    case = easeoff.read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "friction": None})
+
+
+def one_line(pressure: list[float], end: LineEnd) -> xr.Dataset:
+    """A contact line across the middle of the flank, beside one on the next tooth."""
+    over = ("torque", "mesh_position", "segment")
+    count = len(pressure)
+    fields: dict[str, Any] = {"pressure": [*pressure, 100.0], "tooth": [0.0] * count + [1.0]}
+    fields |= {name: [value] * (count + 1) for name, value in (("length", 1.0), ("lengthwise", 0.5), ("profile", 0.5))}
+    found = xr.Dataset({name: (over, [[values]]) for name, values in fields.items()}, coords={"torque": [50.0]})
+    found["max_pressure"] = ("torque", [max(pressure)])
+    found["max_pressure_line_end"] = ("torque", [int(end)])
+    return found
+
+
+def test_a_segment_is_at_the_end_within_a_tenth_of_its_line() -> None:
+    line = one_line([900.0, *[700.0] * 8, 600.0, 500.0], LineEnd.GEAR_TOE)
+    assert at_line_end(line)[0, 0].tolist() == [True, True, *[False] * 7, True, True, True]
+    assert max_inner_pressure(line).tolist() == [700.0]
+
+
+def test_the_border_of_the_flank_counts_as_an_end() -> None:
+    line = one_line([700.0] * 11, LineEnd.GEAR_TIP)
+    line["profile"][..., 5] = 0.99
+    assert at_line_end(line)[0, 0, 5]
+
+
+def test_the_excess_over_the_greatest_pressure_inside_is_told() -> None:
+    line = one_line([840.0, *[700.0] * 10], LineEnd.GEAR_TOE)
+    (note,) = end_notes(line)
+    assert "at 50 N m the greatest pressure, 840 MPa, is at the end of a contact line (gear toe): 20 % above" in note
+    assert "some 6 %" in note
+    assert end_notes(one_line([700.0] * 11, LineEnd.INSIDE)) == []
+    assert end_notes(line.drop_vars("max_pressure_line_end")) == []  # an older result
+
+
+def test_where_only_ends_carry_nothing_is_inside() -> None:
+    (note,) = end_notes(one_line([840.0, 0.0, 0.0, 0.0, 0.0], LineEnd.GEAR_HEEL))
+    assert "no pressure is inside" in note
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.9 * TOLD_SHARE, False), (1.1 * TOLD_SHARE, True)])
+def test_load_on_edges_is_told_from_a_few_per_cent_on(share: float, told: bool) -> None:
+    loaded = xr.Dataset({"edge_share": (("torque", "mesh_position"), [[share]])}, coords={"torque": [50.0]})
+    assert [("no pressure is given" in note) for note in edge_notes(loaded)] == ([True] if told else [])
+
+
+@cache
+def supported(name: str, position: float | None = None) -> xr.DataTree:
+    """``nasa-12x36`` on shipped supports, the first bearing of the pinion at another place if one is given."""
+    table = read_supports(name)
+    if position is not None:
+        assert table.pinion is not None
+        first, *others = table.pinion.bearings
+        moved = (first.model_copy(update={"position": position}), *others)
+        table = table.model_copy(update={"pinion": table.pinion.model_copy(update={"bearings": moved})})
+        return easeoff.analyze(with_supports(coarse("nasa-12x36"), table))
+    return easeoff.analyze(coarse("nasa-12x36"), supports=name)
+
+
+def test_supports_of_another_pair_are_told() -> None:
+    other = supports_notes(supported("axle-fm-11x41"))
+    assert "those of another pair, fm-11x41" in other[0]
+    assert "those of another pair" in " ".join(result_summary(supported("axle-fm-11x41")).split())
+    assert not any("another pair" in note for note in supports_notes(supported("gearbox-nasa-12x36")))
+
+
+def test_a_bearing_between_toe_and_heel_is_told() -> None:
+    tree = supported("gearbox-nasa-12x36")
+    assert not any("within the teeth" in note for note in supports_notes(tree))
+    first, last = axial_face(tree, "pinion")
+    middle = round(0.5 * (first + last), 1)
+    (note,) = [n for n in supports_notes(supported("gearbox-nasa-12x36", middle)) if "within the teeth" in n]
+    assert f"is at {middle:.1f} mm on the axis" in note
+    assert "pinion" in note
+
+
+def test_the_face_on_the_axis_is_that_of_the_blank() -> None:
+    """Along its axis a face is as long as its middle, between root and face cone, times the cosine of its angle."""
+    tree = supported("gearbox-nasa-12x36")
+    case = easeoff.read_case("nasa-12x36")
+    for member in ("pinion", "gear"):
+        first, last = axial_face(tree, member)
+        blank = getattr(case, member).blank
+        pitch = np.radians(blank.pitch_angle)
+        heel = blank.outer_cone_distance * np.cos(pitch) - blank.pitch_apex_beyond_crossing_point
+        assert first < heel - 0.5 * blank.face_width * np.cos(pitch) < last
+        assert abs(last - heel) < 6.0  # the height of the tooth at the heel
+
+
+def test_bearings_that_share_the_axial_load_in_one_sense_are_told() -> None:
+    """Equal springs on a stiff shaft share the axial load, which opposed taper rollers do not."""
+    (note,) = [n for n in supports_notes(supported("gearbox-nasa-12x36")) if "same sense" in n]
+    assert "pinion head" in note
+    assert "one is relieved" in note
+
+
+def test_no_supports_have_no_note() -> None:
+    assert supports_notes(easeoff.analyze(coarse("nasa-12x36"))) == []
+
+
+def test_contact_ratios_say_whether_edges_count() -> None:
+    """Edges carry beside the contact lines, so that the ratio under load may exceed the geometric one."""
+    with_edges = " ".join(result_summary(supported("gearbox-nasa-12x36")).split())
+    assert "contact ratio, with edges" in with_edges
+    assert "of contact lines alone; under load edges beside them count, too" in with_edges
+    lines = " ".join(result_summary(easeoff.analyze(coarse("nasa-12x36"), edge_contact=False)).split())
+    assert "with edges" not in lines
+    assert "of contact lines alone" not in lines
+
+
+@pytest.mark.parametrize(("beyond", "written"), [(0.3, ["0.0512", "1234.6", "1.5", "95.43"]), (0.5, ["0.051", "95.4"])])
+def test_an_efficiency_beyond_the_formula_has_fewer_digits(beyond: float, written: list[str]) -> None:
+    over = ("torque", "speed", "temperature", "roughness")
+    values = {"efficiency": 0.95432, "mean_power_loss": 1234.56, "mean_rolling_loss": 18.5}
+    values |= {"mean_friction_coefficient": 0.05123, "extrapolated_share": beyond}
+    friction = xr.Dataset(
+        {name: (over, np.full((1, 1, 1, 1), value)) for name, value in values.items()}
+        | {"temperature_clamped": ("temperature", [0])}
+        | {f"roughness_{member}": ("roughness", [0.8]) for member in ("pinion", "gear")},
+        coords={"torque": [100.0], "speed": [500.0], "temperature": [90.0], "roughness": [0.8]},
+    )
+    table = efficiencies(friction)
+    assert set(written) <= set(table.split())
+    assert ("with fewer digits" in table) == (beyond > 0.4)
+
+
+def test_a_picture_says_that_supports_misalign() -> None:
+    tree = supported("gearbox-nasa-12x36")
+    figure = page(tree, "Pressure", 2.0)
+    words = " ".join(text.get_text() for text in figure.texts).split()
+    assert "none without load, then that of the supports" in " ".join(words)
+
+
+@pytest.mark.parametrize("low", [-0.51, -0.08, 0.0])
+@pytest.mark.parametrize("count", [2, 5, 8])
+def test_values_of_a_vh_grid_are_round_and_cover_the_range(low: float, count: int) -> None:
+    values = round_values(low, low + 0.7, count)
+    assert values[0] <= low + 1e-9
+    assert values[-1] >= low + 0.7 - 1e-9
+    assert np.ptp(values) < 2.6 * 0.7
+    assert all(len(f"{value:.6g}".lstrip("-")) <= 6 for value in values)

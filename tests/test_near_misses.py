@@ -1,0 +1,129 @@
+"""What engineers type at first: torques in any order, names without suffix, inches, files of other commands."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+import easeoff
+from easeoff import InputError
+from easeoff.cases.reading import CASE, DESIGN
+from easeoff.cases.schema.inch_lengths import INCH, refuse_inches
+from easeoff.core.toml_text import toml_tables
+from easeoff.study import vh_check
+from easeoff.study.cli import main
+from easeoff.study.cli.options.shared_options import torques
+from easeoff.study.report.vh_table import vh_table
+from easeoff.study.vh.vh_check import write_vh_check
+
+
+def call(*arguments: Any) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize("text", ["800,400,100", "800.0,100,400", "400, 100.0, 800"])
+def test_torques_may_come_in_any_order_that_no_decimal_comma_makes(
+    text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    context: Any = click.Context(main)
+    option: Any = None
+    assert torques(context, option, text) == (100.0, 400.0, 800.0)
+    assert capsys.readouterr().err == "torques in rising order: 100, 400, 800 N m\n"
+    assert torques(context, option, "100,400,800") == (100.0, 400.0, 800.0)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_name_without_its_suffix_is_found_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("p3.toml").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match=r"did you mean 'p3.toml'\?"):
+        easeoff.read_case("p3")
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("hand_of_spiral = left", 'text needs quotes: "left"'),
+        ("hand_of_spiral = left  # of the pinion", 'text needs quotes: "left"'),
+        ("hypoid_offset = 35,5", "a decimal has a point: 35.5"),
+    ],
+)
+def test_a_line_that_is_no_toml_says_how_it_is_written(line: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        toml_tables(line, "mine.toml")
+
+
+def test_a_cutter_in_inches_is_told_its_millimetres() -> None:
+    data = easeoff.read_case("fm-11x41").model_dump()
+    radius = data["pinion"]["concave"]["cutter"]["blade_point_radius"]
+    data["pinion"]["concave"]["cutter"]["blade_point_radius"] = radius / INCH
+    with pytest.raises(InputError, match=rf"pinion\.concave\.cutter\.blade_point_radius = .* in is {radius:.6g} mm"):
+        CASE.check(data, "mine")
+
+
+def test_the_cutter_of_a_design_in_inches_is_told_too() -> None:
+    data = DESIGN.read("fm-11x41").model_dump()
+    data["blank_design"]["cutter_radius"] = 3.75
+    with pytest.raises(InputError, match=r"cutter_radius = 3.75: .*; 3.75 in is 95.25 mm"):
+        DESIGN.check(data, "mine")
+
+
+@pytest.mark.parametrize("name", CASE.names())
+def test_shipped_cutters_are_in_millimetres(name: str) -> None:
+    refuse_inches(easeoff.read_case(name))
+
+
+def test_new_takes_a_file_in_place_of_an_option(tmp_path: Path) -> None:
+    target = tmp_path / "mine.toml"
+    assert call("new", "design", target).exit_code == 0
+    easeoff.cases.read_design(target)
+    said = call("new", "design")
+    assert said.exit_code == 2
+    assert "easeoff new design my.toml" in " ".join(said.output.split())
+
+
+@cache
+def check() -> xr.Dataset:
+    return vh_check("fh-design-a")
+
+
+@pytest.mark.thorough
+def test_show_prints_the_table_of_a_vh_check(tmp_path: Path) -> None:
+    path = tmp_path / "vh.nc"
+    write_vh_check(check(), path)
+    said = call("show", path)
+    assert said.exit_code == 0, said.output
+    assert vh_table(check()) in said.output
+    with pytest.raises(InputError, match="of 'easeoff vh', for 'easeoff show', 'plot' and 'report'"):
+        easeoff.read_result(path)
+
+
+@pytest.mark.parametrize(
+    ("variable", "words"),
+    [("comparison_status", "the table of 'easeoff verify'"), ("solver_tolerance", "the table of 'easeoff compare'")],
+)
+@pytest.mark.parametrize("command", ["show", "plot", "report"])
+def test_a_table_of_another_command_is_named(variable: str, words: str, command: str, tmp_path: Path) -> None:
+    path = tmp_path / "table.nc"
+    xr.Dataset({variable: ("row", [0])}).to_netcdf(path)
+    said = call(command, path, *(["-o", tmp_path / "pictures"] if command == "plot" else []))
+    assert said.exit_code == 2
+    assert words in " ".join(said.output.split())
+
+
+def test_a_report_is_named_after_its_result(tmp_path: Path) -> None:
+    coarse = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5}
+    case = easeoff.read_case("nasa-12x36")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    easeoff.write_result(easeoff.analyze(case), tmp_path / "one.nc")
+    said = call("report", tmp_path / "one.nc", "--author", "A. Gear <engineer>")
+    assert said.exit_code == 0, said.output
+    assert "A. Gear \\u003cengineer>" in (tmp_path / "one.html").read_text(encoding="utf-8")
+    assert (tmp_path / "one.html").exists()
+    assert "-o: must be given with several results" in call("report", "a.nc", "b.nc").output
