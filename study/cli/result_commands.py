@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def show(result: Path) -> None:
     """Show the main numbers of RESULT.
 
-    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'; of contact problems it is said what they are.
+    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
     """
     from ..report.contact_report.given_results import kind_of, read_given
     from ..report.summary.load_case_summary import load_case_summary
