@@ -334,7 +334,7 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
     from easeoff.contact import write_problems
     from easeoff.verification import problems
 
-    labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
+    labels = {"name": np.array(list("abcd")), "pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
     write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)
     listed: dict[str, tuple[str, str]] = {}
     for names, dimensions, units, _ in rows(text("problem_files"), "## The file"):

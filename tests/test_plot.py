@@ -142,10 +142,10 @@ def test_velocity_maps_are_the_velocities_of_the_segments(lubricated: xr.DataTre
 
 
 def test_loaded_map_leaves_edges_out(lubricated: xr.DataTree) -> None:
-    """They stand where lines end, and slide over other places."""
+    """They have no pressure; they stand where lines end, and slide over other places."""
     loaded = lubricated["loaded"].to_dataset().isel(torque=0)
     field = loaded["equivalent_radius"]
-    edge = loaded.assign(overhang=loaded["overhang"].where(loaded["profile"] < 0.5, 0.3))
+    edge = loaded.assign(pressure=loaded["pressure"].where(loaded["profile"] < 0.5))
     assert 0 < loaded_map(edge, field).values.size < loaded_map(loaded, field).values.size
     assert loaded_map(edge, field).points[1].max() < 0.5
 

@@ -188,6 +188,6 @@ def test_solution_tells_exchanges_and_times() -> None:
     without_setup = solve(problem, "clarabel", polish=False).times
     assert without_setup.measured_by == "solver"
     assert np.isnan(without_setup.setup)
-    assert np.isnan(solve(problem).times.call)
+    assert solve(problem).times.call > 0.0
     rough_settings: dict[str, Any] = {"eps_abs": 0.05, "eps_rel": 0.05, "polishing": False}
     assert solve(problem, "osqp", **rough_settings).exchanges > 0

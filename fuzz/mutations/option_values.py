@@ -109,11 +109,22 @@ KEEP = ("worst=max_pressure:1", "least=peak_to_peak:1", "worst=max_pressure:2", 
     "best=max_pressure:1", "worst=:1", "=", "", "worst=torque:1", "worst=efficiency:1", "worst=E:1", "worst=x:1:2",
     "worst=\x1b[2J:1")  # fmt: skip
 
-#: Options by command, of which some are given.
 PROBLEM_FORMATS: Options = {
     "--format": ("nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark", "QPS", ".nc", "", "x"),
     "--form": ("dense", "lifted", "dual", "lcp", ""),
 }
+RESOLUTIONS = (
+    "length=0.01",
+    "length=0.01,angle=0.05",
+    "length=0",
+    "length=nan",
+    "length=-1",
+    "angle=1e9",
+    "x=1",
+    "=",
+    "",
+)
+#: Options by command, of which some are given.
 OPTIONS: dict[str, Options] = {
     "run": {**ANALYSIS, **MARKING, **FRICTION, "--plots": PICTURES, "--load-cases": LOAD_CASES},
     "sweep": {
@@ -196,6 +207,7 @@ OPTIONS: dict[str, Options] = {
         "--tolerance": ("1e-5", "0", "-1", "nan", "1", "inf"), "--raw": None, "--polish": None,
         "--tolerances": ("1e-3", "1e-3,1e-6", "1e-3,1e-3", "0", "1", "-1", "nan", "x", "", "1e-3,"),
         "--threads": ("1", "2", "0", "-1", "x"), "--fresh": None, "--test-set": None,
+        "--time": ("wall", "processor", "cpu", ""),
     },
     "oil": {
         "--viscosity-40": ("100", "0", "-1", "nan", "inf", "1e9", "5", "1,5", "x", "", "100cSt"),
@@ -213,10 +225,15 @@ OPTIONS: dict[str, Options] = {
         "--format": ("png", "svg", "pdf", "gif", "PNG", ""),
         "--dpi": ("30", "72", "200", "0", "-1", "29", "1201", "x", "1.5", "9" * 400, ""),
     },
-    "report": {"-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
+    "report": {
+        "--author": ("A. Gear", "", "x" * 300, "\x1b[2J", "<b>"),
+        "-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
     "cite": {"--bibtex": None},
     "new": {"--force": None, "-o": ("new.toml", "new.csv", "case.toml", "new.txt", *PATHS)},
-    "design": {"--force": None, "--report": None, "--allow-outside": None},
+    "design": {
+        "--force": None, "--report": None, "--allow-outside": None, "--round": None, "--resolution": RESOLUTIONS
+    },
+    "sheet": {"--allow-outside": None, "--resolution": RESOLUTIONS},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
     "show": {}, "cases": {}, "completion": {},

@@ -44,7 +44,7 @@ def check_problem_output(
     easeoff.core.errors.InputError: problems.qps: must be a file whose name ends in .mat, which holds all problems
     """
     for source in sources:
-        if output.is_file() and Path(source).is_file() and output.samefile(source):
+        if os.path.isfile(output) and os.path.isfile(source) and os.path.samefile(output, source):
             check_writable(output, source)
     if format == TEST_SET:
         check_folder(output, "test set")

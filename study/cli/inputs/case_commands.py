@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -128,7 +129,7 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     from ...compare.problem_export import convert_problems
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
-    if suffix in PROBLEM_SUFFIXES or Path(source).is_dir():
+    if suffix in PROBLEM_SUFFIXES or os.path.isdir(source):
         echo(convert_problems(Path(source), output, format, form))
         return
     if format is not None or form is not None:

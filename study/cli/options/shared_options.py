@@ -277,7 +277,7 @@ def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Pat
     for path, own in zip(paths, whole, strict=True):
         if whole.count(own) > 1:
             raise click.BadParameter(f"{path} comes twice")
-        if path.is_dir():
+        if os.path.isdir(path):
             raise click.BadParameter(
                 f"{path} is a folder: give a file; 'easeoff convert {path} -o problems.nc' makes one of its problems"
             )
