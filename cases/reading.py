@@ -156,8 +156,8 @@ def _require_possible(found: Case | Design | SupportFile) -> None:
     """Refuse radii in inches, basic data that make no blanks, and supports that do not hold."""
     if isinstance(found, SupportFile):
         return  # to be checked with the case whose axes they hold
-    refuse_inches(found)
     if found.blank_design is not None:
+        refuse_inches(found.blank_design)
         from .conversion import designed_blanks
 
         designed_blanks(found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair)

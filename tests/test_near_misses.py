@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases.reading import CASE, DESIGN
-from easeoff.cases.schema.inch_lengths import INCH, refuse_inches
+from easeoff.cases.reading import DESIGN
+from easeoff.cases.schema.inch_lengths import refuse_inches
 from easeoff.core.toml_text import toml_tables
 from easeoff.study import vh_check
 from easeoff.study.cli import main
@@ -60,23 +60,15 @@ def test_a_line_that_is_no_toml_says_how_it_is_written(line: str, words: str) ->
 
 
 def test_a_cutter_in_inches_is_told_its_millimetres() -> None:
-    data = easeoff.read_case("fm-11x41").model_dump()
-    radius = data["pinion"]["concave"]["cutter"]["blade_point_radius"]
-    data["pinion"]["concave"]["cutter"]["blade_point_radius"] = radius / INCH
-    with pytest.raises(InputError, match=rf"pinion\.concave\.cutter\.blade_point_radius = .* in is {radius:.6g} mm"):
-        CASE.check(data, "mine")
-
-
-def test_the_cutter_of_a_design_in_inches_is_told_too() -> None:
     data = DESIGN.read("fm-11x41").model_dump()
     data["blank_design"]["cutter_radius"] = 3.75
     with pytest.raises(InputError, match=r"cutter_radius = 3.75: .*; 3.75 in is 95.25 mm"):
         DESIGN.check(data, "mine")
 
 
-@pytest.mark.parametrize("name", CASE.names())
+@pytest.mark.parametrize("name", DESIGN.names())
 def test_shipped_cutters_are_in_millimetres(name: str) -> None:
-    refuse_inches(easeoff.read_case(name))
+    refuse_inches(DESIGN.read(name).blank_design)
 
 
 def test_new_takes_a_file_in_place_of_an_option(tmp_path: Path) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ...core.errors import InputError
-from .case_schema import Case
-from .design_schema import Design
+from .blank_design_table import BlankDesignTable
 
 INCH = 25.4  # [mm]
-#: Radius of the cutter over the outer cone distance, or over the gear's pitch radius: what is absurd, what is usual.
+#: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
 ABSURD_RATIO, USUAL_RATIOS = 0.15, (0.25, 3.0)
 
 
-def refuse_inches(found: Case | Design) -> None:
-    """Refuse the radius of a cutter in inches.
+def refuse_inches(table: BlankDesignTable) -> None:
+    """Refuse a cutter radius in inches among basic data.
 
     Raises
     ------
@@ -23,30 +20,15 @@ def refuse_inches(found: Case | Design) -> None:
 
     Examples
     --------
-    >>> from easeoff.cases import read_case
-    >>> refuse_inches(read_case("nasa-12x36"))
+    >>> from easeoff.cases import read_design
+    >>> refuse_inches(read_design("fm-11x41").blank_design)
     """
-    for key, radius, size in _radii(found):
-        ratio = radius / size
-        if ratio < ABSURD_RATIO and USUAL_RATIOS[0] <= INCH * ratio <= USUAL_RATIOS[1]:
-            raise InputError(
-                f"{key} = {radius:g}: must be in mm, and is absurdly small for a pair of this size; {radius:g} in is "
-                f"{INCH * radius:.6g} mm"
-            )
-
-
-def _radii(found: Case | Design) -> Iterator[tuple[str, float, float]]:
-    """Key, radius of a cutter and size of the member that it cuts [mm], as far as both are given."""
-    table = found.blank_design
-    diameter = None if table is None else table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
-    if table is not None and diameter is not None:
-        yield "blank_design.cutter_radius", table.cutter_radius, 0.5 * diameter
-    if isinstance(found, Design):
+    diameter = table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
+    if diameter is None:
         return
-    for name, member in (("pinion", found.pinion), ("gear", found.gear)):
-        size = (
-            member.blank.outer_cone_distance if member.blank is not None else None if not diameter else 0.5 * diameter
+    radius, ratio = table.cutter_radius, 2.0 * table.cutter_radius / diameter
+    if ratio < ABSURD_RATIO and USUAL_RATIOS[0] <= INCH * ratio <= USUAL_RATIOS[1]:
+        raise InputError(
+            f"[blank_design] cutter_radius = {radius:g}: must be in mm, and is absurdly small for a pair of this size; "
+            f"{radius:g} in is {INCH * radius:.6g} mm"
         )
-        for side, flank in (("concave", member.concave), ("convex", member.convex)):
-            if flank is not None and size is not None:
-                yield f"{name}.{side}.cutter.blade_point_radius", flank.cutter.blade_point_radius, size
