@@ -209,7 +209,8 @@ def test_generated_gear_takes_the_same_target(name: str) -> None:
     case, report = design_case(parse_design(text))
     assert gear_pair(case).gear.loaded.settings.generated
     # Over the whole common flank the form of a generated gear is met to a few micrometres, which the report says.
-    assert all("misses the target by up to" in warning for warning in report.warnings)
+    told = ("misses the target by up to", "limit_pressure_angle_influence = 0")
+    assert all(any(words in warning for words in told) for warning in report.warnings)
     for side in report.sides.values():
         assert side.largest_residual < 6e-3
         assert np.abs(side.root_gap).max() < 0.1
