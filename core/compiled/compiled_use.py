@@ -47,7 +47,12 @@ def is_used() -> bool:
 
 def may_compile() -> bool:
     """Whether code that is not kept on disk may be compiled here."""
-    return _use.get() is Use.COMPILED or bool(os.environ.get(COMPILES_APART))
+    return _use.get() is Use.COMPILED or _compiles_apart()
+
+
+@cache
+def _compiles_apart() -> bool:
+    return bool(os.environ.get(COMPILES_APART))
 
 
 @cache
@@ -67,27 +72,15 @@ def compiled_code_of(imported: Callable[[], Any]) -> Any:
     imported
         Imports the module and returns it.
     """
-    if not is_used():
-        return None
-    if may_compile():
-        _kept.cache_clear()
-        return _compiled(imported)
-    return _kept(imported)
+    return _loaded(imported, may_compile()) if is_used() else None
 
 
 @cache
-def _compiled(imported: Callable[[], Any]) -> Any:
+def _loaded(imported: Callable[[], Any], compiles: bool) -> Any:
+    """The module, as far as it can be had with or without compilation."""
     try:
         return imported()
-    except ImportError:  # no numba, or none for this Python or numpy
-        return None
-
-
-@cache
-def _kept(imported: Callable[[], Any]) -> Any:
-    try:
-        return imported()
-    except ImportError:
+    except ImportError:  # no numba, none for this Python or numpy, or nothing kept
         return None
 
 
@@ -144,7 +137,8 @@ def compilation_told(tell: Callable[[str], None]) -> Iterator[None]:
 
 
 def tell_of_compilation() -> None:
-    """Tell once that code is about to be compiled, to whom it may concern."""
+    """Tell once that code is about to be compiled, to whom it may concern, and look anew for what was not kept."""
+    _loaded.cache_clear()
     tell = _told.get()
     if tell is not None:
         _told.set(None)
