@@ -243,14 +243,17 @@ def test_free_settings_of_the_page_are_those_of_the_code() -> None:
 
 
 def over_dimensions(page: str, group: str) -> dict[str, tuple[str, str]]:
-    """Dimensions and unit of the variables in the table under the heading that names a group."""
+    """Dimensions and unit of the variables in the table under the heading that names a group; pure numbers have 1."""
     heading = next(line for line in page.splitlines() if line.startswith("### ") and group in line[4:].split(", "))
     found, over = {}, "own"
-    for name, unit, _ in rows(page, heading):
-        if name.startswith("*"):
-            over = name.strip("*").removeprefix("over ").removeprefix("single values")
+    for first, _ in rows(page, heading):
+        if first.startswith("*"):
+            over = first.strip("*").removeprefix("over ").removeprefix("single values")
         else:
-            found[name.strip("`")] = (name.strip("`") if over == "own" else over, unit)
+            names, _, unit = first.removesuffix("]").partition(" [")
+            found |= {
+                each: (each if over == "own" else over, unit or "1") for each in names.replace("`", "").split(", ")
+            }
     return found
 
 
@@ -273,7 +276,7 @@ def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
             for name, variable in group.variables.items():
                 dimensions = [d for d in variable.dimensions if not d.startswith("string")]
                 assert listed[name][0] == ", ".join(dimensions)
-                assert listed[name][1] == getattr(variable, "units", "")
+                assert listed[name][1] == getattr(variable, "units", "1")
             assert all(f"`{name}`" in page for name in group.ncattrs())
 
 

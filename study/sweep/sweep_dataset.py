@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import described
+from ...core.attributes import variable_attributes
 from .batch_analysis import Block, PointStatus
 from .point_table import PointTable
 from .sweep_setup import SweepSetup
@@ -95,8 +95,7 @@ class SweepNumbers:
 
     @staticmethod
     def _variable(name: str, dims: tuple[str, ...], values: Array, flags: dict[str, Any]) -> xr.Variable:
-        units, long_name = described(name)
-        attributes: dict[str, Any] = {"long_name": long_name} | ({"units": units} if units else {})
+        attributes = variable_attributes(name)
         if flags:
             whole = np.where(np.isnan(values), NOT_COMPUTED, values).astype(np.int8)
             meanings = {

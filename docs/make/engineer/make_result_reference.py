@@ -51,22 +51,34 @@ def result_tables(tree: xr.DataTree) -> str:
 
 
 def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
-    """Rows of variables behind a row with the dimensions that they have."""
-    found: dict[str, list[str]] = {}
+    """Rows of variables behind a row with the dimensions that they have; one row for both places on the flank."""
+    found: dict[str, list[tuple[str, str, str]]] = {}
     for name, variable in variables.items():
         dimensions = ", ".join(map(str, variable.dims))
         over = "" if variable.dims == (name,) else f"over {dimensions}" if dimensions else "single values"
-        row = f"| `{name}` | {variable.attrs.get('units', '')} | {meaning(name, variable)} |"
-        found.setdefault(over, []).append(row)
-    rows = ["| variable | unit | meaning |", "| --- | --- | --- |"]
+        row = (f"`{name}`", unit(variable), meaning(name, variable))
+        before = found.setdefault(over, [])
+        if before and before[-1] == tuple(cell.replace("profile", "lengthwise") for cell in row):
+            first, _, said = before.pop()
+            row = (f"{first}, {row[0]}", row[1], said.replace("lengthwise", "lengthwise, profile"))
+        before.append(row)
+    rows = ["| variable | meaning |", "| --- | --- |"]
     for over, each in found.items():
-        rows += [f"| *{over}* | | |"] * bool(over) + each
+        rows += [f"| *{over}* | |"] * bool(over) + [f"| {names}{its_unit} | {said} |" for names, its_unit, said in each]
     return "\n".join(rows)
 
 
+def unit(variable: xr.DataArray) -> str:
+    """Its unit in brackets, to stand behind its name; nothing for a pure number."""
+    units = variable.attrs.get("units", "1")
+    return "" if units == "1" else f" [{units}]"
+
+
 def meaning(name: Hashable, variable: xr.DataArray) -> str:
-    """Its long name, and its codes or labels."""
-    said = str(variable.attrs["long_name"])
+    """Its long name, unless that is its name, and its comment; its codes or labels."""
+    label, comment = str(variable.attrs["long_name"]), variable.attrs.get("comment")
+    same = label.replace("-", " ") == str(name).replace("_", " ")
+    said = "; ".join(filter(None, [label if comment is None or not same else "", comment]))
     if "flag_meanings" in variable.attrs:
         codes = variable.attrs["flag_values" if "flag_values" in variable.attrs else "flag_masks"]
         flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
@@ -78,9 +90,10 @@ def meaning(name: Hashable, variable: xr.DataArray) -> str:
 
 
 def summary() -> str:
-    """What ``easeoff show`` prints of the page's first example, but for the rounding that is its residual."""
-    lines = result_summary(easeoff.analyze("nasa-12x36", torques=[50.0, 150.0])).splitlines()
-    return "\n".join(["```text", *(line for line in lines if not line.startswith("worst residual")), "```"])
+    """What ``easeoff show`` prints of the page's first example, but for notes and the rounding that is its residual."""
+    printed, *_ = result_summary(easeoff.analyze("nasa-12x36", torques=[150.0])).partition("\n\nNote: ")
+    lines = (line for line in printed.splitlines() if not line.startswith("worst residual"))
+    return "\n".join(["```text", *lines, "```"])
 
 
 def updated(page: str, tree: xr.DataTree) -> str:
