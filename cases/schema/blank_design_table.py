@@ -16,82 +16,64 @@ class BlankDesignTable(Table):
     """
 
     method: Literal[0, 1, 2, 3] = number(
-        "pitch cones of a spiral bevel pair (0), or of a hypoid pair after Gleason, Oerlikon, Klingelnberg", "1"
+        "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3)", "1"
     )
     process: Literal["face_milled", "face_hobbed"]
-    pinion_mean_spiral_angle: Number | None = number(
-        "mean spiral angle of the pinion, which it shall have; method 1", "deg", default=None, ge=0, lt=90
-    )
+    pinion_mean_spiral_angle: Number | None = number("method 1", "deg", default=None, ge=0, lt=90)
     gear_mean_spiral_angle: Number | None = number(
-        "mean spiral angle of the gear; methods 0, 2 and 3 (without an offset it is the pinion's too)",
+        "methods 0, 2 and 3; without an offset the pinion's, too",
         "deg",
         default=None,
         ge=0,
         lt=90,
     )
-    gear_face_width: Number = number("face width of the gear along the pitch cone", "mm", gt=0.5, lt=1000)
-    cutter_radius: Number = number("mean radius of the cutter", "mm", gt=1, lt=2000)
-    nominal_drive_pressure_angle: Number = number(
-        "nominal pressure angle of the drive flank", "deg", default=20.0, ge=0, lt=45
-    )
-    nominal_coast_pressure_angle: Number = number(
-        "nominal pressure angle of the coast flank", "deg", default=20.0, ge=0, lt=45
-    )
-    gear_outer_pitch_diameter: Number | None = number(
-        "outer pitch diameter of the gear; methods 0, 1 and 3", "mm", default=None, gt=1, lt=10000
-    )
-    gear_mean_pitch_diameter: Number | None = number(
-        "mean pitch diameter of the gear; method 2", "mm", default=None, gt=1, lt=10000
-    )
-    number_of_blade_groups: Integer | None = number(
-        "blade groups of a face-hobbing cutter", "1", default=None, ge=1, le=100
-    )
+    gear_face_width: Number = number("along the pitch cone", "mm", gt=0.5, lt=1000)
+    cutter_radius: Number = number("mean radius", "mm", gt=1, lt=2000)
+    nominal_drive_pressure_angle: Number = number("nominal drive pressure angle", "deg", default=20.0, ge=0, lt=45)
+    nominal_coast_pressure_angle: Number = number("nominal coast pressure angle", "deg", default=20.0, ge=0, lt=45)
+    gear_outer_pitch_diameter: Number | None = number("methods 0, 1 and 3", "mm", default=None, gt=1, lt=10000)
+    gear_mean_pitch_diameter: Number | None = number("method 2", "mm", default=None, gt=1, lt=10000)
+    number_of_blade_groups: Integer | None = number("of a face-hobbing cutter", "1", default=None, ge=1, le=100)
     limit_pressure_angle_influence: Number = number(
         "share of the limit pressure angle that shifts the generated pressure angles", "1", default=0.0, ge=0, le=1
     )
-    profile_shift_coefficient: Number | None = number(
-        "data type I: profile shift of the pinion", "1", default=None, gt=-2, lt=2
-    )
+    profile_shift_coefficient: Number | None = number("data type I: of the pinion", "1", default=None, gt=-2, lt=2)
     basic_addendum_factor: Number | None = number("data type I: addendum over module", "1", default=None, gt=0, lt=3)
     basic_dedendum_factor: Number | None = number("data type I: dedendum over module", "1", default=None, gt=0, lt=3)
     thickness_modification_coefficient: Number | None = number(
-        "data type I: thickness modification of the pinion over module", "1", default=None, gt=-1, lt=1
+        "data type I: of the pinion, over module", "1", default=None, gt=-1, lt=1
     )
     gear_mean_addendum_factor: Number | None = number(
-        "data type II: share of the working depth that is gear addendum", "1", default=None, gt=-1, lt=2
+        "data type II: gear addendum over working depth", "1", default=None, gt=-1, lt=2
     )
     depth_factor: Number | None = number("data type II: working depth over module", "1", default=None, gt=0, lt=5)
     clearance_factor: Number | None = number(
         "data type II: clearance over working depth", "1", default=None, ge=0, lt=1
     )
     thickness_factor: Number | None = number(
-        "data type II: excess of the pinion's mean thickness, and deficit of the gear's, over half the pitch and the "
-        "profile shift, over module",
+        "data type II: excess of the pinion's mean thickness over half the pitch and the profile shift, and deficit of "
+        "the gear's, over module",
         "1",
         default=None,
         gt=-1,
         lt=1,
     )
     gear_mean_slot_width: Number | None = number(
-        "data type II, instead of thickness_factor: width of the gear's slot at its bottom, mid face",
+        "data type II, instead of thickness_factor: at the bottom, mid face",
         "mm",
         default=None,
         gt=0,
         lt=200,
     )
-    outer_normal_backlash: Number | None = number("backlash at the heel, normal", "mm", default=None, ge=0, lt=10)
-    outer_transverse_backlash: Number | None = number(
-        "backlash at the heel, transverse", "mm", default=None, ge=0, lt=10
-    )
-    mean_normal_backlash: Number | None = number("backlash at mid face, normal", "mm", default=None, ge=0, lt=10)
-    mean_transverse_backlash: Number | None = number(
-        "backlash at mid face, transverse", "mm", default=None, ge=0, lt=10
-    )
+    outer_normal_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
+    outer_transverse_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
+    mean_normal_backlash: Number | None = number("at mid face", "mm", default=None, ge=0, lt=10)
+    mean_transverse_backlash: Number | None = number("at mid face", "mm", default=None, ge=0, lt=10)
     gear_addendum_angle: Number | None = number(
-        "face angle less pitch angle of the gear; instead of depth_taper", "deg", default=None, gt=-45, lt=45
+        "face less pitch angle, instead of depth_taper", "deg", default=None, gt=-45, lt=45
     )
     gear_dedendum_angle: Number | None = number(
-        "pitch angle less root angle of the gear; instead of depth_taper", "deg", default=None, gt=-45, lt=45
+        "pitch less root angle, instead of depth_taper", "deg", default=None, gt=-45, lt=45
     )
     depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = None
 

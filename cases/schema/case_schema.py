@@ -32,26 +32,22 @@ class Blank(Table):
     face_angle: Number = number("face angle", "deg", gt=0, lt=95)
     root_angle: Number = number("root angle", "deg", gt=-5, lt=90)
     pitch_apex_beyond_crossing_point: Number = number(
-        "pitch apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
+        "positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
     )
-    face_apex_beyond_crossing_point: Number = number(
-        "face apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
-    )
-    root_apex_beyond_crossing_point: Number = number(
-        "root apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
-    )
-    outer_cone_distance: Number = number("pitch apex to heel along the pitch cone", "mm", gt=1, lt=5000)
+    face_apex_beyond_crossing_point: Number = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
+    root_apex_beyond_crossing_point: Number = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
+    outer_cone_distance: Number = number("pitch apex to heel", "mm", gt=1, lt=5000)
     face_width: Number = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
     clearance: Number = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
     front_angle: Number | None = number(
-        "the toe line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "cone at right angles to the toe line; pitch_angle if left out",
         "deg",
         default=None,
         gt=-90,
         lt=180,
     )
     back_angle: Number | None = number(
-        "the heel line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "cone at right angles to the heel line; pitch_angle if left out",
         "deg",
         default=None,
         gt=-90,
@@ -85,8 +81,7 @@ class MemberTable(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     mean_normal_circular_thickness: Number | None = number(
-        "normal circular thickness of the tooth in the middle of the flank; from the cutter, or from the mate's slot, "
-        "if left out",
+        "in the middle of the flank; from the cutter, or the mate's slot, if left out",
         "mm",
         default=None,
         gt=0,
@@ -108,7 +103,7 @@ class PairTable(Table):
     """Position of the axes."""
 
     shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
-    hypoid_offset: Number = number("offset; zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
+    hypoid_offset: Number = number("zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
 
 
 class ContactTable(Table):
@@ -122,11 +117,17 @@ class ContactTable(Table):
 
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
-    segments_per_line: Integer = number("segments of a contact line", "1", default=31, ge=3, le=2000)
+    segments_per_line: Integer = number("segments per line", "1", default=31, ge=3, le=2000)
     edge_contact: bool = True
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
-    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, ge=0.001, lt=1000)
+    separation: Number = number(
+        "gap at which an unloaded contact line ends; thickness of the marking compound",
+        "um",
+        default=6.0,
+        ge=0.001,
+        lt=1000,
+    )
 
     @model_validator(mode="after")
     def _positive_torques(self) -> Self:
@@ -151,7 +152,7 @@ class WebTable(Table):
 
     bore_diameter: Number = number("where the web ends and is held", "mm", gt=0, lt=5000)
     thickness: Number | None = number(
-        "at right angles to the root cone, flush with the bottom of the rim; that of the rim if left out",
+        "at right angles to the root cone, flush with the rim's bottom; the rim's if left out",
         "mm",
         default=None,
         gt=0,
@@ -170,17 +171,16 @@ class ComplianceTable(Table):
     plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
-    shear_factor: Number = number("shear correction factor", "1", default=1.0, gt=0, le=1)
+    shear_factor: Number = number("shear correction", "1", default=1.0, gt=0, le=1)
     root: Literal["weber", "odonnell", "clamped"] = "weber"
-    root_factor: Number = number("multiplies the flexibility of the root", "1", default=1.0, gt=0, le=10)
+    root_factor: Number = number("multiplies the root's flexibility", "1", default=1.0, gt=0, le=10)
     rim_depth: Depths | None = number(
-        "with `fe` and `solid_shell`: depth of the elastic body below the root, of both members or of pinion and gear; "
-        "1.2 times the tooth's height if left out",
+        "elastic body below the root, of both members or of pinion and gear; 1.2 times the tooth's height if left out",
         "mm",
         default=None,
     )
     fineness: Number = number(
-        "with `fe` and `solid_shell`: multiplies the number of bricks and functions in every direction",
+        "multiplies bricks and functions in every direction",
         "1",
         default=1.0,
         ge=0.2,
@@ -189,8 +189,7 @@ class ComplianceTable(Table):
 
     neighbours: bool = Field(
         default=True,
-        description="with `fe` and `solid_shell`: the teeth of a member share its body, which couples them; otherwise "
-        "each has a sector of its own",
+        description="teeth of a member share its body; otherwise each has a sector of its own",
     )
     pinion_web: WebTable | None = None
     gear_web: WebTable | None = None
@@ -220,18 +219,14 @@ class TargetTable(Table):
     lengthwise_crowning: Number = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
     profile_crowning: Number = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
     bias: Number = number(
-        "twist: sum of toe-tip and heel-root less that of toe-root and heel-tip, over four",
+        "(toe-tip + heel-root - toe-root - heel-tip) / 4",
         "um",
         default=0.0,
         gt=-1e4,
         lt=1e4,
     )
-    spiral_angle_error: Number = number(
-        "half the difference of ease-off between heel and toe", "um", default=0.0, gt=-1e4, lt=1e4
-    )
-    pressure_angle_error: Number = number(
-        "half the difference of ease-off between tip and root", "um", default=0.0, gt=-1e4, lt=1e4
-    )
+    spiral_angle_error: Number = number("half of heel less toe", "um", default=0.0, gt=-1e4, lt=1e4)
+    pressure_angle_error: Number = number("half of tip less root", "um", default=0.0, gt=-1e4, lt=1e4)
 
 
 class TargetsTable(Table):

@@ -18,21 +18,17 @@ class Cutter(Table):
     """The blade of a cutter: its profile, its reliefs and its edge radius."""
 
     blade_point_radius: Number = number("radius of the blade tip", "mm", gt=1, lt=2000)
-    blade_pressure_angle: Number = number("angle between blade edge and cutter axis", "deg", gt=-45, lt=60)
-    number_of_blade_groups: Integer = number(
-        "face hobbing: blade groups of the cutter; zero for face milling", "1", default=0, ge=0, le=100
-    )
+    blade_pressure_angle: Number = number("between blade edge and cutter axis", "deg", gt=-45, lt=60)
+    number_of_blade_groups: Integer = number("face hobbing; zero for face milling", "1", default=0, ge=0, le=100)
     blade_offset_angle: Number = number(
-        "face hobbing: how far the blade tip stands off the radial direction", "deg", default=0.0, gt=-60, lt=60
+        "face hobbing: blade tip off the radial direction", "deg", default=0.0, gt=-60, lt=60
     )
-    blade_rake_angle: Number = number(
-        "face hobbing: turn of the edge about the cutter axis", "deg", default=0.0, gt=-60, lt=60
-    )
+    blade_rake_angle: Number = number("face hobbing: turn about the cutter axis", "deg", default=0.0, gt=-60, lt=60)
     blade_hook_angle: Number = number(
-        "face hobbing: turn of the edge about the radial direction", "deg", default=0.0, gt=-60, lt=60
+        "face hobbing: turn about the radial direction", "deg", default=0.0, gt=-60, lt=60
     )
     blade_spheric_radius: Number | None = number(
-        "radius of a circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
+        "circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
         "straight if left out",
         "mm",
         default=None,
@@ -40,29 +36,19 @@ class Cutter(Table):
         lt=1e7,
     )
     blade_reference_height: Number = number(
-        "height above the tip plane at which a circular profile has the pressure angle",
+        "where a circular profile has the pressure angle, above the tip plane",
         "mm",
         default=0.0,
         gt=-50,
         lt=100,
     )
-    tool_edge_radius: Number = number("radius between profile and tip land", "mm", default=0.0, ge=0, lt=20)
-    toprem_depth: Number | None = number(
-        "toprem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=50
-    )
-    toprem_angle: Number = number("toprem: by how much its pressure angle is smaller", "deg", default=0.0, ge=0, lt=30)
-    toprem_radius: Number | None = number(
-        "toprem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
-    )
-    flankrem_depth: Number | None = number(
-        "flankrem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=100
-    )
-    flankrem_angle: Number = number(
-        "flankrem: by how much its pressure angle is larger", "deg", default=0.0, ge=0, lt=30
-    )
-    flankrem_radius: Number | None = number(
-        "flankrem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
-    )
+    tool_edge_radius: Number = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
+    toprem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=50)
+    toprem_angle: Number = number("decrease of the pressure angle", "deg", default=0.0, ge=0, lt=30)
+    toprem_radius: Number | None = number("of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7)
+    flankrem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=100)
+    flankrem_angle: Number = number("increase of the pressure angle", "deg", default=0.0, ge=0, lt=30)
+    flankrem_radius: Number | None = number("of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7)
 
     @model_validator(mode="after")
     def _hobbing_has_groups(self) -> Self:
@@ -114,43 +100,41 @@ class Machine(Table):
     """Basic settings of the cradle machine, standard Gleason meaning."""
 
     radial_distance: Number | None = number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
-    cradle_angle: Number | None = number(
-        "basic cradle angle, positive for both hands", "deg", default=None, ge=-180, le=180
-    )
+    cradle_angle: Number | None = number("positive for both hands", "deg", default=None, ge=-180, le=180)
     horizontal_distance: Number | None = number(
-        "Formate only, instead of radial_distance and cradle_angle: cutter centre along the root line",
+        "Formate: cutter centre along the root line",
         "mm",
         default=None,
         gt=-5000,
         lt=5000,
     )
     vertical_distance: Number | None = number(
-        "Formate only, instead of radial_distance and cradle_angle: cutter centre across the root line",
+        "Formate: cutter centre across the root line",
         "mm",
         default=None,
         gt=-5000,
         lt=5000,
     )
     machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
-    work_offset: Number = number("work (blank) offset", "mm", default=0.0, gt=-500, lt=500)
+    work_offset: Number = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
     sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
     machine_center_to_crossing_point: Number = number(
-        "machine centre to crossing point (machine centre to back), along the work axis",
+        "machine centre to back, along the work axis",
         "mm",
         default=0.0,
         gt=-1000,
         lt=1000,
     )
-    cutter_tilt: Number = number("tilt of the cutter axis", "deg", default=0.0, ge=-90, le=90)
-    cutter_swivel: Number = number("swivel: direction of the tilt", "deg", default=0.0, ge=-360, le=360)
+    cutter_tilt: Number = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
+    cutter_swivel: Number = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)
     ratio_of_roll: Number | None = number(
-        "work rotation over cradle rotation; left out for a Formate member", "1", default=None, gt=0, lt=100
+        "work over cradle rotation; left out for Formate", "1", default=None, gt=0, lt=100
     )
-    modified_roll_2c: Number = number("second-order modified roll, 2C", "1", default=0.0, gt=-10, lt=10)
-    modified_roll_6d: Number = number("third-order modified roll, 6D", "1", default=0.0, gt=-100, lt=100)
-    modified_roll_24e: Number = number("fourth-order modified roll, 24E", "1", default=0.0, gt=-1000, lt=1000)
-    modified_roll_120f: Number = number("fifth-order modified roll, 120F", "1", default=0.0, gt=-1e4, lt=1e4)
-    modified_roll_720g: Number = number("sixth-order modified roll, 720G", "1", default=0.0, gt=-1e5, lt=1e5)
+    modified_roll_2c: Number = number("second order", "1", default=0.0, gt=-10, lt=10)
+    modified_roll_6d: Number = number("third order", "1", default=0.0, gt=-100, lt=100)
+    modified_roll_24e: Number = number("fourth order", "1", default=0.0, gt=-1000, lt=1000)
+    modified_roll_120f: Number = number("fifth order", "1", default=0.0, gt=-1e4, lt=1e4)
+    modified_roll_720g: Number = number("sixth order", "1", default=0.0, gt=-1e5, lt=1e5)
     motions: Motions = Motions()
 
     @model_validator(mode="after")

@@ -82,30 +82,26 @@ class FrictionTable(Table):
     (1000.0,)
     """
 
-    speed: Numbers = number("speed of the pinion, one or more", "1/min")
-    temperature: Numbers = number("of the oil at the inlet of the contact, one or more", "degC", default=(90.0,))
+    speed: Numbers = number("of the pinion", "1/min")
+    temperature: Numbers = number("of the oil at the inlet", "degC", default=(90.0,))
     roughness: Roughnesses = number(
-        "RMS roughness of the flanks, one or more; in a list `[0.8, 0.4]` may stand for pinion and gear",
+        "RMS; in a list `[0.8, 0.4]` may stand for pinion and gear",
         "um",
         default=(0.8,),
     )
     oil: str = "75w90"
     coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
-        "model of the friction coefficient, or a number", "1", default="kolivand_blended"
+        "model or number", "1", default="kolivand_blended"
     )
     film: str = "pan_hamrock"
     film_heating: str = "none"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: Literal["fixed", "contact_line"] = "fixed"
     out_of_range: Literal["error", "clamp"] = "error"
-    bulk_temperature: Number | None = number(
-        "of the teeth, on top of which the flash temperature comes; that of the oil if left out", "degC", default=None
-    )
-    tooth_conductivity: ByMember = number(
-        "thermal conductivity of the teeth; in a list that of pinion and gear", "W/(m K)", default=46.0
-    )
-    tooth_density: ByMember = number("density of the teeth, likewise", "kg/m3", default=7850.0)
-    tooth_heat_capacity: ByMember = number("specific heat capacity of the teeth, likewise", "J/(kg K)", default=460.0)
+    bulk_temperature: Number | None = number("of the teeth; that of the oil if left out", "degC", default=None)
+    tooth_conductivity: ByMember = number("thermal; in a list of pinion and gear", "W/(m K)", default=46.0)
+    tooth_density: ByMember = number("likewise", "kg/m3", default=7850.0)
+    tooth_heat_capacity: ByMember = number("specific, likewise", "J/(kg K)", default=460.0)
     feedback: bool = False
     _folder: Path | None = PrivateAttr(default=None)
     _allow_outside: bool | None = PrivateAttr(default=None)

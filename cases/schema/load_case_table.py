@@ -44,7 +44,7 @@ class LoadCase(Table):
     """
 
     name: Name | None = None
-    torque: Number = number("torque at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
+    torque: Number = number("at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
     E: Number | None = number(
         "increase of the offset; that of `[misalignment]` if left out", "mm", default=None, gt=-10, lt=10
     )
@@ -52,14 +52,14 @@ class LoadCase(Table):
     G: Number | None = number("gear away from the crossing point; likewise", "mm", default=None, gt=-10, lt=10)
     Sigma: Number | None = number("increase of the shaft angle; likewise", "deg", default=None, gt=-5, lt=5)
     speed: Number | None = number(
-        "speed of the pinion; with it the load case has friction; that of `[friction]` if left out",
+        "adds friction; that of `[friction]` if left out",
         "1/min",
         default=None,
         ge=1e-6,
         le=1e6,
     )
     share: Number | None = number(
-        "share of time, relative to the sum of all; of every load case or of none", "1", default=None, gt=0, le=1e12
+        "of time, relative to the sum; of every load case or of none", "1", default=None, gt=0, le=1e12
     )
     flank: Literal["drive", "coast"] | None = None
 

@@ -26,14 +26,12 @@ class DeflectionRow(Table):
     True
     """
 
-    torque: Number = number("torque at the pinion; rises from row to row", "N m", ge=0, lt=TORQUE_LIMIT)
+    torque: Number = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
     E: Number | None = number("increase of the offset", "mm", default=None, gt=-10, lt=10)
     P: Number | None = number("pinion away from the crossing point", "mm", default=None, gt=-10, lt=10)
     G: Number | None = number("gear away from the crossing point", "mm", default=None, gt=-10, lt=10)
     Sigma: Number | None = number("increase of the shaft angle", "deg", default=None, gt=-5, lt=5)
-    flank: Literal["drive", "coast"] | None = Field(
-        default=None, description="flanks in mesh that the row is of; both if left out"
-    )
+    flank: Literal["drive", "coast"] | None = Field(default=None, description="in mesh; both if left out")
 
 
 def _rows(value: Any) -> Any:
@@ -53,7 +51,7 @@ class MisalignmentTable(Table):
     offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
     pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
     gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    shaft_angle: Number = number("increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
+    shaft_angle: Number = number("Sigma: increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
     deflections: DeflectionRows = ()
 
     @model_validator(mode="after")

@@ -71,9 +71,9 @@ class ShaftSectionTable(Table):
     """A cylindrical section of a shaft."""
 
     start: Number = number("where it begins on the member's axis", "mm", gt=-5000, lt=5000)
-    end: Number = number("where it ends; the next section begins there", "mm", gt=-5000, lt=5000)
+    end: Number = number("where the next section begins", "mm", gt=-5000, lt=5000)
     outer_diameter: Number = number("outer diameter", "mm", ge=1, le=2000)
-    inner_diameter: Number = number("inner diameter, at most 99 % of the outer one", "mm", default=0.0, ge=0, lt=2000)
+    inner_diameter: Number = number("at most 99 % of the outer one", "mm", default=0.0, ge=0, lt=2000)
 
 
 class ShaftTable(Table):
@@ -81,14 +81,14 @@ class ShaftTable(Table):
 
     sections: Annotated[tuple[ShaftSectionTable, ...], Field(strict=False, min_length=1, max_length=200)]
     seat: Number | None = number(
-        "where the member is fixed to the shaft; the middle of the face if left out",
+        "where the member is fixed; the middle of the face if left out",
         "mm",
         default=None,
         gt=-5000,
         lt=5000,
     )
     torque_position: Number | None = number(
-        "where the torque enters; needed for `wind_up`, of the pinion alone", "mm", default=None, gt=-5000, lt=5000
+        "where the torque enters, for `wind_up`; pinion only", "mm", default=None, gt=-5000, lt=5000
     )
     elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
     poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
@@ -97,28 +97,24 @@ class ShaftTable(Table):
 class BearingTable(Table):
     """A bearing. Each stiffness is a number, or a curve of loads and stiffness, or one of loads and displacement."""
 
-    name: Name = number("of the bearing in results", "1")
+    name: Name = number("in results", "1")
     position: Number = number(
-        "where it acts on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
+        "on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
     )
     radial_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "radial stiffness, or pairs of load [N] and load over displacement",
+        "number, or pairs of load [N] and load over displacement",
         "N/mm",
         default=None,
     )
     axial_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "axial stiffness, in both senses, or likewise; none if left out", "N/mm", default=None
+        "likewise, in both senses; none if left out", "N/mm", default=None
     )
     tilting_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "tilting stiffness, or likewise with moments [N mm]; none if left out", "N mm/rad", default=None
+        "likewise, of moments [N mm]; none if left out", "N mm/rad", default=None
     )
-    radial_displacement: Curve | None = number(
-        "instead of `radial_stiffness`: pairs of load [N] and displacement", "mm", default=None
-    )
-    axial_displacement: Curve | None = number("instead of `axial_stiffness`: likewise", "mm", default=None)
-    tilting_displacement: Curve | None = number(
-        "instead of `tilting_stiffness`: pairs of moment [N mm] and angle", "rad", default=None
-    )
+    radial_displacement: Curve | None = number("instead: pairs of load [N] and displacement", "mm", default=None)
+    axial_displacement: Curve | None = number("instead: likewise", "mm", default=None)
+    tilting_displacement: Curve | None = number("instead: pairs of moment [N mm] and angle", "rad", default=None)
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -139,17 +135,15 @@ class BearingTable(Table):
 class MemberSupportTable(Table):
     """The support of a member: a matrix at a reference point, or a shaft on bearings."""
 
-    reference: Point | None = number(
-        "point x, y, z of the member, in the pair's frame, at which a matrix holds", "mm", default=None
-    )
+    reference: Point | None = number("x, y, z in the pair's frame, where a matrix holds", "mm", default=None)
     stiffness: _matrix(6) | None = number(  # type: ignore[valid-type]
-        "force x, y, z [N] and moment x, y, z [N mm] for translation x, y, z [mm] and rotation x, y, z [rad] of the "
-        "reference: 6 rows of 6",
+        "6 rows of 6: force [N] and moment [N mm] for translation [mm] and rotation [rad] of the reference, "
+        "each x, y, z",
         "N/mm, N, N mm/rad",
         default=None,
     )
     compliance: _matrix(6) | None = number(  # type: ignore[valid-type]
-        "instead of `stiffness`: its inverse, in the same order", "mm/N, 1/N, rad/(N mm)", default=None
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", default=None
     )
     shaft: ShaftTable | None = None
     bearings: Annotated[tuple[BearingTable, ...], Field(strict=False, max_length=20)] = ()
@@ -175,16 +169,15 @@ class MemberSupportTable(Table):
 class HousingTable(Table):
     """One matrix for both members, coupled by a housing."""
 
-    pinion_reference: Point = number("point x, y, z of the pinion in the pair's frame", "mm")
-    gear_reference: Point = number("point x, y, z of the gear in the pair's frame", "mm")
+    pinion_reference: Point = number("x, y, z in the pair's frame", "mm")
+    gear_reference: Point = number("x, y, z in the pair's frame", "mm")
     stiffness: _matrix(12) | None = number(  # type: ignore[valid-type]
-        "force and moment on the pinion, then on the gear, for translation and rotation of the pinion, then of the "
-        "gear, each as of a member: 12 rows of 12",
+        "12 rows of 12: those of a member for the pinion, then the gear, coupled",
         "N/mm, N, N mm/rad",
         default=None,
     )
     compliance: _matrix(12) | None = number(  # type: ignore[valid-type]
-        "instead of `stiffness`: its inverse, in the same order", "mm/N, 1/N, rad/(N mm)", default=None
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", default=None
     )
 
     @model_validator(mode="after")

@@ -18,8 +18,8 @@ MEANINGS = {
     "easeoff_case": ("version of the format", ""),
     "title": ("one line for lists and plots", ""),
     "description": ("where the numbers come from", ""),
-    "process": ("how the pair is cut; methods 2 and 3 are face-hobbed", ""),
-    "depth_taper": ("how the depth changes along the face; instead of the gear's two angles", ""),
+    "process": ("face_hobbed in methods 2 and 3", ""),
+    "depth_taper": ("change of depth along the face", ""),
     "easeoff_design": ("version of the format", ""),
     "easeoff_support": ("version of the format", ""),
     "generation": ("whether the gear is rolled while it is cut, or only indexed", ""),
@@ -34,69 +34,61 @@ MEANINGS = {
         "",
     ),
     "free_settings": ("closest fit: pinion settings it may move, see below; the usual ones if left out", ""),
-    "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
-    "edge_contact": (
-        "whether tooth edges may touch beside the contact lines, see "
-        "[finite elements](../guides/finite_elements.md#edges)",
-        "",
-    ),
+    "hand_of_spiral": ("of the pinion, the gear has the other; `[pinion]` only", ""),
+    "edge_contact": ("[edges](../guides/finite_elements.md#edges) may touch beside the contact lines", ""),
     "torques": (
-        "torques at the pinion, one or more; if left out, three in proportion to the size of the teeth, the middle one "
-        "40 N/mm² times face width, outer transverse module squared and half the pinion's teeth",
+        "at the pinion; if left out, three in proportion to the size of the teeth, the middle one 40 N/mm² times face "
+        "width, outer transverse module squared and half the pinion's teeth",
         "N m",
     ),
     "model": (
-        "see [finite elements](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the "
-        "dissertation's",
+        "of the [teeth](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the rest with the "
+        "others",
         "",
     ),
-    "plate": (
-        "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
-        "dissertation's",
-        "",
-    ),
-    "oil": ("lubricant: a shipped name, or the path of a TOML file inside the folder of this one", ""),
+    "plate": ("`fitted` follows thickness over the height and fanning; `even` is the dissertation's", ""),
+    "oil": ("lubricant, or path of a TOML file inside the folder of this one", ""),
     "film": ("formula for the least film thickness", ""),
-    "film_heating": ("how heat of the inlet thins the film", ""),
-    "thermal_factor": ("how heat of the inlet lowers the rolling traction", ""),
-    "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),
-    "out_of_range": ("temperatures the oil has no data for: an error, or the end of the data with a flag", ""),
-    "name": ("of the load case in results and pictures; its number, from 1, if left out", ""),
-    "flank": ("flanks in mesh; those of the analysis if left out", ""),
-    "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
+    "film_heating": ("thinning of the film by heat of the inlet", ""),
+    "thermal_factor": ("decrease of the rolling traction by heat of the inlet", ""),
+    "rolling_frame": ("frame of the rolling velocity", ""),
+    "out_of_range": ("temperature without oil data: an error, or the end of the data with a flag", ""),
+    "name": ("in results; its number, from 1, if left out", ""),
+    "flank": ("in mesh; that of the analysis if left out", ""),
+    "feedback": ("friction takes its part of the torque from the normal forces", ""),
     "wind_up": (
-        "whether the pinion turns about its axis by the compliance of its support; else this rotation is held, as that "
-        "of the gear always is",
+        "the pinion turns about its axis by its support's compliance; else this rotation is held, as the gear's always "
+        "is",
         "",
     ),
     "rounds": (
-        "for which assembly under load the ease-off is computed anew: the mean one over the mesh cycle, that of every "
-        "mesh position, or none, so that all counts to first order",
+        "assembly for which the ease-off is computed anew: mean of the mesh cycle, every mesh position, or none (first "
+        "order)",
         "",
     ),
-    "root": ("constants of the root springs; `clamped` for a rigid root", ""),
+    "root": ("root springs; `clamped` for a rigid root", ""),
 }
 
-PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs of positive numbers, loads and displacements increasing"
+PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs, positive and increasing"
 # Values that a model elsewhere checks: what it allows.
 ELSEWHERE = {
     "name": "text of up to 60 letters, digits, blanks and `. _ + = -`",
     "free_settings": "names of settings",
-    "rim_depth": "one or two numbers, each > 0 and < 1000",
-    **dict.fromkeys(("reference", "pinion_reference", "gear_reference"), "three numbers, each > -5000 and < 5000"),
-    **dict.fromkeys(("stiffness", "compliance"), "symmetric, positive definite, see [supports](../guides/supports.md)"),
-    **dict.fromkeys(("radial_stiffness", "axial_stiffness"), f"a number ≥ 0 and ≤ {STIFFNESS_LIMIT:g}, or {PAIRS}"),
-    "tilting_stiffness": f"a number ≥ 0 and ≤ {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}",
+    "rim_depth": "one or two, > 0, < 1000",
+    **dict.fromkeys(("reference", "pinion_reference", "gear_reference"), "three within ±5000"),
+    **dict.fromkeys(("stiffness", "compliance"), "symmetric, [positive definite](../guides/supports.md)"),
+    **dict.fromkeys(("radial_stiffness", "axial_stiffness"), f"0 to {STIFFNESS_LIMIT:g}, or {PAIRS}"),
+    "tilting_stiffness": f"0 to {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}",
     **{f"{key}_displacement": PAIRS for key in ("radial", "axial", "tilting")},
-    "speed": "a number or a list, each ≥ 1e-6 and ≤ 1e6",
-    "temperature": "a number or a list, within the oil's data; clamped to them, ≤ 400",
-    "roughness": "a number or a list, each ≥ 0 and ≤ 100",
-    "bulk_temperature": "a number > -273.15 and ≤ 1000",
-    "tooth_conductivity": "a number or a list of two, each ≥ 0.01 and ≤ 1e4",
-    "tooth_density": "a number or a list of two, each ≥ 10 and ≤ 1e5",
-    "tooth_heat_capacity": "a number or a list of two, each ≥ 1 and ≤ 1e5",
+    "speed": "one or a list, 1e-6 to 1e6",
+    "temperature": "one or a list, within the oil's data; clamped to them, ≤ 400",
+    "roughness": "one or a list, 0 to 100",
+    "bulk_temperature": "> -273.15, ≤ 1000",
+    "tooth_conductivity": "one or two, 0.01 to 1e4",
+    "tooth_density": "one or two, 10 to 1e5",
+    "tooth_heat_capacity": "one or two, 1 to 1e5",
     "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
-    "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0 and ≤ 1",
+    "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number 0 to 1",
     "film": ", ".join(f"`{name}`" for name in FILMS),
     "film_heating": ", ".join(f"`{name}`" for name in FILM_FACTORS),
     "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
@@ -128,11 +120,11 @@ def allowed(name: str, field: FieldInfo) -> str:
     for option in (field.annotation, *get_args(field.annotation)):
         if get_origin(option) is Literal:
             return ", ".join(written(choice) for choice in get_args(option))
-    limits = [
-        f"{sign} {getattr(limit, type(limit).__name__.lower()):g}"
+    limits = {
+        type(limit).__name__: getattr(limit, type(limit).__name__.lower())
         for limit in field.metadata
-        if (sign := SIGNS.get(type(limit).__name__))
-    ]
+        if type(limit).__name__ in SIGNS
+    }
     lengths = [limit for limit in field.metadata if isinstance(limit, MinLen | MaxLen)]
     if len(lengths) == 1 and isinstance(lengths[0], MaxLen) and field.annotation is not str:
         return f"up to {lengths[0].max_length} numbers"
@@ -144,8 +136,17 @@ def allowed(name: str, field: FieldInfo) -> str:
     if field.annotation is str:
         return f"text of {count} characters" if count else "text"
     if count:
-        return f"{count} numbers, each ≥ 1e-6 and < 1e7"
-    return ("whole number " if field.annotation is int else "") + " and ".join(limits)
+        return f"{count} numbers, each ≥ 1e-6, < 1e7"
+    return interval(limits) + (", whole" if int in (field.annotation, *get_args(field.annotation)) else "")
+
+
+def interval(limits: Mapping[str, float]) -> str:
+    """Limits in words, by the names of their kinds: both included ones with "to", open and symmetric ones with ±."""
+    if list(limits) == ["Ge", "Le"]:
+        return f"{limits['Ge']:g} to {limits['Le']:g}"
+    if list(limits) == ["Gt", "Lt"] and limits["Gt"] == -limits["Lt"]:
+        return f"within ±{limits['Lt']:g}"
+    return ", ".join(f"{SIGNS[kind]} {limit:g}" for kind, limit in limits.items())
 
 
 def written(value: Any) -> str:

@@ -95,22 +95,23 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
 
 
 def keys(table: type[BaseModel]) -> str:
-    """One row a key that is no table itself."""
-    rows = ["| key | meaning | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
+    """One row a key that is no table itself; a meaning that is the key itself is left out."""
+    rows = ["| key | meaning | allowed | default |", "| --- | --- | --- | --- |"]
     for name, field in table.model_fields.items():
         if sub_table(field.annotation):
             continue
         meaning, unit = described(name, field)
-        rows.append(f"| `{name}` | {meaning} | {unit} | {allowed(name, field)} | {default(field)} |")
+        said = "" if meaning == name.replace("_", " ") else meaning
+        rows.append(f"| `{name}`{unit and f' [{unit}]'} | {said} | {allowed(name, field)} | {default(field)} |")
     return "\n".join(rows)
 
 
 def default(field: FieldInfo) -> str:
-    """Default of a key."""
+    """Default of a key; nothing for one that may be left out."""
     if field.is_required():
         return "**required**"
     if field.default is None or (field.default == () and any(isinstance(limit, MinLen) for limit in field.metadata)):
-        return "left out"
+        return ""
     if isinstance(field.default, tuple) and len(field.default) == 1:
         return written(field.default[0])
     if isinstance(field.default, tuple):
