@@ -7,6 +7,7 @@ minutes a case; else its rows stay as they are in the page.
 from __future__ import annotations
 
 import itertools
+import re
 import sys
 from pathlib import Path
 
@@ -32,15 +33,16 @@ def of_solvers(rows: list[VerificationRow]) -> VerificationRow:
 
 
 def shown(rows: tuple[VerificationRow, ...], *, unsplit: bool) -> dict[str, VerificationRow]:
-    """Rows of a table by quantity: those of the contact without the split, or all others."""
+    """Rows of a table by quantity, the worse of both members: of the contact without the split, or all others."""
     chosen = [row for row in rows if (UNSPLIT in row.compared or UNSPLIT in row.quantity) == unsplit]
     solvers = [row for row in chosen if row.quantity.startswith("solver ") and row.applicable]
     found: dict[str, VerificationRow] = {}
     for row in chosen:
         if row in solvers:
-            found.setdefault("solvers", of_solvers(solvers))
+            found.setdefault("other solvers, polished", of_solvers(solvers))
         else:
-            found[row.quantity] = row
+            quantity = re.sub(", (pinion|gear)$", "", row.quantity)
+            found[quantity] = worse([row, *([found[quantity]] if quantity in found else [])])
     return found
 
 
@@ -77,7 +79,7 @@ def table(found: dict[str, list[Verification]], *, unsplit: bool = False) -> str
         limits = [one.limit for one in rows_of]
         limit = "" if not limits else " to ".join(dict.fromkeys(f"{v:.2g}" for v in (min(limits), max(limits))))
         unit = "" if row.unit == "1" else row.unit
-        lines.append([row.quantity, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
+        lines.append([key, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
     return tabulate(lines, ["quantity", *columns, "limit", "unit"], "github", disable_numparse=True)
 
 
