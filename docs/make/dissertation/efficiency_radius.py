@@ -8,7 +8,7 @@ from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, result
 
 
 def everywhere() -> str:
-    """Table: equivalent radius by each reading, over the flank and where there is load."""
+    """Table: equivalent radius by each reading, where there is load and at the ends of the flank."""
     rows: list[tuple[object, ...]] = []
     printed = dict(zip(DESIGNS, PRINTED["equivalent radius [mm]"], strict=True))
     for letter in DESIGNS:
@@ -20,11 +20,10 @@ def everywhere() -> str:
             rows.append(
                 (
                     f"{letter.upper()}, {words}",
-                    f"{float(radius.min()):.0f} to {float(radius.max()):.0f}",
                     f"{float(radius.where(force > 0).min()):.0f} to {float(radius.where(force > 0).max()):.0f}",
                     " to ".join(f"{float(end.mean()):.0f}" for end in ends),
                     printed[letter],
                 )
             )
-    heads = ["radius [mm]", "all segments", "loaded segments", "toe to heel, at half height", "dissertation"]
+    heads = ["radius [mm]", "loaded segments", "toe to heel, at half height", "dissertation"]
     return table(rows, heads)

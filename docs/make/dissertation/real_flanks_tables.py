@@ -15,7 +15,7 @@ def amplitudes(example: str) -> str:
             ("unloaded", "200 N m"), ours(analysed(example, members)), PRINTED[example][which], strict=True
         ):
             rows.append(compared(f"{which}, {load}: peak to peak [µrad]", own[0], theirs[0]))
-            rows += [compared(f"{which}, {load}: harmonic {n + 1}", own[1][n], theirs[1][n]) for n in range(2)]
+            rows.append(compared(f"{which}, {load}: harmonic 1", own[1][0], theirs[1][0]))
     return table(rows, HEADS)
 
 
