@@ -176,8 +176,7 @@ def claims_on_efficiency(direction: Direction = "across") -> list[tuple[str, str
     )
     for letter, efficiency in zip("AB", both, strict=True):
         fallen = [dip(efficiency.sel(torque=torque) / 100.0) for torque in TORQUES]
-        torques = ", ".join(f"{torque:g}" for torque in TORQUES)
-        text = f"by {', '.join(f'{fall:.2f}' for fall in fallen)} % at {torques} N m"
+        text = f"by {', '.join(f'{fall:.2f}' for fall in fallen)} %"
         rises = bool(np.all(efficiency.sel(speed=3000.0) - efficiency.sel(speed=1500.0) > 0.0))
         holds = all(fall > 0.01 for fall in fallen) and rises
         rows.append((f"{letter}: falls slightly with speed where that is low, then rises", text, holds))
@@ -198,12 +197,12 @@ def claims_on_efficiency(direction: Direction = "across") -> list[tuple[str, str
     for letter, efficiency in zip("AB", rough, strict=True):
         rise = float(efficiency.diff("roughness").max())
         whole = efficiency.isel(roughness=0) - efficiency.isel(roughness=-1)
-        text = f"by {float(whole.min()):.1f} to {float(whole.max()):.1f} % from 1.3 to 0.1 µm"
+        text = f"by {float(whole.min()):.1f} to {float(whole.max()):.1f} %"
         text += f"; but for +{rise:.2f} % at a change of regime" if rise > 0.0 else ""
         rows.append((f"{letter}: smoother flanks are more efficient", text, rise < 0.05))
     for letter, efficiency in zip("AB", rough, strict=True):
         gain = efficiency.sel(temperature=100.0) - efficiency.sel(temperature=50.0)
-        text = f"{gain.values[0]:+.2f} % from 50 to 100 °C at 0.1 µm, {float(gain.min()):+.2f} % at the worst"
+        text = f"{gain.values[0]:+.2f} %, {float(gain.min()):+.2f} %"
         rows.append(
             (f"{letter}: hotter oil helps smooth flanks and hurts rough ones", text.replace("-", "−"),
              bool(gain.values[0] > 0.0 and np.all(gain.values[2:] < 0.0)))
