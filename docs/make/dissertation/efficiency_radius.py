@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from dissertation_tables import table
-from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, analysed_as_there, result, with_direction
+from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, result
 
 
 def everywhere() -> str:
-    """Table: equivalent radius by each reading, over the flank and where there is load."""
+    """Table: equivalent radius by each reading, where there is load and at the ends of the flank."""
     rows: list[tuple[object, ...]] = []
     printed = dict(zip(DESIGNS, PRINTED["equivalent radius [mm]"], strict=True))
     for letter in DESIGNS:
@@ -20,22 +20,10 @@ def everywhere() -> str:
             rows.append(
                 (
                     f"{letter.upper()}, {words}",
-                    f"{float(radius.min()):.0f} to {float(radius.max()):.0f}",
                     f"{float(radius.where(force > 0).min()):.0f} to {float(radius.where(force > 0).max()):.0f}",
                     " to ".join(f"{float(end.mean()):.0f}" for end in ends),
                     printed[letter],
                 )
             )
-    heads = ["radius [mm]", "all segments", "loaded segments", "toe to heel, at half height", "dissertation"]
+    heads = ["radius [mm]", "loaded segments", "toe to heel, at half height", "dissertation"]
     return table(rows, heads)
-
-
-def chapter_four() -> str:
-    """Table: greatest pressure of the pairs of chapter 4 at 200 N m."""
-    rows: list[tuple[object, ...]] = []
-    for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
-        tree = analysed_as_there(name, 200.0).tree
-        loaded = (with_direction(tree, direction)["loaded"].to_dataset() for direction in DIRECTIONS)
-        pressures = (float(found["max_pressure"].sel(torque=200.0)) for found in loaded)
-        rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))
-    return table(rows, ["greatest pressure [MPa]", *DIRECTIONS.values(), "dissertation"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from dissertation_figures import save_small, title
-from efficiency_radius import chapter_four, everywhere
+from efficiency_radius import everywhere
 from efficiency_tables import (
     DESIGNS,
     MAPS,
@@ -149,7 +149,7 @@ def main() -> None:
     save_small(over_roughnesses(), FIGURES / "figure_5_12.png")
     template = (HERE / "efficiency.md.in").read_text(encoding="utf-8")
     (NOTES / "efficiency.md").write_text(
-        template.format(**parts(), everywhere=everywhere(), chapter_four=chapter_four()),
+        template.format(**parts(), everywhere=everywhere()),
         encoding="utf-8",
     )
     print("wrote docs/how_it_works/notes/efficiency.md")

@@ -15,8 +15,7 @@ def amplitudes(example: str) -> str:
             ("unloaded", "200 N m"), ours(analysed(example, members)), PRINTED[example][which], strict=True
         ):
             rows.append(compared(f"{which}, {load}: peak to peak [µrad]", own[0], theirs[0]))
-            rows += [compared(f"{which}, {load}: harmonic {n + 1}", own[1][n], theirs[1][n]) for n in range(3)]
-            rows.append(compared(f"{which}, {load}: rms", own[2], theirs[2]))
+            rows.append(compared(f"{which}, {load}: harmonic 1", own[1][0], theirs[1][0]))
     return table(rows, HEADS)
 
 
@@ -26,7 +25,6 @@ def said_worn() -> str:
     unloaded, loaded = ratios("worn", 0), ratios("worn", 1)
     lengths = [float(t["unloaded"]["line_length"].sel(pair=0).mean()) for t in (plain, tree)]
     before, after = pressures(plain), pressures(tree)
-    others = ("tip", "toe", "heel", "anywhere")
     both = [t["loaded"].to_dataset()["transmission_error"].values[0] for t in (tree, plain)]
     difference = both[0] - both[1]
     return statements(
@@ -38,11 +36,6 @@ def said_worn() -> str:
                 "edge loading at the gear's root is reduced significantly",
                 f"{before['root']:.0f} to {after['root']:.0f} MPa",
                 after["root"] < 0.8 * before["root"],
-            ),
-            (
-                "(not said: no other edge pays for it by more than 6 %)",
-                "; ".join(f"{name} {before[name]:.0f} to {after[name]:.0f} MPa" for name in others),
-                all(after[name] < 1.06 * before[name] for name in others),
             ),
             (
                 "loaded curves agree where the dents are not in contact",

@@ -7,6 +7,7 @@ minutes a case; else its rows stay as they are in the page.
 from __future__ import annotations
 
 import itertools
+import re
 import sys
 from pathlib import Path
 
@@ -32,15 +33,16 @@ def of_solvers(rows: list[VerificationRow]) -> VerificationRow:
 
 
 def shown(rows: tuple[VerificationRow, ...], *, unsplit: bool) -> dict[str, VerificationRow]:
-    """Rows of a table by quantity: those of the contact without the split, or all others."""
+    """Rows of a table by quantity, the worse of both members: of the contact without the split, or all others."""
     chosen = [row for row in rows if (UNSPLIT in row.compared or UNSPLIT in row.quantity) == unsplit]
     solvers = [row for row in chosen if row.quantity.startswith("solver ") and row.applicable]
     found: dict[str, VerificationRow] = {}
     for row in chosen:
         if row in solvers:
-            found.setdefault("solvers", of_solvers(solvers))
+            found.setdefault("other solvers, polished", of_solvers(solvers))
         else:
-            found[row.quantity] = row
+            quantity = re.sub(", (pinion|gear)$", "", row.quantity)
+            found[quantity] = worse([row, *([found[quantity]] if quantity in found else [])])
     return found
 
 
@@ -53,15 +55,17 @@ def cell(row: VerificationRow | None) -> str:
 
 
 def worse(rows: list[VerificationRow]) -> VerificationRow:
-    """The row of drive or coast that is nearer to its limit, or beyond it."""
+    """The row that is nearest to its limit, or farthest beyond it."""
     return max(rows, key=lambda row: (row.applicable, row.status == RowStatus.OUTSIDE, row.difference))
 
 
 def table(found: dict[str, list[Verification]], *, unsplit: bool = False) -> str:
-    """A row a quantity, a column a case: the worse of its verifications."""
+    """A row a quantity, with the worst of the verifications of each column."""
     columns: dict[str, dict[str, VerificationRow]] = {}
+    every: list[dict[str, VerificationRow]] = []
     for name, verifications in found.items():
         sides = [shown(one.rows, unsplit=unsplit) for one in verifications]
+        every += sides
         quantities = dict.fromkeys(key for side in sides for key in side)
         columns[name] = {key: worse([side[key] for side in sides if key in side]) for key in quantities}
     first: dict[str, VerificationRow] = {}
@@ -71,11 +75,12 @@ def table(found: dict[str, list[Verification]], *, unsplit: bool = False) -> str
                 first[key] = row
     lines = []
     for key, row in first.items():
-        limits = [rows[key].limit for rows in columns.values() if key in rows and rows[key].applicable]
+        rows_of = [side[key] for side in every if key in side and side[key].applicable]
+        limits = [one.limit for one in rows_of]
         limit = "" if not limits else " to ".join(dict.fromkeys(f"{v:.2g}" for v in (min(limits), max(limits))))
         unit = "" if row.unit == "1" else row.unit
-        lines.append([row.quantity, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
-    return tabulate(lines, ["quantity", *(f"`{n}`" for n in columns), "limit", "unit"], "github", disable_numparse=True)
+        lines.append([key, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
+    return tabulate(lines, ["quantity", *columns, "limit", "unit"], "github", disable_numparse=True)
 
 
 def kept_unsplit(page: str) -> str:
@@ -93,11 +98,14 @@ def main() -> None:
         found[name].append(verify(name, flank=flank, without_split=unsplit))
         print(f"{name}, {flank}: {len(found[name][-1].outside)} outside", flush=True)
     if anew:
-        solved = table({name: found[name][:1] for name in UNSPLIT_CASES}, unsplit=True)
+        solved = table({f"`{name}`": found[name][:1] for name in UNSPLIT_CASES}, unsplit=True)
     else:
         solved = kept_unsplit(target.read_text(encoding="utf-8"))
     page = (HERE / "verification.md.in").read_text(encoding="utf-8")
-    parts = {"cases": table(found), "unsplit": f"{UNSPLIT_START}{solved}{UNSPLIT_END}"}
+    parts = {
+        "cases": table({"greatest": [*itertools.chain(*found.values())]}),
+        "unsplit": f"{UNSPLIT_START}{solved}{UNSPLIT_END}",
+    }
     for name, text in parts.items():
         page = page.replace(f"{{{name}}}", text)
     with whole_file(target) as temporary:

@@ -28,6 +28,8 @@ PAGES = (RESEARCHER / "compare.md", NOTES / "contact_solvers.md")
 PARTS = ("small", "medium")
 TOLERANCES = (1e-3, 1e-6, 1e-9)
 TIME_LIMIT = 2.0  # [s]
+ACCURACIES = ("1e-08", "1e-12")  # whose shares are listed
+STARTS = ("solver", "cold [ms]", "warm [ms]", "ratio", "certified, warm")  # columns of the table of starts
 COLOURS = 96
 #: What is counted of the answers with each settings.
 COUNTS = {
@@ -55,41 +57,38 @@ def claim_table(table: Any) -> str:
 
 
 def time_table(table: Any) -> str:
-    """Run times of the solvers' own answers to the scaled problem: a row a solver."""
+    """Run times of the solvers' own answers to the scaled problem, and share of accurate ones: a row a solver."""
     problems, named = statistics(table)
+    precision, _ = work_precision_tables(table, named)
+    shares = {str(row[0]): dict(zip(precision.head[1:], map(str, row[1:]), strict=True)) for row in precision.rows}
     limit, rows = float(table.attrs["time_limit_s"]), []
     for method in headline(named):
         found = of_method(problems, method)
         times = found["run_time"].to_numpy(dtype=float)
         solved = found[found["certified"]]
         mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
-        parts = [solved[name].median() for name in ("run_time", "call_time", "setup_time", "solve_time")]
         worst = table["worst_residual"].values[
             (table["solver"].values == method[0]) & (table["settings"].values == "scaled")
         ]
         rows.append(
             [
                 method[0],
-                *map(milliseconds, [mean, parts[0], float(solved["run_time"].max()), *parts[1:]]),
+                *map(milliseconds, [mean, solved["run_time"].median(), float(solved["run_time"].max())]),
                 ratio(float((solved["run_time"] / solved["call_time"]).median())),
                 residual(float(np.nanmax(worst))) if np.isfinite(worst).any() else "-",
+                *(shares[method[0]][accuracy].partition("(")[2].rstrip(")") for accuracy in ACCURACIES),
             ]
         )
-    head = ["[ms]", "mean", "median", "longest", "bare call", "set-up", "solve", "whole / bare", "worst certificate"]
-    return _table(head, rows)
+    head = ["[ms]", "mean", "median", "longest", "whole / bare", "worst certificate"]
+    return _table([*head, *(f"within {accuracy}" for accuracy in ACCURACIES)], rows)
 
 
 def warm_table(table: Any) -> str:
     """Cold and warm starts."""
     found = start_table(*statistics(table))
     assert found is not None
-    return _table(list(found.head), [[str(cell) for cell in row] for row in found.rows])
-
-
-def precision_table(table: Any) -> str:
-    """Time for a certified accuracy."""
-    found, _ = work_precision_tables(table, statistics(table)[1])
-    return _table(["[ms]", *found.head[1:]], [[str(cell) for cell in row] for row in found.rows])
+    chosen = [found.head.index(name) for name in STARTS]
+    return _table(list(STARTS), [[str(row[k]) for k in chosen] for row in found.rows])
 
 
 def machine_line(table: Any) -> str:
@@ -116,7 +115,6 @@ TABLES = {
     "claims": claim_table,
     "times": time_table,
     "starts": warm_table,
-    "precision": precision_table,
     "machine": machine_line,
 }
 
