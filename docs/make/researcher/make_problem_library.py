@@ -30,8 +30,8 @@ def kind_table() -> str:
     for kind, why in KINDS.items():
         chosen = [entry for entry in every if entry.kind == kind]
         found = [answers[entry.name] for entry in chosen]
-        rows.append([f"`{kind}`", str(len(chosen)), _range(a.size for a in found), _conditions(found), why])
-    return _table(["kind", "problems", "*n*", "condition of *C*", "why"], rows)
+        rows.append([f"`{kind}`", str(len(chosen)), _conditions(found), why])
+    return _table(["kind", "problems", "condition of *C*", "what"], rows)
 
 
 def part_table() -> str:
