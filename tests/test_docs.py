@@ -451,4 +451,4 @@ def test_lubricant_of_the_page_is_one(tmp_path: Path) -> None:
     (tmp_path / "my_oil.toml").write_text(example, encoding="utf-8")
     oil = lubricant(tmp_path / "my_oil.toml")
     assert oil.at(70.0).viscosity == pytest.approx(0.0443)
-    assert KEYS == set(tomllib.loads(example))
+    assert set(tomllib.loads(example)) == KEYS
