@@ -101,7 +101,7 @@ def test_minimum_film_is_that_of_pan_and_hamrock(numbers: tuple[float, float, fl
 def test_minimum_film_is_that_of_pan_and_hamrock_over_a_range() -> None:
     """U 1e-12 to 1e-10, W 2e-5 to 5e-4, G 2200 to 5060, evenly, where L is from 4 to 8.
 
-    For the scatter of the formula all around see docs/engineer/guides/mixed_ehl.md.
+    For the scatter of the formula all around see docs/how_it_works/notes/mixed_lubrication.md.
     """
     ratios = []
     for a, b, c in qmc.Sobol(3, seed=3).random(64):

@@ -33,17 +33,17 @@ SEGMENT_LIMITS = {"small": 31, "medium": 150, "large": 2000, "huge": 10_001, "gi
 
 #: Kinds of problems, and their purpose.
 KINDS = {
-    "load": "each shipped case, drive and coast, under light, design and heavy load, aligned: everyday problems",
-    "misaligned": "each shipped case at the design torque, misaligned both ways: contact moves, in some onto an edge",
-    "cycle": "one mesh cycle in sequence: warm starts, lines that enter and leave",
-    "fine": "ever more segments a line, to thousands: growth of time and memory",
-    "weak": "the local compliance scaled down: nearly singular, ever more so",
-    "dense": "the compliance as a dense matrix, everyday and nearly singular: what solvers do without the structure",
-    "degenerate": "ties, duplicates, the brink of contact, extremes of load and distance, singular compliance",
+    "load": "each shipped case, drive and coast, under light, design and heavy load",
+    "misaligned": "each shipped case at the design torque, misaligned both ways",
+    "cycle": "one mesh cycle in sequence",
+    "fine": "ever more segments a line: growth of time and memory",
+    "weak": "the local compliance scaled down: nearly singular",
+    "dense": "the compliance as a dense matrix",
+    "degenerate": "ties, duplicates, the brink of contact, extremes, singular compliance",
     "full-cycle": "sequences: mesh cycles of every case, all 32 mesh positions",
-    "ladder": "sequences: torque from light to heavy in 16 equal ratios, each case, drive and coast, one mesh position",
-    "drift": "sequences: misalignment from one side to the other in 16 equal steps",
-    "pairs": "several pinions on one gear: compliance in many blocks, a factor with up to a thousand columns",
+    "ladder": "sequences: torque in 16 equal ratios, each case, drive and coast",
+    "drift": "sequences: misalignment in 16 equal steps",
+    "pairs": "several pinions on one gear: many blocks, up to a thousand columns",
 }
 #: Kinds whose problems are in a part of their own.
 PART_OF_KIND = {"full-cycle": "sequences", "ladder": "sequences", "drift": "sequences", "pairs": "pairs"}

@@ -27,15 +27,15 @@ def zero_separation(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def tied_separations(problem: ContactProblem, step: float) -> ContactProblem:
-    """Separations rounded to multiples of a step [mm], so that many are equal."""
+    """Separations rounded to multiples of a step [mm]."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(step * np.round(s / step), r, t, (d, v))
 
 
 def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
-    """Torque, not below the problem's own, at which the next segment enters or leaves contact: F = Y = 0 there.
+    """Torque at which the next segment enters or leaves contact: F = Y = 0 there.
 
-    As long as the same segments touch, forces, gaps and rotation are linear in the torque.
+    Not below the problem's own. As long as the same segments touch, forces, gaps and rotation are linear in the torque.
     """
     active = solve(problem, "native").active
     touching = np.flatnonzero(active)
@@ -72,26 +72,26 @@ def remote_segment(problem: ContactProblem, distance: float) -> ContactProblem:
 
 
 def shifted_rotation(problem: ContactProblem, rotation: float) -> ContactProblem:
-    """Rotation counted from another zero [rad]: separations are large and nearly cancel."""
+    """Rotation counted from another zero [rad]."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s + rotation * r, r, t, (d, v))
 
 
 def scaled_local_compliance(problem: ContactProblem, factor: float) -> ContactProblem:
-    """Local compliance of every segment multiplied by a factor."""
+    """Local compliance multiplied by a factor."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s, r, t, (factor * d, v))
 
 
 def twin_segments(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every segment twice at the same point, each with a local compliance of its own: ties throughout."""
+    """Every segment twice at the same point, each with a local compliance of its own."""
     s, r, t, d, v = parts(problem)
     twice = np.repeat(np.arange(problem.size), 2)
     return ContactProblem(s[twice], r[twice], t, (d[twice], v[twice]))
 
 
 def copied_segments(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every segment twice with the same row of C: singular, their shares of the load undetermined."""
+    """Every segment twice with the same row of C: singular."""
     s, r, t, _d, _v = parts(problem)
     twice = np.repeat(np.arange(problem.size), 2)
     return ContactProblem(s[twice], r[twice], t, problem.dense_compliance[np.ix_(twice, twice)])
@@ -105,7 +105,7 @@ def copied_tooth_pairs(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def several_pinions(problem: ContactProblem, count: float) -> ContactProblem:
-    """Several pinions on one gear, under as much torque each, every one 20 urad behind the one before."""
+    """Several pinions on one gear, each 20 urad behind the one before."""
     s, r, t, d, v = parts(problem)
     number = int(count)
     separation = np.concatenate([s + lag * PINION_LAG * r for lag in range(number)])
@@ -128,13 +128,13 @@ def rigid_half(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def no_local_compliance(problem: ContactProblem, _: float) -> ContactProblem:
-    """No local compliance at all: C = V V^T, of a rank far below its size."""
+    """No local compliance: C = V V^T, of low rank."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s, r, t, (np.zeros_like(d), v))
 
 
 def single_segment(problem: ContactProblem, _: float) -> ContactProblem:
-    """Segment with the greatest force alone: the smallest problem."""
+    """Segment with the greatest force alone."""
     s, r, t, d, v = parts(problem)
     one = [int(np.argmax(solve(problem, "native").force))]
     return ContactProblem(s[one], r[one], t, (d[one], v[one]))

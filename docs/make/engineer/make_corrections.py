@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-import numpy as np
 from dissertation_figures import save_small
 from folders import GUIDES, IMAGES
 
@@ -35,21 +34,14 @@ def updated(page: str) -> str:
 
 
 def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> Iterator[str]:
-    """The table: greatest deviations before and after, predicted and cut, and with noise in the measurement."""
-    yield (
-        "| member | case | set-ups | greatest deviation, µm | by derivatives | predicted | cut | left | "
-        f"cut, {NOISE:g} µm noise |"
-    )
-    yield "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
+    """The table: greatest deviations before and after, and with noise in the measurement."""
+    yield f"| member | case | greatest deviation, µm | left, µm | left | left with {NOISE:g} µm noise, µm |"
+    yield "| --- | --- | ---: | ---: | ---: | ---: |"
     for name, loop in exact.items():
         case, member, _ = CORRECTION_LOOPS[name]
-        corrections = loop.found.corrections[member]
-        flanks = [flank for correction in corrections for flank in correction.flanks]
-        linear, after = (1e3 * max(np.abs(getattr(f, key)).max() for f in flanks) for key in ("linear", "after"))
         yield (
-            f"| {name} | {member} of `{case.split()[0]}` | {len(corrections)} | {greatest(loop.before):.1f} | "
-            f"{linear:.2f} | {after:.2f} | {greatest(loop.after):.2f} | {100.0 * loop.left:.1f} % | "
-            f"{greatest(noisy[name].after):.1f} |"
+            f"| {name} | {member} of `{case.split()[0]}` | {greatest(loop.before):.1f} | {greatest(loop.after):.2f} | "
+            f"{100.0 * loop.left:.1f} % | {greatest(noisy[name].after):.1f} |"
         )
 
 

@@ -2,7 +2,7 @@
 
 All 31,500 combinations of the dissertation's design and 3000 of the refined one, half an hour of one processor. Rows
 are kept in FOLDER, here if none is named, so that an interrupted run goes on where it stopped; with the extra ``dask``
-all processors share the work. Prints the tables of docs/engineer/guides/mixed_ehl.md.
+all processors share the work. Prints the tables of docs/how_it_works/notes/mixed_lubrication.md.
 """
 
 from __future__ import annotations
