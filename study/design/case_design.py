@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import ValidationError
 
-from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits
+from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits, standard_steps
 from ...cases.deflections import misalignment_at
 from ...cases.mistakes import mistakes
 from ...cases.recording import blank_table, flank_settings
@@ -67,6 +67,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
             follow_root=design.pinion.follow_root,
             generated=design.gear.generation == "generated",
             corrected=design.gear.basic_settings == "mean_point",
+            steps=standard_steps(design.cutter_steps),
             edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
             require=require_whole_tooth if design.compliance.model == "shell" else require_elastic_tooth,
         )

@@ -15,6 +15,7 @@ from ...cases.schema.design_schema import Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
+from ...geometry.design.agma929.tooth_proportions import ToothProportions
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
 from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
@@ -28,6 +29,7 @@ from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
 from ...geometry.tooth.tooth_flanks import MemberName
+from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
@@ -94,6 +96,8 @@ class DesignReport:
         The fits of drive and coast side.
     warnings
         Doubtful points, a sentence each.
+    spaces
+        Top lands, slots and fillets; ``None`` where they could not be measured.
     analysable
         Whether both members have the whole teeth that the design's model of the elastic teeth needs.
 
@@ -110,6 +114,7 @@ class DesignReport:
     sides: Mapping[FlankName, SideReport]
     warnings: tuple[str, ...]
     analysable: bool = True
+    spaces: ToothSpaces | None = None
 
 
 def checked_design(design: Design, designed: PairDesign) -> DesignReport:
@@ -141,12 +146,26 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
     unfinished = _unfinished(design, designed)
-    warnings += [*_narrow(designed), *unfinished]
+    spaces = _spaces(design, designed)
+    warnings += [*_narrow(designed), *unfinished, *(spaces.warnings() if spaces is not None else [])]
     if warnings:
         warnings += limit_pressure_angle_advice(
             blank_design(design.blank_design, (design.pinion.number_of_teeth, design.gear.number_of_teeth), design.pair)
         )
-    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished)
+    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
+
+
+def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
+    proportions = ToothProportions.of(
+        designed.blank,
+        design.blank_design.cutter_radius,
+        design.blank_design.number_of_blade_groups or 0,
+        generated_gear=design.gear.generation == "generated",
+    )
+    try:
+        return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
+    except GeometryError:
+        return None
 
 
 def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:

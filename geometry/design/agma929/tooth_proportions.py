@@ -12,6 +12,7 @@ Two = tuple[float, float]
 
 FILLET_MUTILATION = 0.05  # [mm], suggested in table 3
 BLADE_FLAT = 0.2  # [mm], suggested in table 3
+BLADE_FLAT_SHARE = 0.1  # of the module: the most that is taken of a small blade
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,6 +143,7 @@ class ToothProportions:
             cutter_radius=cutter_radius,
             number_of_blade_groups=number_of_blade_groups,
             generated_gear=generated_gear,
+            blade_flat=min(BLADE_FLAT, BLADE_FLAT_SHARE * blank.mean_normal_module),
         )
 
     @property
