@@ -17,7 +17,13 @@ from ...geometry.design.pair_design import (
     design_pair,
 )
 from ...geometry.pair.assembly import Assembly
-from .design_check import DesignReport, checked_design, limit_pressure_angle_advice, require_elastic_tooth
+from .design_check import (
+    DesignReport,
+    checked_design,
+    formate_advice,
+    limit_pressure_angle_advice,
+    require_elastic_tooth,
+)
 
 
 def design_case(design: Design) -> tuple[Case, DesignReport]:
@@ -72,7 +78,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
             require=require_whole_tooth if design.compliance.model == "shell" else require_elastic_tooth,
         )
     except GeometryError as error:
-        advice = limit_pressure_angle_advice(basic_data)
+        advice = [*formate_advice(design, basic_data), *limit_pressure_angle_advice(basic_data)]
         raise GeometryError("; ".join([str(error), *advice])) from error
     try:
         case = _case(design, designed)

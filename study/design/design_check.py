@@ -35,6 +35,7 @@ Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
 TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
 UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
+FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 
 
@@ -179,6 +180,22 @@ def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
     return [
         f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: 1 "
         "gives drive and coast flanks pressure angles that allow for it"
+    ]
+
+
+def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
+    if design.gear.generation == "generated":
+        return []
+    try:
+        angle = math.degrees(blank_dimensions(basic_data).gear.pitch_angle)
+    except GeometryError:
+        return []
+    if angle >= FORMATE_PITCH_ANGLE:
+        return []
+    return [
+        f"the gear's pitch angle of {angle:.0f} degrees is small for a gear cut without generation: generation = "
+        '"generated" in [gear] helps'
     ]
 
 
