@@ -19,9 +19,11 @@ from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.blade_sections import Relief
 from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
+from ..geometry.cutting.machine_resolution import MachineResolution
 from ..geometry.design.basic_settings import blank_section
 from ..geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ..geometry.design.set_up.pinion_method import SettingLimits
+from ..geometry.design.standard_steps import StandardSteps
 from ..geometry.design.synthesis import EaseOffTarget
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
@@ -32,7 +34,7 @@ from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable, WebTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
-from .schema.design_schema import LimitsTable
+from .schema.design_schema import CutterStepsTable, LimitsTable, ResolutionTable
 from .schema.misalignment_table import MisalignmentTable, deflections_of
 
 Side = Literal["concave", "convex"]
@@ -217,6 +219,30 @@ def setting_limits(table: LimitsTable) -> SettingLimits:
     for name in ("cutter_tilt", "cutter_swivel", "machine_root_angle"):
         values[name] = math.radians(values[name])
     return SettingLimits(**values, blade_pressure_angle=(math.radians(low), math.radians(high)))
+
+
+def standard_steps(table: CutterStepsTable) -> StandardSteps:
+    """Standard steps of a design's cutters, in mm and rad.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> standard_steps(read_design("fm-11x41").cutter_steps).point_width
+    0.0
+    """
+    return StandardSteps(math.radians(table.blade_angle), table.point_width, table.edge_radius)
+
+
+def machine_resolution(table: ResolutionTable) -> MachineResolution:
+    """Resolution of a design's machine, in mm and degrees.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> machine_resolution(read_design("fm-11x41").resolution) == MachineResolution()
+    True
+    """
+    return MachineResolution(**table.model_dump())
 
 
 def materials(case: Case) -> tuple[Material, Material]:

@@ -25,12 +25,17 @@ from easeoff.geometry import (
     exact_ease_off,
     generated_gear,
 )
+from easeoff.geometry.design.agma929.edge_radius_limit import EdgeRadiusLimits
+from easeoff.geometry.design.agma929.slot_width import SlotWidths
+from easeoff.geometry.design.agma929.tooth_line import ToothLine
+from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
 from easeoff.geometry.design.ease_off_residual import EaseOffResidual
-from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radius
+from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radii
 from easeoff.geometry.design.fit_quality import require_usable, residual_limits, target_range
 from easeoff.geometry.design.pair_design import design_pair
 from easeoff.geometry.design.root_line import RootLine
+from easeoff.geometry.design.standard_steps import StandardSteps
 from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
@@ -184,9 +189,9 @@ def test_edge_radius_is_made_smaller_until_the_tooth_passes() -> None:
         if tried[-1] > 0.65:
             raise GeometryError("too large")
 
-    assert fitting_edge_radius(pair, "gear", 1.0, require) == 0.6
+    assert fitting_edge_radius(pair, "gear", 1.0, require, StandardSteps()) == 0.6
     assert tried == [1.0, 0.8, 0.6]
-    assert fitting_edge_radius(pair, "gear", 100.0, require) == 100.0
+    assert fitting_edge_radius(pair, "gear", 100.0, require, StandardSteps()) == 100.0
 
 
 def slotted(taper: str, model: str) -> str:
@@ -241,12 +246,16 @@ def test_lost_root_is_told_and_does_not_hide_the_rest() -> None:
     assert _off_the_root(np.array([0.1, -0.2, 0.1]), 0.86, True) == []
 
 
-def test_edge_radius_is_that_of_the_basic_rack_where_it_fits() -> None:
-    wide = blank_dimensions(bevel((25, 60), 30.0))
-    assert usual_edge_radius(wide, wide.gear) == pytest.approx(0.25 * wide.mean_normal_module, abs=1e-4)
-    tight = blank_dimensions(replace(bevel((25, 60), 30.0), clearance_factor=0.05))
-    limit = tight.clearance / (1.0 - math.sin(math.radians(20.0)))
-    assert usual_edge_radius(tight, tight.gear) == pytest.approx(limit, abs=1e-4)
+def test_edge_radius_is_that_of_the_basic_rack_up_to_the_limit_of_agma_929() -> None:
+    wide, tight = bevel((25, 60), 30.0), replace(bevel((25, 60), 30.0), clearance_factor=0.05)
+    for design, limited in ((wide, False), (tight, True)):
+        blank = blank_dimensions(design)
+        proportions = ToothProportions.of(blank, design.cutter_radius, generated_gear=False)
+        limits = EdgeRadiusLimits(SlotWidths(ToothLine(proportions)))
+        pinion, _ = usual_edge_radii(blank, limits)
+        wanted = limits.largest[0] if limited else 0.25 * blank.mean_normal_module
+        assert pinion == pytest.approx(wanted, abs=1e-4)
+        assert limits.governing[0] == ("interference" if limited else "manufacture")
 
 
 def test_a_design_makes_no_tooth_without_fillet() -> None:

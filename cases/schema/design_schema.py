@@ -109,6 +109,31 @@ class DesignedPinion(Table):
         return self
 
 
+class CutterStepsTable(Table):
+    """Standard steps of the cutters, taken before the machine settings are fitted; zero leaves a value as computed."""
+
+    blade_angle: Number = number("step of the blade angles", "deg", default=0.5, ge=0, le=5)
+    point_width: Number = number(
+        "face-milled: step of the point widths; the radius of a blade tip has half of it", "mm", default=0.1, ge=0, le=2
+    )
+    edge_radius: Number = number(
+        "step of an edge radius that is not given, rounded down", "mm", default=0.05, ge=0, le=1
+    )
+
+
+class ResolutionTable(Table):
+    """Resolution of the machine and the tool room, to which `easeoff design --round` rounds."""
+
+    length: Number = number("linear settings of the machine", "mm", default=0.001, gt=0, lt=10)
+    angle: Number = number("angular settings of the machine", "deg", default=0.001, gt=0, lt=10)
+    roll: Number = number("ratio of roll", "1", default=1e-6, gt=0, lt=10)
+    modified_roll: Number = number("coefficients of the modified roll", "1", default=1e-5, gt=0, lt=10)
+    motion: Number = number("derivatives of moving settings", "mm/rad or deg/rad", default=0.001, gt=0, lt=10)
+    blade_radius: Number = number("radius of a blade tip", "mm", default=0.01, gt=0, lt=10)
+    blade_angle: Number = number("angles of a blade", "deg", default=0.01, gt=0, lt=10)
+    edge_radius: Number = number("edge radius of a blade", "mm", default=0.01, gt=0, lt=10)
+
+
 class DesignTargets(Table):
     """Wanted ease-off of both sides, in the misalignment of the design."""
 
@@ -134,6 +159,8 @@ class Design(InputFile):
     blank_design: BlankDesignTable
     pinion: DesignedPinion
     gear: DesignedGear
+    cutter_steps: CutterStepsTable = CutterStepsTable()
+    resolution: ResolutionTable = ResolutionTable()
     misalignment: MisalignmentTable = MisalignmentTable()
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()

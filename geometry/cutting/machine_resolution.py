@@ -7,10 +7,11 @@ moves a flank by a tenth of a micrometre or less. Blades are ground and trued to
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from ...core.checks import number
-from .named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
+from .named_settings import MODIFIED_ROLL_ORDERS, scale_of
 
 LARGEST_STEP = 10.0  # mm or degrees
 
@@ -114,7 +115,7 @@ class SettingStep:
         written = self.written(value)
         if math.isinf(written):
             return 0.0
-        steps = round(round(written / self.step) * self.step, 12)
+        steps = nearest_multiple(written, self.step)
         if self.reciprocal:
             return 1.0 / steps if steps else value
         return steps / self.factor
@@ -125,7 +126,34 @@ class SettingStep:
         return "straight" if math.isinf(written) else f"{written:.{self.decimals}f}"
 
 
-ANGLES = frozenset({"cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel"})
+def nearest_multiple(value: float, step: float) -> float:
+    """The nearest multiple of a step, without the noise of the product.
+
+    >>> nearest_multiple(70.08634, 0.001)
+    70.086
+    """
+    return round(round(value / step) * step, 12) + 0.0
+
+
+ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")
+LENGTHS = (
+    "radial_distance",
+    "horizontal_distance",
+    "vertical_distance",
+    "work_offset",
+    "sliding_base",
+    "machine_center_to_crossing_point",
+)
+#: The resolution that each setting takes, but for modified roll and motions.
+RESOLUTION_OF: Mapping[str, str] = {
+    **dict.fromkeys(ANGLES, "angle"),
+    **dict.fromkeys(LENGTHS, "length"),
+    "ratio_of_roll": "roll",
+    **dict.fromkeys(("pressure_angle", "offset_angle", "rake_angle", "hook_angle"), "blade_angle"),
+    "point_radius": "blade_radius",
+    "edge_radius": "edge_radius",
+    "blade_curvature": "profile_radius",
+}
 PER_RADIAN = math.degrees(1.0)
 USUAL_RESOLUTION = MachineResolution()
 
@@ -139,19 +167,27 @@ def setting_step(name: str, resolution: MachineResolution = USUAL_RESOLUTION) ->
     (0.001, 'mm/rad^1')
     """
     scale_of(name)
-    if name in MODIFIED_ROLL_ORDERS:
-        return SettingStep("1", resolution.modified_roll)
-    if name == "ratio_of_roll":
-        return SettingStep("1", resolution.roll)
-    if name == "point_radius":
-        return SettingStep("mm", resolution.blade_radius)
+    step = step_of(name, resolution)
+    assert step is not None  # every named setting has one
+    if name in MODIFIED_ROLL_ORDERS or name == "ratio_of_roll":
+        return SettingStep("1", step)
     if name == "blade_curvature":
-        return SettingStep("mm radius", resolution.profile_radius, reciprocal=True)
-    if name in MACHINE_STEPS:
-        is_angle = name in ANGLES
-        return SettingStep("deg", resolution.angle, PER_RADIAN) if is_angle else SettingStep("mm", resolution.length)
-    if "_motion_" not in name:
-        return SettingStep("deg", resolution.blade_angle, PER_RADIAN)
-    setting, order = name.rsplit("_motion_", 1)
-    unit, factor = ("deg", PER_RADIAN) if setting in ANGLES else ("mm", 1.0)
-    return SettingStep(f"{unit}/rad^{order}", resolution.motion, factor)
+        return SettingStep("mm radius", step, reciprocal=True)
+    setting, _, order = name.partition("_motion_")
+    per_cradle = f"/rad^{order}" if order else ""
+    if setting in ANGLES or RESOLUTION_OF.get(setting) == "blade_angle":
+        return SettingStep(f"deg{per_cradle}", step, PER_RADIAN)
+    return SettingStep(f"mm{per_cradle}", step)
+
+
+def step_of(name: str, resolution: MachineResolution) -> float | None:
+    """Step of a setting of machine or blade [mm or deg]; ``None`` where it has none, as the reliefs of a blade.
+
+    >>> step_of("work_offset_motion_1", MachineResolution()), step_of("toprem_depth", MachineResolution())
+    (0.001, None)
+    """
+    if name in MODIFIED_ROLL_ORDERS:
+        return resolution.modified_roll
+    if "_motion_" in name:
+        return resolution.motion
+    return None if (field := RESOLUTION_OF.get(name)) is None else float(getattr(resolution, field))

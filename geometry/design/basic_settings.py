@@ -18,9 +18,11 @@ from ..flanks.blank_section import BlankSection
 from .blank import BlankDimensions
 from .iso23509.blank_dimensions import MemberBlank
 from .mean_point import mean_point_angles
+from .standard_steps import StandardSteps
 
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
+NO_STEPS = StandardSteps()
 ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
 
 
@@ -55,6 +57,7 @@ def formate_gear(
     number_of_blade_groups: int = 0,
     *,
     corrected: bool = True,
+    steps: StandardSteps = NO_STEPS,
 ) -> Flanks:
     """Convex and concave flank of a Formate gear.
 
@@ -84,6 +87,9 @@ def formate_gear(
         Whether the settings are corrected until spiral angle, pressure angles and, face-milled, the thickness measured
         on the generated flanks at the mean point are those of the blank. If not, the closed form stands: it takes the
         angles as if the root line were the pitch line.
+    steps
+        Standard steps of blade angles and, face-milled, point width. The rest is corrected once more: of the blank
+        there remain spiral angle and middle of the slot; pressure angles and thickness are as near as the steps allow.
 
     Returns
     -------
@@ -109,7 +115,7 @@ def formate_gear(
     >>> convex.settings == concave.settings, convex.settings.generated
     (True, False)
     """
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, None)
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, None)
 
 
 def generated_gear(
@@ -119,6 +125,7 @@ def generated_gear(
     number_of_blade_groups: int = 0,
     *,
     corrected: bool = True,
+    steps: StandardSteps = NO_STEPS,
 ) -> Flanks:
     """Convex and concave flank of a generated gear: the cutter of ``formate_gear``, rolled with a crown gear.
 
@@ -136,15 +143,21 @@ def generated_gear(
     """
     gear = blank.gear
     ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, ratio)
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, ratio)
 
 
 def _gear(
-    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    groups: int,
+    corrected: bool,
+    steps: StandardSteps,
+    ratio: float | None,
 ) -> Flanks:
     if groups:
-        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, ratio)
-    return _face_milled(blank, cutter_radius, hand, corrected, ratio)
+        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, steps, ratio)
+    return _face_milled(blank, cutter_radius, hand, corrected, steps, ratio)
 
 
 def _machine_center(gear: MemberBlank, ratio: float | None) -> float:
@@ -180,7 +193,12 @@ def _machine(
 
 
 def _face_milled(
-    blank: BlankDimensions, cutter_radius: float, hand: Hand, corrected: bool, ratio: float | None
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    corrected: bool,
+    steps: StandardSteps,
+    ratio: float | None,
 ) -> Flanks:
     gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
     along, _ = _mean_point(gear, ratio)
@@ -214,11 +232,24 @@ def _face_milled(
     start = np.array(
         [along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral), point_width, drive, coast]
     )
-    return flanks(_corrected(error, start) if corrected else start)
+    found = _corrected(error, start) if corrected else start
+    cutter = np.array([steps.width(found[2]), steps.angle(found[3]), steps.angle(found[4])])
+    if np.array_equal(cutter, found[2:]):
+        return flanks(found)
+    place = found[:2]
+    if corrected:
+        place = _corrected(lambda values: error(np.concatenate([values, cutter]))[:2], place)
+    return flanks(np.concatenate([place, cutter]))
 
 
 def _face_hobbed(
-    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    groups: int,
+    corrected: bool,
+    steps: StandardSteps,
+    ratio: float | None,
 ) -> Flanks:
     gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
     along, height = _mean_point(gear, ratio)
@@ -245,7 +276,14 @@ def _face_hobbed(
             return np.array([found.spiral_angle - gear.mean_spiral_angle, found.pressure_angle - pressure_angle])
 
         start = np.array([1.0, pressure_angle])
-        return surface(_corrected(error, start) if corrected else start)
+        found = _corrected(error, start) if corrected else start
+        angle = np.array([steps.angle(found[1])])
+        if angle[0] == found[1]:
+            return surface(found)
+        radius = (
+            _corrected(lambda values: error(np.concatenate([values, angle]))[:1], found[:1]) if corrected else found[:1]
+        )
+        return surface(np.concatenate([radius, angle]))
 
     return (
         flank("inside", float(blank.generated_drive_pressure_angle)),

@@ -10,10 +10,11 @@ from functools import partial
 import numpy as np
 
 from ...core.errors import GeometryError
-from ..cutting.named_settings import get_setting
+from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import GearPair
 from .ease_off_residual import ROOT_WEIGHT
 from .fit_quality import residual_limits
+from .standard_steps import StandardSteps
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion
 
 RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
@@ -27,6 +28,7 @@ def best_fit(
     free: Sequence[str] | None,
     follow_root: bool,
     clearance: float,
+    steps: StandardSteps,
 ) -> Synthesis:
     """The fit that comes nearest to target and root cone: the first good one, else the best of several.
 
@@ -40,6 +42,8 @@ def best_fit(
         As in ``design_pair``.
     clearance
         Of the blanks [mm]: blade tips further off the root cone are not good.
+    steps
+        Standard steps of the blade, at which the machine settings are fitted once more.
 
     Raises
     ------
@@ -47,35 +51,57 @@ def best_fit(
         If no fit succeeds.
     """
     best: Synthesis | None = None
+    from_start, margin_of_best = starts[-1], 0.0
     failure = GeometryError("no start")
-    for attempt in _attempts(starts, target, free, follow_root):
+    for pair, margin, attempt in _attempts(starts, target, free, follow_root):
         try:
             fit = attempt()
         except GeometryError as error:
             failure = error
             continue
         if best is None or _cost(fit, follow_root) < _cost(best, follow_root):
-            best = fit
+            best, from_start, margin_of_best = fit, pair, margin
         enough = len(starts) > 1 or best.rms < RETRY_RESIDUAL
         if enough and _good(best, target, clearance if follow_root else math.inf):
             break
     if best is None:
         raise failure
-    return best
+    return _stepped(best, from_start, target, follow_root, margin_of_best, steps)
+
+
+def _stepped(
+    fit: Synthesis,
+    pair: GearPair,
+    target: EaseOffTarget,
+    follow_root: bool,
+    fold_margin: float,
+    steps: StandardSteps,
+) -> Synthesis:
+    """The fit with its blade at standard steps, and the other settings fitted once more."""
+    milled = fit.surface.settings.indexing_ratio == 0.0
+    blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
+    if not blade:
+        return fit
+    near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
+    names = [name for name in fit.moved if name not in blade]
+    again = fit_pinion(near, target, free=names, follow_root=follow_root, fold_margin=fold_margin)
+    moved = {name: (start, get_setting(again.surface, name)) for name, (start, _) in fit.moved.items()}
+    return replace(again, moved=moved)
 
 
 def _attempts(
     starts: Sequence[GearPair], target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool
-) -> Iterator[Callable[[], Synthesis]]:
-    """Fits to try, the most promising first."""
+) -> Iterator[tuple[GearPair, float, Callable[[], Synthesis]]]:
+    """Fits to try, the most promising first, with the pair and the fold margin that each starts from."""
     *crown_gear, conjugate = starts
     choices = [free] if free is not None else [FREE_SETTINGS_WITH_ROOT_ANGLE, None] if follow_root else [None]
     for pair in crown_gear:
         for names in choices:
-            yield partial(fit_pinion, pair, target, free=names, follow_root=follow_root, fold_margin=FOLD_MARGIN)
-    yield partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
+            fit = partial(fit_pinion, pair, target, free=names, follow_root=follow_root, fold_margin=FOLD_MARGIN)
+            yield pair, FOLD_MARGIN, fit
+    yield conjugate, 0.0, partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
     if follow_root and free is None:
-        yield partial(_form_first, conjugate, target)
+        yield conjugate, 0.0, partial(_form_first, conjugate, target)
 
 
 def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
+
+import numpy as np
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..pair.gear_pair import GearPair
 from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
+from .agma929.edge_radius_limit import EdgeRadiusLimits
 from .blank import BlankDimensions
-from .iso23509.blank_dimensions import MemberBlank
+from .standard_steps import StandardSteps
 
 ToothCheck = Callable[[GearPair, MemberName], None]
 
@@ -20,42 +22,37 @@ BASIC_RACK_RADIUS = 0.25  # over the mean normal module
 SMALLEST_SHARE = 0.05  # of an edge radius over the module: a tooth is never without a fillet
 REDUCTIONS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # of the usual radius, until the tooth has its fillets
 WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
-WIDTH_SHARE = 0.8  # of the radius at which the edges of both blades meet in the middle of the slot
 
 
-def usual_edge_radius(blank: BlankDimensions, member: MemberBlank) -> float:
-    """Edge radius of the blades of one member [mm].
+def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[float, float]:
+    """Edge radii of the blades of pinion and gear [mm].
 
     A quarter of the mean normal module, the fillet radius of the basic rack profile C of ISO 53:1998, table 2, and no
-    more than two limits allow (ISO 53:1998, 5.3, with the slot of the bevel gear): the fillet ends below the clearance,
-    ``r (1 - sin alpha) <= c``, and both fillets fit beside one another on the bottom of the slot,
-    ``2 r tan((90 deg - alpha) / 2) <= w``, at the toe, where the slot is narrowest.
+    more than AGMA 929-B22 allows: no fillet meets the mate's tip, the blades can be made, and neither cuts into the
+    other's fillet.
 
     Parameters
     ----------
     blank
         Dimensions of the pair.
-    member
-        Its pinion or its gear.
+    limits
+        Largest edge radii of the pair.
 
     Examples
     --------
     >>> from easeoff.cases import designed_blanks, read_design
+    >>> from easeoff.geometry.design.agma929.slot_width import SlotWidths
+    >>> from easeoff.geometry.design.agma929.tooth_line import ToothLine
+    >>> from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> round(usual_edge_radius(blanks, blanks.gear) / blanks.mean_normal_module, 3)
-    0.25
+    >>> limits = EdgeRadiusLimits(SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))))
+    >>> [round(radius / blanks.mean_normal_module, 3) for radius in usual_edge_radii(blanks, limits)]
+    [0.25, 0.25]
     """
-    drive, coast = blank.generated_drive_pressure_angle, blank.generated_coast_pressure_angle
-    steeper = max(drive, coast)
-    by_clearance = blank.clearance / (1.0 - math.sin(min(drive, coast)))
-    pitch = math.pi * blank.mean_normal_module - member.mean_normal_thickness
-    toe = member.inner_cone_distance * math.cos(member.inner_spiral_angle)
-    toe /= member.mean_cone_distance * math.cos(member.mean_spiral_angle)
-    bottom = toe * pitch - member.inner_dedendum * (math.tan(drive) + math.tan(coast))
-    by_width = WIDTH_SHARE * bottom / (2.0 * math.tan((math.pi / 2 - steeper) / 2.0))
-    radius = min(BASIC_RACK_RADIUS * blank.mean_normal_module, by_clearance, by_width)
-    return round(max(radius, SMALLEST_SHARE * blank.mean_normal_module), 4)
+    least, usual = (share * blank.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
+    pinion, gear = (max(least, min(usual, float(np.nan_to_num(limit)))) for limit in limits.largest)
+    return round(pinion, 4), round(gear, 4)
 
 
 def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
@@ -76,7 +73,9 @@ def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
     tooth_surface(pair, member, WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES)
 
 
-def fitting_edge_radius(pair: GearPair, member: MemberName, usual: float, require: ToothCheck) -> float:
+def fitting_edge_radius(
+    pair: GearPair, member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
+) -> float:
     """The usual edge radius of a member's blades, made smaller until the tooth passes a check [mm].
 
     The flanks do not depend on it. If no radius passes, the usual one stands.
@@ -88,16 +87,18 @@ def fitting_edge_radius(pair: GearPair, member: MemberName, usual: float, requir
     member
         ``"pinion"`` or ``"gear"``.
     usual
-        See ``usual_edge_radius`` [mm].
+        See ``usual_edge_radii`` [mm].
+    steps
+        Standard steps of the radius.
     require
         Raises ``GeometryError`` for a pair and a member whose tooth will not do, as ``require_whole_tooth``.
     """
     for share in REDUCTIONS:
         try:
-            require(_rounded(pair, member, share * usual), member)
+            require(_rounded(pair, member, steps.edge(share * usual)), member)
         except GeometryError:
             continue
-        return round(share * usual, 4)
+        return round(steps.edge(share * usual), 4)
     return usual
 
 

@@ -15,17 +15,22 @@ from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
 from ..pair.tooth_body import middle_angle
 from ..tooth.tooth_flanks import MemberName
-from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
+from .agma929.edge_radius_limit import EdgeRadiusLimits
+from .agma929.slot_width import SlotWidths
+from .agma929.tooth_line import ToothLine
+from .agma929.tooth_proportions import ToothProportions
+from .basic_settings import NO_STEPS, Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .closest_fit import best_fit
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radius
+from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radii
 from .fit_quality import BLANK_ADVICE, require_usable
 from .mean_point import mean_point_angles
 from .set_up.pinion_method import ADVICE, PinionMethod, SettingLimits
 from .set_up.set_up_fit import best_set_up
 from .set_up.upright_machine import along_the_root
+from .standard_steps import StandardSteps
 from .synthesis import EaseOffTarget, Synthesis
 
 BOTH_MEMBERS: tuple[MemberName, MemberName] = ("pinion", "gear")
@@ -94,6 +99,7 @@ def design_pair(
     generated: bool = False,
     corrected: bool = True,
     edge_radii: tuple[float | None, float | None] = (None, None),
+    steps: StandardSteps = NO_STEPS,
     require: ToothCheck = require_whole_tooth,
 ) -> PairDesign:
     """Design the blanks, the gear and the pinion flanks of a pair.
@@ -121,7 +127,9 @@ def design_pair(
     corrected
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
     edge_radii
-        Edge radius of the blades of pinion and gear [mm]; that of ``edge_radius.usual_edge_radius`` where ``None``.
+        Edge radius of the blades of pinion and gear [mm]; that of ``edge_radius.usual_edge_radii`` where ``None``.
+    steps
+        Standard steps of blade angles, point widths and of an edge radius that is not given, see ``of_module``.
     require
         What the teeth must pass; an edge radius that is not given is made smaller until they do.
 
@@ -134,14 +142,15 @@ def design_pair(
         target (``residual_limits``).
     """
     blank = blank_dimensions(design)
-    groups = design.number_of_blade_groups or 0
+    groups, steps = design.number_of_blade_groups or 0, steps.of_module(blank.mean_normal_module)
+    proportions = ToothProportions.of(blank, design.cutter_radius, groups, generated_gear=generated)
+    usual = usual_edge_radii(blank, EdgeRadiusLimits(SlotWidths(ToothLine(proportions))))
     pinion_edge, gear_edge = (
-        usual_edge_radius(blank, member) if radius is None else radius
-        for radius, member in zip(edge_radii, (blank.pinion, blank.gear), strict=True)
+        steps.edge(own) if radius is None else radius for radius, own in zip(edge_radii, usual, strict=True)
     )
 
     def flanks(make: Callable[..., Flanks]) -> Flanks:
-        plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
+        plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected, steps=steps)
         return rounded(plain[0], gear_edge), rounded(plain[1], gear_edge)
 
     gear = flanks(generated_gear if generated else formate_gear)
@@ -167,13 +176,13 @@ def design_pair(
 
     if method == "closest_fit":
         pairs = [crown(upright=False), conjugate()] if generated else [conjugate()]
-        pinion = _closest(pairs, targets, free, follow_root, blank.clearance)
+        pinion = _closest(pairs, targets, free, follow_root, blank.clearance, steps)
     else:
         limits = SettingLimits() if limits is None else limits
         # A tilted cutter cuts the conjugate pinion of a Formate gear, both its flanks in one set-up.
         further = [conjugate()] if not generated and method in ("tilt", "completing") else []
         upright = crown(upright=True)
-        pinion = best_set_up(upright, further, targets, method, limits, blank, design.cutter_radius)
+        pinion = best_set_up(upright, further, targets, method, limits, blank, design.cutter_radius, steps)
     for side in SIDES:
         require_usable(side, pinion[side].largest_residual, targets[side], ADVICE[method])
     thickness = _middle_thickness(blank, gear) if groups else None
@@ -182,7 +191,7 @@ def design_pair(
         designed = replace(designed, pinion_thickness=_left_thickness(designed.pair().pinion))
     for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:
-            designed = _with_fitting_edges(designed, name, require)
+            designed = _with_fitting_edges(designed, name, require, steps)
     return designed
 
 
@@ -192,25 +201,30 @@ def _closest(
     free: Sequence[str] | None,
     follow_root: bool,
     clearance: float,
+    steps: StandardSteps,
 ) -> dict[FlankName, Synthesis]:
     """The closest fit of both sides."""
     pinion: dict[FlankName, Synthesis] = {}
     for side in SIDES:
         try:
-            pinion[side] = best_fit([pairs[side] for pairs in starts], targets[side], free, follow_root, clearance)
+            pinion[side] = best_fit(
+                [pairs[side] for pairs in starts], targets[side], free, follow_root, clearance, steps
+            )
         except GeometryError as error:
             reason = "" if free is None else f": {error}"
             raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
     return pinion
 
 
-def _with_fitting_edges(designed: PairDesign, name: MemberName, require: ToothCheck) -> PairDesign:
+def _with_fitting_edges(
+    designed: PairDesign, name: MemberName, require: ToothCheck, steps: StandardSteps
+) -> PairDesign:
     """The design with the usual edge radius of one member made so small that its fillets fit the slot."""
     if name == "gear":
-        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius, require)
+        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius, require, steps)
         return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
     usual = designed.pinion["drive"].surface.blade.edge_radius
-    radius = fitting_edge_radius(designed.pair(), name, usual, require)
+    radius = fitting_edge_radius(designed.pair(), name, usual, require, steps)
     return replace(
         designed,
         pinion={side: replace(fit, surface=rounded(fit.surface, radius)) for side, fit in designed.pinion.items()},

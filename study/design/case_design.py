@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import ValidationError
 
-from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits
+from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits, standard_steps
 from ...cases.deflections import misalignment_at
 from ...cases.mistakes import mistakes
 from ...cases.recording import blank_table, flank_settings
@@ -17,7 +17,13 @@ from ...geometry.design.pair_design import (
     design_pair,
 )
 from ...geometry.pair.assembly import Assembly
-from .design_check import DesignReport, checked_design, limit_pressure_angle_advice, require_elastic_tooth
+from .design_check import (
+    DesignReport,
+    checked_design,
+    formate_advice,
+    limit_pressure_angle_advice,
+    require_elastic_tooth,
+)
 
 
 def design_case(design: Design) -> tuple[Case, DesignReport]:
@@ -67,11 +73,12 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
             follow_root=design.pinion.follow_root,
             generated=design.gear.generation == "generated",
             corrected=design.gear.basic_settings == "mean_point",
+            steps=standard_steps(design.cutter_steps),
             edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
             require=require_whole_tooth if design.compliance.model == "shell" else require_elastic_tooth,
         )
     except GeometryError as error:
-        advice = limit_pressure_angle_advice(basic_data)
+        advice = [*formate_advice(design, basic_data), *limit_pressure_angle_advice(basic_data)]
         raise GeometryError("; ".join([str(error), *advice])) from error
     try:
         case = _case(design, designed)

@@ -15,6 +15,7 @@ from ...cases.schema.design_schema import Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
+from ...geometry.design.agma929.tooth_proportions import ToothProportions
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
 from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
@@ -28,11 +29,13 @@ from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
 from ...geometry.tooth.tooth_flanks import MemberName
+from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
 TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
 UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
+FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 
 
@@ -94,6 +97,8 @@ class DesignReport:
         The fits of drive and coast side.
     warnings
         Doubtful points, a sentence each.
+    spaces
+        Top lands, slots and fillets; ``None`` where they could not be measured.
     analysable
         Whether both members have the whole teeth that the design's model of the elastic teeth needs.
 
@@ -110,6 +115,7 @@ class DesignReport:
     sides: Mapping[FlankName, SideReport]
     warnings: tuple[str, ...]
     analysable: bool = True
+    spaces: ToothSpaces | None = None
 
 
 def checked_design(design: Design, designed: PairDesign) -> DesignReport:
@@ -141,12 +147,26 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
     unfinished = _unfinished(design, designed)
-    warnings += [*_narrow(designed), *unfinished]
+    spaces = _spaces(design, designed)
+    warnings += [*_narrow(designed), *unfinished, *(spaces.warnings() if spaces is not None else [])]
     if warnings:
         warnings += limit_pressure_angle_advice(
             blank_design(design.blank_design, (design.pinion.number_of_teeth, design.gear.number_of_teeth), design.pair)
         )
-    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished)
+    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
+
+
+def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
+    proportions = ToothProportions.of(
+        designed.blank,
+        design.blank_design.cutter_radius,
+        design.blank_design.number_of_blade_groups or 0,
+        generated_gear=design.gear.generation == "generated",
+    )
+    try:
+        return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
+    except GeometryError:
+        return None
 
 
 def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
@@ -160,6 +180,22 @@ def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
     return [
         f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: 1 "
         "gives drive and coast flanks pressure angles that allow for it"
+    ]
+
+
+def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
+    if design.gear.generation == "generated":
+        return []
+    try:
+        angle = math.degrees(blank_dimensions(basic_data).gear.pitch_angle)
+    except GeometryError:
+        return []
+    if angle >= FORMATE_PITCH_ANGLE:
+        return []
+    return [
+        f"the gear's pitch angle of {angle:.0f} degrees is small for a gear cut without generation: generation = "
+        '"generated" in [gear] helps'
     ]
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,36 +10,12 @@ from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...core.errors import GeometryError
-from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, nearest_multiple, step_of
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
 
 EFFECT_NODES = (15, 11)
 FLANKS = ("concave", "convex")
-
-
-_ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")
-_LENGTHS = (
-    "radial_distance",
-    "horizontal_distance",
-    "vertical_distance",
-    "work_offset",
-    "sliding_base",
-    "machine_center_to_crossing_point",
-)
-_ROLLS = tuple(f"modified_roll_{order}" for order in ("2c", "6d", "24e", "120f", "720g"))
-_BLADE_ANGLES = ("blade_pressure_angle", "blade_offset_angle", "blade_rake_angle", "blade_hook_angle")
-#: The resolution that each key takes; curved profiles and reliefs of a blade stay as they are.
-STEP_OF: Mapping[tuple[str, str], str] = {
-    **{("machine", key): "angle" for key in _ANGLES},
-    **{("machine", key): "length" for key in _LENGTHS},
-    **{("machine", key): "modified_roll" for key in _ROLLS},
-    ("machine", "ratio_of_roll"): "roll",
-    **{("motions", key): "motion" for key in (*_LENGTHS, *_ANGLES)},
-    **{("cutter", key): "blade_angle" for key in _BLADE_ANGLES},
-    ("cutter", "blade_point_radius"): "blade_radius",
-    ("cutter", "tool_edge_radius"): "edge_radius",
-}
 
 
 def rounded_case(case: Case, resolution: MachineResolution | None = None) -> Case:
@@ -115,13 +89,13 @@ def _change(case: Case, rounded: Case, side: FlankName) -> float:
 
 
 def _flank(settings: FlankSettings, steps: MachineResolution) -> FlankSettings:
-    machine = {key: _to_step(value, step_of(steps, "machine", key)) for key, value in settings.machine}
+    machine = {key: _to_step(value, step_of_key(steps, "machine", key)) for key, value in settings.machine}
     motions = {
-        key: tuple(_to_step(value, step_of(steps, "motions", key)) for value in values)
+        key: tuple(_to_step(value, step_of_key(steps, "motions", key)) for value in values)
         for key, values in settings.machine.motions
     }
     machine["motions"] = settings.machine.motions.model_copy(update=motions)
-    cutter = {key: _to_step(value, step_of(steps, "cutter", key)) for key, value in settings.cutter}
+    cutter = {key: _to_step(value, step_of_key(steps, "cutter", key)) for key, value in settings.cutter}
     return settings.model_copy(
         update={
             "machine": settings.machine.model_copy(update=machine),
@@ -130,15 +104,12 @@ def _flank(settings: FlankSettings, steps: MachineResolution) -> FlankSettings:
     )
 
 
-def step_of(resolution: MachineResolution, table: str, key: str) -> float | None:
+def step_of_key(resolution: MachineResolution, table: str, key: str) -> float | None:
     """Step of a key of the tables ``machine``, ``motions`` or ``cutter``; ``None`` where it is not rounded."""
-    return None if (name := STEP_OF.get((table, key))) is None else float(getattr(resolution, name))
+    name = f"{key}_motion_1" if table == "motions" else key.removeprefix("blade_").removeprefix("tool_")
+    return step_of(name, resolution)
 
 
 def _to_step(value: Any, step: float | None) -> Any:
     """The nearest multiple of the step."""
-    if value is None or step is None or value == 0.0:
-        return value
-    count = round(value / step)
-    places = max(0, 2 - math.floor(math.log10(step)))
-    return round(count * step, places) + 0.0
+    return value if value is None or step is None else nearest_multiple(value, step)

@@ -20,6 +20,7 @@ ANGLES = (
     "cutter_tilt",
     "cutter_swivel",
 )
+SPACES_ALIGNMENT = ("left", "right", "right", "right")
 MEMBER_ROWS = (
     ("pitch angle [deg]", "pitch_angle"),
     ("face angle [deg]", "face_angle"),
@@ -39,6 +40,9 @@ def design_report(report: DesignReport) -> str:
     parts = ["Blanks", tabulate(list(_blank_rows(report.blank)), headers=("", "pinion", "gear"), disable_numparse=True)]
     for side, item in report.sides.items():
         parts += [f"{side.capitalize()} side: {remaining_ease_off(item)}", _moved(item), _root(item)]
+    if report.spaces is not None:
+        head, *rows = report.spaces.rows()
+        parts += ["Teeth and slots", tabulate(rows, headers=head, disable_numparse=True, colalign=SPACES_ALIGNMENT)]
     return "\n\n".join([*parts, *warning_lines(report)])
 
 

@@ -8,12 +8,17 @@ from html import escape
 
 from tabulate import tabulate
 
+from ...cases.conversion import gear_pair
 from ...cases.recording import with_blanks
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
+from ...core.errors import GeometryError, InputError
 from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.design.agma929.measured_proportions import measured_proportions
+from ...geometry.design.pair_design import SIDES
 from ...geometry.pair.gear_pair import FlankName
-from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of
+from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
+from ..design.tooth_spaces import ToothSpaces, tooth_spaces
 
 #: Usual names of the settings beside those of REXS and of case files.
 USUAL_NAMES: Mapping[str, str] = {
@@ -142,20 +147,31 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     >>> from easeoff.cases import read_case
     >>> sheet = summary_sheet(read_case("fm-11x41"))
     >>> list(sheet.tables)
-    ['Blanks', 'Cutters', 'Machine settings']
+    ['Blanks', 'Cutters', 'Machine settings', 'Teeth and slots']
     """
     steps = resolution or USUAL_RESOLUTION
     rounded = with_blanks(rounded_case(case, steps))
     effect = rounding_effect(case, rounded_case(case, steps))
+    spaces = _spaces(rounded)
     return SummarySheet(
         case.title,
         {
             "Blanks": tuple(_blanks(rounded)),
             "Cutters": tuple(_settings(rounded, steps, "cutter")),
             "Machine settings": tuple(_settings(rounded, steps, "machine")),
+            **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
         },
         tuple(effect_line(side, value) for side, value in effect.items()),
     )
+
+
+def _spaces(case: Case) -> ToothSpaces | None:
+    """Top lands, slots and fillets of the rounded teeth; ``None`` where a flank is missing or makes no tooth."""
+    try:
+        drive, coast = (gear_pair(case, side) for side in SIDES)
+        return tooth_spaces(drive, coast, measured_proportions(drive))
+    except (InputError, GeometryError):
+        return None
 
 
 def effect_line(side: FlankName, effect: float) -> str:
@@ -206,7 +222,7 @@ def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tupl
         if not any(values):
             continue
         unit = "deg" if key.endswith(ANGULAR) else "mm" if key.endswith(LENGTHS) else ""
-        yield USUAL_NAMES[key], key, unit, *_row(values, step_of(steps, table, key))
+        yield USUAL_NAMES[key], key, unit, *_row(values, step_of_key(steps, table, key))
     if table == "cutter":
         yield from _point_width(case)
 
@@ -218,7 +234,12 @@ def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> I
             values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
             unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
             usual = MOTION_NAMES.get(key, f"motion of {USUAL_NAMES[key]}")
-            yield f"{usual}, order {order + 1}", f"motions.{key}", unit, *_row(values, step_of(steps, "motions", key))
+            yield (
+                f"{usual}, order {order + 1}",
+                f"motions.{key}",
+                unit,
+                *_row(values, step_of_key(steps, "motions", key)),
+            )
 
 
 def _point_width(case: Case) -> Iterator[tuple[str, ...]]:

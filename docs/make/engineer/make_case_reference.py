@@ -63,6 +63,8 @@ def design_tables() -> str:
         ("### `[pinion]`", design_model.DesignedPinion),
         ("### `[pinion.limits]`", design_model.LimitsTable),
         ("### `[gear]`", design_model.DesignedGear),
+        ("### `[cutter_steps]`", design_model.CutterStepsTable),
+        ("### `[resolution]`", design_model.ResolutionTable),
     )
     return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own))
 

@@ -9,9 +9,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 from ....core.errors import GeometryError
-from .blank_design import BlankDesign
+
+
+class CutterAndTeeth(Protocol):
+    """What a crown gear takes of a pair's basic data."""
+
+    @property
+    def cutter_radius(self) -> float:
+        """Mean radius of the cutter (r_c0) [mm]."""
+
+    @property
+    def number_of_blade_groups(self) -> int | None:
+        """Starts of a face-hobbing cutter (z0); none or zero for face milling."""
+
+    @property
+    def number_of_teeth(self) -> tuple[int, int]:
+        """Pinion, gear (z1, z2)."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +72,36 @@ class CrownGear:
         GeometryError
             If the cutter does not reach that far.
         """
+        angle = self.generating_angle(cone_distance)
+        return math.atan2(cone_distance - self.base_radius * math.cos(angle), self.base_radius * math.sin(angle))
+
+    def generating_angle(self, cone_distance: float) -> float:
+        """Angle at the centre between a point of the tooth line and the cutter's centre (q) [rad].
+
+        Parameters and exceptions are those of ``spiral_angle``.
+        """
         centre, cutter = self.centre_distance, self.cutter_radius
         cosine = (cone_distance**2 + centre**2 - cutter**2) / (2.0 * cone_distance * centre)
         if not abs(cosine) < 1.0:
             raise GeometryError(
                 f"the cutter (cutter_radius = {cutter:g} mm) does not reach the cone distance {cone_distance:g} mm"
             )
-        angle = math.acos(cosine)
-        return math.atan2(cone_distance - self.base_radius * math.cos(angle), self.base_radius * math.sin(angle))
+        return math.acos(cosine)
+
+    @property
+    def involute_cone_distance(self) -> float:
+        """Cone distance at which the tooth line is curved as an involute [mm]: generating and spiral angle agree there.
+
+        NaN where there is none. From ``rho_b = R cos(q)`` and the triangle of the centres and the point; face-milled it
+        is formula 39 of AGMA 929-B22, face-hobbed the solution of its 41 to 46.
+        """
+        centre = self.centre_distance
+        square = 2.0 * centre * self.base_radius - centre**2 + self.cutter_radius**2
+        return math.sqrt(square) if square > 0.0 else math.nan
 
 
 def crown_gear(
-    design: BlankDesign, gear_pitch_angle: float, gear_mean_cone_distance: float, gear_mean_spiral_angle: float
+    design: CutterAndTeeth, gear_pitch_angle: float, gear_mean_cone_distance: float, gear_mean_spiral_angle: float
 ) -> CrownGear:
     """Crown gear of a pair from the mean point of its gear (ISO 23509:2016, 34 to 40 and 176 to 178).
 

@@ -23,6 +23,7 @@ from ..blank import BlankDimensions
 from ..ease_off_residual import ROOT_WEIGHT, EaseOffResidual, Tie
 from ..fit_quality import BLANK_ADVICE, residual_limits
 from ..root_line import RootLine
+from ..standard_steps import StandardSteps
 from ..synthesis import EaseOffTarget, Synthesis
 from .mean_slot import MeanSlot
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
@@ -127,6 +128,7 @@ def best_set_up(
     limits: SettingLimits,
     blank: BlankDimensions,
     cutter_radius: float,
+    steps: StandardSteps,
 ) -> dict[FlankName, Synthesis]:
     """Fit the set-up of a pinion to the wanted ease-off of both sides: the first good fit, else the best of all.
 
@@ -147,6 +149,8 @@ def best_set_up(
         Dimensions of the pair.
     cutter_radius
         Mean radius of the cutter [mm].
+    steps
+        Standard steps of the blades, at which the machine settings are fitted once more.
 
     Returns
     -------
@@ -183,8 +187,39 @@ def best_set_up(
                 f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {failure}; "
                 f"choose another method, wider limits, or {BLANK_ADVICE}"
             )
-        found |= best
+        found |= _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
     return found
+
+
+def _stepped(
+    fits: Mapping[FlankName, Synthesis],
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+    steps: StandardSteps,
+) -> dict[FlankName, Synthesis]:
+    """The fits with blades at standard steps, and the machine settings fitted once more."""
+    blades = {
+        side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0)
+        for side, fit in fits.items()
+    }
+    own = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))
+    if own == BLADE_SETTINGS:
+        return dict(fits)
+    near: dict[FlankName, Side] = {}
+    for side, (pair, target, root) in sides.items():
+        surface = with_settings(fits[side].surface, blades[side])
+        near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
+    again = _fit(near, shared, limits, blank, cutter_radius, own)
+    return {
+        side: replace(
+            fit,
+            moved={name: (start, get_setting(fit.surface, name)) for name, (start, _) in fits[side].moved.items()},
+        )
+        for side, fit in again.items()
+    }
 
 
 def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> Mapping[FlankName, GearPair]:
@@ -219,7 +254,12 @@ def _good(fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], 
     )
 
 
-def set_up_residual(sides: Mapping[FlankName, Side], shared: tuple[str, ...], blank: BlankDimensions) -> SetUpResidual:
+def set_up_residual(
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    blank: BlankDimensions,
+    own: tuple[str, ...] = BLADE_SETTINGS,
+) -> SetUpResidual:
     """Residuals of a set-up that cuts the given sides.
 
     Parameters
@@ -227,21 +267,23 @@ def set_up_residual(sides: Mapping[FlankName, Side], shared: tuple[str, ...], bl
     sides
         Pair, target and root line of the sides that are cut together; each begins from the same machine settings.
     shared
-        Machine settings that move; each blade has its radius and its angle besides.
+        Machine settings that move.
     blank
         Dimensions of the pair.
+    own
+        Settings of each blade that move.
 
     Raises
     ------
     GeometryError
         If the flanks do not meet on enough of the gear flank.
     """
-    names, tie = (*shared, *BLADE_SETTINGS), root_tie(blank, shared)
+    names, tie = (*shared, *own), root_tie(blank, shared)
     parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]
     slot = None
-    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0:
+    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in own:
         slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
-    return SetUpResidual(parts, len(shared), len(BLADE_SETTINGS), slot)
+    return SetUpResidual(parts, len(shared), len(own), slot)
 
 
 def _fit(
@@ -250,10 +292,11 @@ def _fit(
     limits: SettingLimits,
     blank: BlankDimensions,
     cutter_radius: float,
+    own: tuple[str, ...] = BLADE_SETTINGS,
 ) -> dict[FlankName, Synthesis]:
     from scipy.optimize import least_squares
 
-    fit = set_up_residual(sides, shared, blank)
+    fit = set_up_residual(sides, shared, blank, own)
     bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
     for k, part in enumerate(fit.parts):
         for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):

@@ -76,6 +76,7 @@ def design(
     follow from the basic data; the pinion is fitted to the ease-off.
     """
     from ....cases import read_design, write_case
+    from ....cases.conversion import machine_resolution
     from ....cases.writing import require_replaceable
     from ....core.writing.output_file import check_writable
     from ...design.case_design import design_case
@@ -92,7 +93,7 @@ def design(
         case, found = design_case(checked)
     effects = {}
     if rounding:
-        exact, case = case, rounded_case(case, resolution)
+        exact, case = case, rounded_case(case, resolution or machine_resolution(checked.resolution))
         effects = rounding_effect(exact, case)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")

@@ -1,0 +1,50 @@
+"""Designs at the edges of what is cut, by every method: a case whose flanks meet, or a message that says what to do."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+import numpy as np
+import pytest
+from extreme_designs import EXTREMES
+
+from easeoff import GeometryError
+from easeoff.cases import case_toml, ease_off_target, gear_pair, parse_case, parse_design
+from easeoff.geometry import exact_ease_off
+from easeoff.geometry.design.fit_quality import residual_limits
+from easeoff.geometry.design.set_up.pinion_method import PinionMethod
+from easeoff.geometry.pair.gear_pair import grid
+from easeoff.study import design_case
+
+METHODS = get_args(PinionMethod)
+#: What a refusal may advise: another method, limits, a generated gear, or other blanks.
+ADVICE = ("method = ", "[pinion.limits]", "generation = ", "cutter_radius", "more teeth", "free_settings")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EXTREMES)
+def test_extreme_design_is_cut_or_refused_with_advice(name: str, method: str) -> None:
+    """A case is read back as it is, keeps the report's residual on another grid, and is within what may be used."""
+    refusal = ""
+    try:
+        case, report = design_case(parse_design(EXTREMES[name].text(method)))
+    except GeometryError as error:
+        refusal = str(error)
+    if refusal:
+        assert any(word in refusal for word in ADVICE), refusal
+        return
+    assert parse_case(case_toml(case)).model_dump() == case.model_dump()
+    for side, item in report.sides.items():
+        target = ease_off_target(getattr(case.target, side))
+        _, usable = residual_limits(target)
+        assert item.largest_residual <= usable
+        pair = gear_pair(case, side)
+        t, h = grid((13, 9))
+        found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        known, lever = found.inside, found.lever_arm[found.inside]
+        wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))[known]
+        left = found.angle[known] * lever - wanted
+        left = left - lever * float(lever @ left) / float(lever @ lever)
+        # Closest fits of a Formate gear state the residual at the nodes of the fit.
+        assert np.abs(left).max() < 1.5 * item.largest_residual + 2e-3

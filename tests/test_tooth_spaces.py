@@ -1,0 +1,101 @@
+"""Lands, slots and fillets on generated teeth, beside what AGMA 929 says of them."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+
+from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
+from easeoff.geometry import GearPair
+from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
+from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
+from easeoff.geometry.tooth.contact_height import contact_heights
+from easeoff.geometry.tooth.land_width import land_widths
+from easeoff.geometry.tooth.tooth_surface import tooth_surface
+from easeoff.study import summary_sheet
+from easeoff.study.design.tooth_spaces import ToothSpaces, tooth_spaces
+
+ENDS = np.array([0.0, 0.5, 1.0])
+
+
+@cache
+def pair_of(name: str) -> GearPair:
+    return gear_pair(read_case(name))
+
+
+@cache
+def spaces_of(name: str) -> ToothSpaces:
+    pair = pair_of(name)
+    return tooth_spaces(pair, gear_pair(read_case(name), "coast"), measured_proportions(pair))
+
+
+def test_slot_of_a_spread_blade_is_as_wide_as_its_points_are_apart() -> None:
+    """Formate, the blade tips of one cutter sweep two concentric circles in the plane of the slot's bottom."""
+    pair = pair_of("fm-11x41")
+    assert pair.gear.opposite is not None
+    inside, outside = sorted((pair.gear.loaded.blade.point_radius, pair.gear.opposite.blade.point_radius))
+    slot = land_widths(pair, "gear", ENDS).slot
+    assert np.allclose(slot, outside - inside, rtol=0.0, atol=0.015)
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_top_land_is_that_of_the_tooth_surface(member: str) -> None:
+    """Its width along the circle, turned to the normal of the edge, which is measured on the surface itself."""
+    pair = pair_of("nasa-12x36")
+    edge = tooth_surface(pair, member, (41, 5)).top_land
+    middle = edge[:, :, edge.shape[2] // 2]
+    along = np.gradient(middle, axis=1, edge_order=2)[:, 20]
+    across = edge[:, 20, -1] - edge[:, 20, 0]
+    along = along / np.linalg.norm(along)
+    normal = across - along * float(along @ across)
+    found = land_widths(pair, member, np.array([0.5])).top_land[0]
+    assert found == pytest.approx(float(np.linalg.norm(normal)), rel=5e-3)
+
+
+def test_measured_proportions_are_those_of_the_blank() -> None:
+    """Face-hobbed of uniform depth, whose flanks have the blank's angles; of a tapered pair at another mean point."""
+    for name, groups, tolerance in (("fh-design-a", 13, 1e-6), ("fm-11x41", 0, 0.01)):
+        design = read_design(name)
+        teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
+        blank = designed_blanks(design.blank_design, teeth, design.pair)
+        radius = design.blank_design.cutter_radius
+        wanted = ToothProportions.of(blank, radius, groups, generated_gear=False)
+        found = measured_proportions(pair_of(name))
+        for field in ("mean_cone_distance", "mean_addendum", "mean_dedendum", "pitch_angle", "cutter_radius"):
+            assert np.allclose(getattr(found, field), getattr(wanted, field), rtol=tolerance), field
+        for field in ("mean_normal_module", "clearance", "drive_pressure_angle", "coast_pressure_angle"):
+            assert getattr(found, field) == pytest.approx(getattr(wanted, field), rel=tolerance), field
+        assert found.mean_normal_thickness[1] == pytest.approx(wanted.mean_normal_thickness[1], rel=tolerance)
+        assert found.offset_angle == pytest.approx(wanted.offset_angle, rel=tolerance)
+
+
+def test_formulas_and_teeth_agree_on_a_published_pair() -> None:
+    """The 12 x 36 pair by its published settings: gear slot to 0.02 mm, the rest to 0.2 mm of 1.2 to 3.3 mm."""
+    spaces = spaces_of("nasa-12x36")
+    for k, slot in ((0, 0.2), (1, 0.02)):
+        measured = spaces.measured[k]
+        assert np.abs(measured.slot - spaces.slots.width[k]).max() < slot
+        assert np.abs(measured.top_land - spaces.lands.width[k]).max() < 0.15
+        assert np.abs(measured.root_line).max() < 2e-3
+    assert list(spaces.warnings()) == []
+
+
+def test_contact_ends_deeper_where_the_addendum_of_the_mate_is_larger() -> None:
+    """The path of a tip is as far from the root as the clearance at the pitch point, or further off it."""
+    pair = pair_of("fh-design-a")
+    heights, along = contact_heights(pair, ENDS)
+    assert heights.shape == along.shape == (2, 3)
+    assert np.nanmin(heights) > pair.gear.section.clearance
+
+
+def test_sheet_shows_formulas_teeth_and_their_difference() -> None:
+    text = summary_sheet(read_case("nasa-12x36")).text()
+    row = next(line for line in text.splitlines() if line.startswith("gear slot width"))
+    numbers = [float(value) for value in re.findall(r"[+-]?\d+\.\d+", row)]
+    assert len(numbers) == 9
+    assert np.allclose(np.array(numbers[3:6]) - numbers[:3], numbers[6:], atol=2e-3)
+    assert "blade tip above the root cone" in text
+    assert "edge radius: greatest" in text
