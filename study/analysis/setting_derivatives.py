@@ -111,10 +111,11 @@ def derivatives(
     torques: float | Sequence[float] | None = None,
     misalignment: MisalignmentSource | None = None,
     modification: Modification | None = None,
+    edge_contact: bool | None = None,
 ) -> xr.DataTree:
     """Differentiate an analysis of a case by settings, assembly errors, deviations and torque.
 
-    Contact is on lines alone, with rigid supports; the elastic teeth are held. See `Derivatives of an analysis
+    Supports are rigid; the elastic teeth are held. See `Derivatives of an analysis
     <../python/derivatives.html>`_.
 
     Parameters
@@ -124,7 +125,7 @@ def derivatives(
     settings
         Names as of ``sweep``: dotted keys of machine and cutter settings of the flanks in mesh, ``E``, ``P``, ``G``,
         ``Sigma``, ``modification.TERM`` and ``torque``; all of ``derivative_settings`` if left out.
-    flank, torques, misalignment, modification
+    flank, torques, misalignment, modification, edge_contact
         As of ``analyze``.
 
     Returns
@@ -153,12 +154,16 @@ def derivatives(
     """
     case = checked_case(case)
     state = CaseInMesh.of(case, flank=flank, misalignment=misalignment, modification=modification)
-    return contact_derivatives(state, settings, torques)
+    return contact_derivatives(state, settings, torques, edge_contact=edge_contact)
 
 
 @one_blas_thread()
 def contact_derivatives(
-    state: CaseInMesh, settings: Sequence[str] | None = None, torques: float | Sequence[float] | None = None
+    state: CaseInMesh,
+    settings: Sequence[str] | None = None,
+    torques: float | Sequence[float] | None = None,
+    *,
+    edge_contact: bool | None = None,
 ) -> xr.DataTree:
     """Differentiate the contact of a pair in mesh; arguments, returns and raises as ``derivatives``.
 
@@ -181,7 +186,8 @@ def contact_derivatives(
         raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
     chosen, names = _chosen(state.pair, state.flank, settings)
     load = case_torques(case, torques)
-    loaded, cases = cycle.loaded(load, edge_contact=False)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
+    loaded, cases = cycle.loaded(load, edge_contact=edges)
     if not all(one.solution.status == Status.CERTIFIED for one in cases):
         raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
     values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
@@ -194,7 +200,7 @@ def contact_derivatives(
     attributes: dict[str, Any] = {
         **case_attributes(case, "derivatives"),
         **state.attributes,
-        "edge_contact": 0,
+        "edge_contact": int(edges),
         "held": "elastic teeth and tooth bodies",
     }
     found = labelled(found)

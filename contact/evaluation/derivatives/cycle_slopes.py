@@ -20,7 +20,7 @@ from .bending_slopes import BendingSlopes
 from .field_directions import FieldDirections
 from .line_motion import line_motion
 from .loaded_slopes import CaseSlopes, case_slopes
-from .segment_slopes import SegmentSlopes
+from .segment_slopes import EdgePieces, SegmentSlopes
 from .unloaded_slopes import unloaded_slopes
 
 Array = NDArray[Any]
@@ -35,6 +35,7 @@ OF_LOAD = (
     "harmonic",
     "rms",
     "load_share",
+    "edge_share",
     "force",
     "pressure",
     "max_pressure",
@@ -70,7 +71,7 @@ def cycle_slopes(
     settings
         By what to differentiate, beside the torque.
     loaded, cases
-        From ``cycle.loaded`` with ``edge_contact=False``.
+        From ``cycle.loaded``.
 
     Returns
     -------
@@ -82,7 +83,7 @@ def cycle_slopes(
     Raises
     ------
     InputError
-        If the teeth are plates, or a case is not one of contact on lines with rigid supports.
+        If the teeth are plates, or a case is not one with rigid supports.
     GeometryError
         If a contact line ends at a hole of the flank.
 
@@ -101,9 +102,10 @@ def cycle_slopes(
     told = cycle.geometry.ease_off
     bends = {name: ordered(told, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
     directions = FieldDirections.of(cycle.fields, bends, by_node)
-    slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines))
-    bending = BendingSlopes.of(cycle.segments.on_lines, directions, slopes)
-    found = case_slopes(cycle.segments, slopes, bending, cases, 1e3 * cycle.ratio)
+    edges = any(np.any(np.isfinite(case.segments.line_contact.overhang)) for case in cases)
+    pieces = EdgePieces.of(cases) if edges else None
+    slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines), pieces)
+    found = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
     values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
     data: dict[str, Any] = {}
     for name, (dims, change) in ease_off_slopes(cycle, by_node).items():
@@ -138,23 +140,30 @@ def _loaded(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str, Any]:
     pairs, size = loaded["pair"].values, loaded.sizes["segment"]
     rotation = np.full((*cycle, count), np.nan)
     share = np.full((*cycle, pairs.size, count), np.nan)
+    on_edges = np.full((*cycle, count), np.nan)
     of_segments = {name: np.full((*cycle, size, count), np.nan) for name in ("force", "pressure")}
     for one in found:
         at, here = (one.case.torque, one.case.mesh_position), one.case.segments
         rotation[at] = 1e6 * one.rotation
         whole = one.case.problem.torque
         moments = here.lever_arm * one.case.solution.force
-        for number, pair in enumerate(pairs):
-            own = here.pair == pair
+
+        def of_whole(own: Array, one: CaseSlopes = one, moments: Array = moments, whole: float = whole) -> Array:
             # The moments add up to the torque, which the last setting changes.
-            share[at][number] = one.moment[own].sum(axis=0) / whole
-            share[at][number, -1] -= moments[own].sum() / whole * one.moment[:, -1].sum() / whole
+            part = one.moment[own].sum(axis=0) / whole
+            part[-1] -= moments[own].sum() / whole * one.moment[:, -1].sum() / whole
+            return np.asarray(part)
+
+        for number, pair in enumerate(pairs):
+            share[at][number] = of_whole(here.pair == pair)
+        on_edges[at] = of_whole(here.edge >= 0)
         of_segments["force"][at][: here.pair.size] = one.force
         of_segments["pressure"][at][: here.pair.size] = one.pressure
     error = ordered(loaded, "transmission_error", "torque", "mesh_position")
     data: dict[str, Any] = {"transmission_error": (("torque", "mesh_position", "setting"), rotation)}
     data |= _rotation_slopes(error, rotation, loaded.sizes["order"])
     data["load_share"] = (("torque", "mesh_position", "pair", "setting"), share)
+    data["edge_share"] = (("torque", "mesh_position", "setting"), on_edges)
     for name, values in of_segments.items():
         data[name] = (("torque", "mesh_position", "segment", "setting"), values)
     pressure = ordered(loaded, "pressure", "torque", "mesh_position", "segment")
