@@ -15,8 +15,10 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
 from easeoff.contact.evaluation.derivatives.cycle_slopes import cycle_slopes
-from easeoff.contact.loaded_cases import LoadedCase, rotation_numbers
 from easeoff.contact.lines.opposite_points import PASSING_FIELDS
+from easeoff.contact.lines.turned_flanks import TurnedFlanks
+from easeoff.contact.loaded_cases import LoadedCase, rotation_numbers
+from easeoff.contact.pair_errors import PairErrors
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
@@ -173,7 +175,8 @@ def test_fields_agree_with_differences_of_solutions(name: str) -> None:
             change, own = rate([one[field] for one in found], step), slopes[field][..., number]
             if field == "ease_off_angle":  # its zero may be that of another node
                 change, own = change - change[4, 3], own - own[4, 3]
-            assert np.abs(change - own).max() <= 1e-6 * np.abs(own).max() + 1e-10, (setting, field)
+            rough = 1e3 if field.endswith("acceleration") else 1.0  # a second difference in the field itself
+            assert np.abs(change - own).max() <= rough * (1e-6 * np.abs(own).max() + 3e-8), (setting, field)
 
 
 @pytest.mark.quick(2)
@@ -259,23 +262,49 @@ def test_pressure_agrees_with_differences() -> None:
     assert np.abs(on_edges - own).max() < 1e-4 * np.abs(own).max()
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", CASES)
-def test_unloaded_contact_agrees_with_whole_analyses(name: str) -> None:
-    pair = geometry_of(name).pair
-    settings = settings_of(pair)[::5]
-    _, slopes = values_and_slopes(name, tuple(settings))
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("flank", FLANKS)
+@pytest.mark.parametrize("name", ["nasa-12x36", *(name for name in CASES if name != "nasa-12x36")])
+def test_unloaded_contact_agrees_with_whole_analyses(name: str, flank: FlankName) -> None:
+    """On edges as well, which carry ``nasa-12x36`` at every rotation."""
+    pair = geometry_of(name, flank).pair
+    settings = settings_of(pair)[::7]
+    values, slopes = values_and_slopes(name, tuple(settings), flank)
+    errors = PairErrors.of(TurnedFlanks(geometry_of(name, flank)), cycle_of(name, flank).lines)
+    places = np.arange(128) / 128
+    assert values["unloaded_transmission_error_envelope"].values == pytest.approx(
+        1e6 * errors.envelope_at(places[::16]), abs=1e-8
+    )
     own = 1e-6 * slopes["unloaded_transmission_error_envelope"].values
     for number, setting in enumerate(settings):
         step = 3e-4 * setting.scale
-        ahead, behind = (
-            MeshCycle.of(pair_geometry(setting.moved(pair, sign * step)), mesh_positions=8).unloaded()
-            for sign in (1.0, -1.0)
-        )
-        difference = ahead["transmission_error_envelope"] - behind["transmission_error_envelope"]
-        change = 1e-6 * difference.values / (2.0 * step)
-        known = np.isfinite(own[:, number])
-        assert np.abs(change - own[:, number])[known].max() < 1e-5 * np.abs(own[known, number]).max() + 1e-10, setting
+        cycles = [
+            MeshCycle.of(pair_geometry(setting.moved(pair, sign * step)), mesh_positions=8) for sign in (1.0, -1.0)
+        ]
+        ahead, behind = (PairErrors.of(TurnedFlanks(one.geometry), one.lines) for one in cycles)
+        change = (ahead.envelope_at(places[::16]) - behind.envelope_at(places[::16])) / (2.0 * step)
+        size = np.nanmax(np.abs(own[:, number]))
+        # All of them, but where the carrying pair changes just there.
+        away = np.abs(change - own[:, number])
+        assert np.sort(away)[:-1].max() < 3e-6 * size + 1e-10, setting
+        step = 3e-3 * setting.scale
+        far, near = (range_of(pair_geometry(setting.moved(pair, sign * step))) for sign in (1.0, -1.0))
+        found = 1e-6 * slopes["unloaded_peak_to_peak"].values[number]
+        assert found == pytest.approx((far - near) / (2.0 * step), abs=3e-4 * size + 1e-9), setting
+
+
+def range_of(geometry: PairGeometry) -> float:
+    """Peak to peak of the envelope [rad], by looking ever closer around its extremes."""
+    errors = PairErrors.of(TurnedFlanks(geometry), MeshCycle.of(geometry, mesh_positions=8).lines)
+    fine, found = errors.fine_envelope(), 0.0
+    for sign in (1.0, -1.0):
+        place, reach = np.argmax(sign * fine) / fine.size, 1.5 / fine.size
+        for _ in range(6):
+            around = place + np.linspace(-reach, reach, 41)
+            heights = sign * errors.envelope_at(np.mod(around, 1.0))
+            place, reach = around[np.argmax(heights)], 0.1 * reach
+        found += float(np.max(heights))
+    return found
 
 
 def test_user_gets_names_and_units_of_sweeps() -> None:

@@ -21,7 +21,7 @@ from .field_directions import FieldDirections
 from .line_motion import line_motion
 from .loaded_slopes import CaseSlopes, case_slopes
 from .segment_slopes import EdgePieces, SegmentSlopes
-from .unloaded_slopes import unloaded_slopes
+from .unloaded_slopes import UnloadedSlopes, unloaded_slopes
 
 Array = NDArray[Any]
 
@@ -111,8 +111,7 @@ def cycle_slopes(
     for name, (dims, change) in ease_off_slopes(cycle, by_node).items():
         data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
     data |= _loaded(loaded, found)
-    error, change = unloaded_slopes(cycle.geometry, cycle.lines, settings, by_node)
-    numbers = _unloaded(error, np.pad(change, ((0, 0), (0, 1))))
+    numbers = _unloaded(unloaded_slopes(cycle.geometry, cycle.lines, settings, by_node))
     values |= numbers[0]
     coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
     coords |= {name: told[name] for name in _GRID}
@@ -121,9 +120,9 @@ def cycle_slopes(
     )
 
 
-def _unloaded(error: Array, slopes: Array) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of the unloaded transmission error (n) [rad], and their derivatives from its own (n, j)."""
-    fine, change = 1e6 * error[None], 1e6 * slopes[None]
+def _unloaded(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of the unloaded transmission error [urad], and their derivatives, by the torque none."""
+    fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
     own, by_setting = rotation_numbers(fine), _rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
     values = {f"unloaded_{name}": (own[name][0][1:], own[name][1][0]) for name in names}
@@ -131,6 +130,8 @@ def _unloaded(error: Array, slopes: Array) -> tuple[dict[str, Any], dict[str, An
     envelope = "unloaded_transmission_error_envelope"
     values[envelope] = (("mesh_position",), fine[0, ::ENVELOPE_REFINEMENT])
     data[envelope] = (("mesh_position", "setting"), change[0, ::ENVELOPE_REFINEMENT])
+    values["unloaded_peak_to_peak"] = ((), 1e6 * found.peak_to_peak)
+    data["unloaded_peak_to_peak"] = (("setting",), 1e6 * np.append(found.peak_slopes, 0.0))
     return values, data
 
 
