@@ -100,7 +100,8 @@ def _chosen(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tu
             )
     if not wanted or len(set(wanted)) != len(wanted):
         raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")
-    return [known[name] for name in wanted if name != "torque"], wanted
+    # The torque comes with any other setting; alone it takes one along.
+    return [known[name] for name in wanted if name != "torque"] or [next(iter(known.values()))], wanted
 
 
 def derivatives(
@@ -190,7 +191,9 @@ def contact_derivatives(
     loaded, cases = cycle.loaded(load, edge_contact=edges)
     if not all(one.solution.status == Status.CERTIFIED for one in cases):
         raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
+    with_roots = case.compliance.model == "fe" and all(tooth.root is not None for tooth in state.teeth or ())
+    roots = state.teeth if with_roots else None
+    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases, roots)
     order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
     factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
     found = (slopes.isel(setting=order) * factors).assign_coords(

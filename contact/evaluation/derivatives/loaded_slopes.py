@@ -42,6 +42,10 @@ class CaseSlopes:
         Of the segments (n, j) [N, MPa].
     moment
         Of the segments' moments about the gear axis (n, j) [N mm].
+    place
+        Of the segments' places (2, n, j), as fractions on the gear.
+    length, equivalent_radius
+        Of these (n, j) [mm]. As the places those of edges without load are left at zero.
     """
 
     case: LoadedCase
@@ -49,6 +53,9 @@ class CaseSlopes:
     force: Array
     pressure: Array
     moment: Array
+    place: Array
+    length: Array
+    equivalent_radius: Array
 
 
 def case_slopes(
@@ -79,7 +86,8 @@ def case_slopes(
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
         own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
         bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
-        result.append(_case(case, own, bent, torque_slope))
+        place = np.stack([_among(values[rows[known]], known, rows.size) for values in slopes.places])
+        result.append(_case(case, own, bent, place, torque_slope))
     return result
 
 
@@ -90,7 +98,7 @@ def _among(values: Array, rows: Array, count: int) -> Array:
     return every
 
 
-def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, torque_slope: float) -> CaseSlopes:
+def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array, torque_slope: float) -> CaseSlopes:
     here, solution = case.segments, case.solution
     force, contact = solution.force, here.line_contact
     arm, count = slopes["lever_arm"], bent.shape[1]
@@ -113,7 +121,10 @@ def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, torque_slope:
     of_load = of_load - with_torque(sizes["equivalent_radius"] / contact.equivalent_radius[:, None])
     pressure = 0.5 * contact.pressure(force)[:, None] * of_load
     moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
-    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment)
+    own = place[0], place[1], sizes["length"], sizes["equivalent_radius"]
+    lengthwise, profile, length, radius = (with_torque(values) for values in own)
+    of_place = np.stack([lengthwise, profile])
+    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, of_place, length, radius)
 
 
 def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Array]:

@@ -115,6 +115,11 @@ class SegmentSlopes:
         slopes = {name: np.stack([one.values[name] for one in columns], axis=-1) for name in NAMES}
         return cls(own, known, slopes, here.points, np.stack([one.points for one in columns], axis=-1), steps)
 
+    @property
+    def places(self) -> Array:
+        """Derivatives (2, n, j) of the segments' places, the means of the points where the teeth are loaded."""
+        return np.asarray(np.einsum("xngj,g->xnj", self.motion, self.segments.on_lines.quadrature[1]))
+
     def rows(self, case: LoadedCase) -> NDArray[np.int64]:
         """Numbers of a case's segments (s) among these; -1 for pieces of edges that are not."""
         position = self.segments.on_lines.names["position"]
