@@ -82,6 +82,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "trace_length": ("mm", "length of the tooth along its trace at mid height"),
     "trace_radius": ("mm", "radius of the tooth trace at mid face"),
     "tooth_height": ("mm", "tooth height above the root cone"),
+    "tooth_thickness": ("mm", "normal circular thickness of the tooth in the middle of the flank"),
     "plate_thickness": ("mm", "normal thickness of the plate that stands for the tooth"),
     "fitted_thickness": ("mm", "normal thickness of the plate with a bulge that stands for the tooth"),
     "bulge": ("mm", "what the plate with a bulge is thicker at mid height than an even taper"),

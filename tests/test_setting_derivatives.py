@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from held_teeth import anew
 from numpy.typing import NDArray
 
 from easeoff.cases import gear_pair, read_case
@@ -22,15 +23,12 @@ from easeoff.contact.pair_errors import PairErrors
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
-from easeoff.geometry.pair.datasets import ease_off_dataset, teeth_dataset
-from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.field_slopes import field_slopes
 from easeoff.geometry.pair.gap_slopes import gap_slopes
-from easeoff.geometry.pair.gear_pair import FlankName, GearPair, MemberGeometry, PairGeometry
+from easeoff.geometry.pair.gear_pair import FlankName, GearPair, PairGeometry
 from easeoff.geometry.pair.modification import Modification, modified_ease_off
 from easeoff.geometry.pair.near_pair import PLACES, rate
 from easeoff.geometry.pair.pair_setting import ERROR_STEPS, PairSetting
-from easeoff.geometry.pair.rolling import drift
 from easeoff.study import derivatives
 
 Array = NDArray[Any]
@@ -40,7 +38,7 @@ FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 TORQUES = {"fm-11x41": 250.0, "nasa-12x36": 100.0}
 MOTIONS = ("sliding_base_motion_1", "cutter_tilt_motion_2")
 #: Steps of the differences, over the usual step of a setting: short enough to meet no change of the touching segments.
-STEPS = (3e-5, 1e-5, 3e-6)
+STEPS = (1e-4, 3e-5, 1e-5)
 TOLERANCE = 1e-6
 #: What rounding leaves of the rotation [rad]; over a step it is the least error a difference can have.
 ROTATION_ROUNDING = 3e-15
@@ -71,20 +69,6 @@ def values_and_slopes(
     return cycle_slopes(cycle, settings, *cycle.loaded([TORQUES.get(name, 300.0)], edge_contact=edges))
 
 
-def anew(cycle: MeshCycle, pair: GearPair) -> MeshCycle:
-    """The mesh of another pair from scratch, but for the tooth bodies, which derivatives hold."""
-    members = cycle.geometry.members
-    gear = pair.gear.flank(members.lengthwise, members.profile)
-    exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    t, h = members.lengthwise, members.profile
-    members = MemberGeometry(t, h, members.pinion, gear, members.bodies)
-    feet = members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal), members.gear_feet
-    moving = drift(exact)
-    teeth = teeth_dataset(t, h, members.bodies, feet)
-    geometry = PairGeometry(pair, members, exact, moving, ease_off_dataset(t, h, exact, moving), teeth)
-    return cycle.with_geometry(geometry)
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
@@ -100,7 +84,7 @@ def test_loaded_contact_agrees_with_differences_for_all_settings(
 @pytest.mark.parametrize("name", CASES)
 def test_contact_on_lines_agrees_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
-    check_settings(name, "drive", settings_of(geometry_of(name).pair)[::4], edges=False)
+    check_settings(name, "drive", settings_of(geometry_of(name).pair)[::6], edges=False)
 
 
 @pytest.mark.parametrize(
@@ -139,6 +123,8 @@ def check_settings(
                     continue
                 change = (ahead[at].solution.rotation - behind[at].solution.rotation) / (2.0 * step)
                 best[at] = min(best[at], max(abs(change - own[at]) - ROTATION_ROUNDING / step, 0.0))
+            if best.max() < TOLERANCE * np.abs(own).max():
+                break
         assert np.isfinite(best).mean() > 0.7, setting
         assert best[np.isfinite(best)].max() < TOLERANCE * np.abs(own).max(), setting
 

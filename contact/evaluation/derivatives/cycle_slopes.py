@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 from ....core.attributes import labelled
 from ....core.ordered_values import ordered
 from ....geometry.pair.field_slopes import field_slopes
+from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.pair.pair_setting import PairSetting
+from ....geometry.pair.thickness_slopes import mean_thicknesses, thickness_slopes
 from ...compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ...load_capacity.tooth_root_stress import root_stress
 from ...loaded_cases import LoadedCase
 from ...mesh_cycle import MeshCycle
+from ..load_spot import load_spot
 from .bending_slopes import BendingSlopes
 from .field_directions import FieldDirections
 from .line_motion import line_motion
-from .load_spot import load_spot
+from .load_spot_slopes import load_spot_slopes
 from .load_variables import OF_LOAD, load_variables
 from .loaded_slopes import CaseSlopes, case_slopes
 from .root_stress_slopes import OF_ROOTS, root_stress_slopes
@@ -94,23 +97,27 @@ class CycleSlopes:
     ) -> tuple[xr.Dataset, xr.Dataset]:
         """Values and derivatives; arguments and returns as of ``cycle_slopes``."""
         cycle, told = self.cycle, self.cycle.geometry.ease_off
-        spot = load_spot(loaded, self.cases)
+        spot = load_spot(loaded)
         values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
         data: dict[str, Any] = {}
         for name, (dims, change) in ease_off_slopes(cycle, self.nodes).items():
             data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
         data |= load_variables(loaded, self.cases)
         unloaded = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes)
-        for parts in (unloaded_numbers(unloaded), spot):
+        for parts in (unloaded_numbers(unloaded), (spot, load_spot_slopes(spot, self.cases))):
             values |= parts[0]
             data |= parts[1]
+        pair = cycle.geometry.pair
+        values["tooth_thickness"] = (("member",), mean_thicknesses(pair))
+        by_setting = thickness_slopes(pair, self.settings)
+        data["tooth_thickness"] = (("member", "setting"), np.pad(by_setting, ((0, 0), (0, 1))))
         coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
+        coords["member"] = list(MEMBERS)
         coords |= {name: told[name] for name in _GRID}
         if roots is not None:
             stress = root_stress(cycle.fields, roots, [one.case for one in self.cases], loaded)
             values |= {name: stress[name] for name in OF_ROOTS}
             data |= root_stress_slopes(self.directions, roots, self.cases, stress)
-            coords["member"] = stress["member"]
         return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False)), xr.Dataset(data, coords=coords)
 
 

@@ -26,6 +26,7 @@ Array = NDArray[Any]
 
 SIZE_STEP = 1e-5  # relative, of the sizes of a line contact in a difference of its deflection
 OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a difference; strips are some hundredths wide
+SIZES = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def case_slopes(
         If a case is not certified, or is supported.
     """
     result = []
-    for case in cases:
+    for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
         here, force = case.segments, case.solution.force
         if here.held is not None:
             raise InputError("cases: must be those of rigid supports to have derivatives")
@@ -87,7 +88,9 @@ def case_slopes(
         own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
         bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
         place = np.stack([_among(values[rows[known]], known, rows.size) for values in slopes.places])
-        result.append(_case(case, own, bent, place, torque_slope))
+        sizes = _sizes(here.line_contact, own)
+        bent = bent + sum(softer[name][:, None] * change for name, change in sizes.items())
+        result.append(_case(case, own | sizes, bent, place, torque_slope))
     return result
 
 
@@ -102,8 +105,6 @@ def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array,
     here, solution = case.segments, case.solution
     force, contact = solution.force, here.line_contact
     arm, count = slopes["lever_arm"], bent.shape[1]
-    sizes = _sizes(contact, slopes)
-    bent = bent + sum(_deflection_slope(contact, name, force)[:, None] * change for name, change in sizes.items())
     gap = slopes["separation_angle"] * here.lever_arm[:, None] + here.separation_angle[:, None] * arm
     turn = np.zeros(count + 1)
     turn[-1] = torque_slope
@@ -117,11 +118,11 @@ def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array,
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         of_load = np.nan_to_num(changes.force / force[:, None], posinf=0.0, neginf=0.0)
-    of_load = of_load - with_torque(sizes["length"] / contact.length[:, None])
-    of_load = of_load - with_torque(sizes["equivalent_radius"] / contact.equivalent_radius[:, None])
+    of_load = of_load - with_torque(slopes["length"] / contact.length[:, None])
+    of_load = of_load - with_torque(slopes["equivalent_radius"] / contact.equivalent_radius[:, None])
     pressure = 0.5 * contact.pressure(force)[:, None] * of_load
     moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
-    own = place[0], place[1], sizes["length"], sizes["equivalent_radius"]
+    own = place[0], place[1], slopes["length"], slopes["equivalent_radius"]
     lengthwise, profile, length, radius = (with_torque(values) for values in own)
     of_place = np.stack([lengthwise, profile])
     return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, of_place, length, radius)
@@ -140,9 +141,16 @@ def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Arr
     return sizes
 
 
-def _deflection_slope(contact: WeberLineContact, name: str, force: Array) -> Array:
-    """Derivative (n) of the local deflection under a held force by one of the sizes."""
-    size = getattr(contact, name)
-    step = OVERHANG_STEP if name == "overhang" else SIZE_STEP * size
-    ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
-    return np.asarray((ahead - behind) / (2.0 * step))
+def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
+    """Derivatives (n) of the local deflections under held forces by each of the sizes, for every case."""
+    contact = WeberLineContact.joined([case.segments.line_contact for case in cases])
+    force = np.concatenate([case.solution.force for case in cases])
+    ends = np.cumsum([case.solution.force.size for case in cases])[:-1]
+    found: list[dict[str, Array]] = [{} for _ in cases]
+    for name in SIZES:
+        size = getattr(contact, name)
+        step = OVERHANG_STEP if name == "overhang" else SIZE_STEP * size
+        ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
+        for one, values in zip(found, np.split((ahead - behind) / (2.0 * step), ends), strict=True):
+            one[name] = values
+    return found

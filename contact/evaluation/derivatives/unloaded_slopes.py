@@ -82,12 +82,15 @@ def unloaded_slopes(
     count = ENVELOPE_REFINEMENT * mesh.rotations.size
     ahead = np.arange(count) / count
     carrying, touching = errors.carrying_at(ahead)
-    peak, by_setting = 0.0, np.zeros(len(settings))
     places = extremes(1e6 * touching.gap, lambda at: 1e6 * errors.envelope_at(at), PEAK_TOLERANCE)
-    for sign, (place, value) in zip((1.0, -1.0), places, strict=True):
-        peak += sign * 1e-6 * value
-        by_setting = by_setting + sign * _at_extreme(errors, moving, place)
-    return UnloadedSlopes(touching.gap, moving(touching, errors.rotations_at(ahead, carrying)), peak, by_setting)
+    peaks = [_Extreme.near(errors, place) for place, _ in places]
+    # All points at once: the pairs near this one are the same for all of them.
+    joined = TouchingPoints.joined([touching, *(peak.touching for peak in peaks)])
+    rotation = np.concatenate([errors.rotations_at(ahead, carrying), *(peak.rotation for peak in peaks)])
+    change = moving(joined, rotation)
+    of_peaks = [peak.slopes(change[count + 2 * k : count + 2 * k + 2]) for k, peak in enumerate(peaks)]
+    values = [1e-6 * value for _, value in places]
+    return UnloadedSlopes(touching.gap, change[:count], values[0] - values[1], of_peaks[0] - of_peaks[1])
 
 
 @dataclass(frozen=True)
@@ -160,37 +163,51 @@ def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[A
     return force, ~np.any(force[PINION_BOUNDS[1] :] != 0.0, axis=0)
 
 
-def _at_extreme(errors: PairErrors, moving: _TouchingMotion, place: float) -> Array:
-    """Derivatives (j) of the carrying pair's error at its greatest or least value over the cycle, found near a place.
+@dataclass(frozen=True)
+class _Extreme:
+    """Greatest or least value of the carrying pair's error: two pairs' courses cross there, or one is level.
 
-    Two pairs' courses cross there, or one is level. A crossing moves so that both stay equal.
+    Parameters
+    ----------
+    touching, rotation
+        Points of contact of both pairs, or twice of the one, and their pinion rotations (2) [rad].
+    rates
+        Derivatives of their errors by the rotation, in pitches (2) [rad]; NaN without such a place.
     """
-    missing = np.full(len(moving.settings), np.nan)
-    if not np.isfinite(place):
-        return missing
-    # Beside a crossing the pairs on either side carry; a sample of the envelope away they do for certain.
-    beside = 1.0 / (ENVELOPE_REFINEMENT * errors.mesh.rotations.size)
-    either, _ = errors.carrying_at(np.mod(place + np.array([-beside, beside]), 1.0))
-    turns = np.floor(place + np.array([-beside, beside])).astype(np.int64)
-    pairs = either + turns  # a pair further on in the next cycle is the one before it in this
-    if np.any((pairs < 0) | (pairs >= errors.pairs.size)):
-        pairs = either
-    steps = np.array([-1.0, 0.0, 1.0])
-    for _ in range(PEAK_ROUNDS):
-        found = errors.touching_at(np.repeat(pairs, 3), place + PEAK_STEP * np.tile(steps, 2))
-        apart = found.points.reshape(2, 2, 3)
-        if not np.max(np.ptp(apart, axis=2)) < NEIGHBOUR_DISTANCE_LIMIT:
-            return missing
-        before, here, after = found.gap.reshape(2, 3).T
-        rates = (after - before) / (2.0 * PEAK_STEP)
-        if pairs[0] == pairs[1]:
-            bend = (after - 2.0 * here + before)[0] / PEAK_STEP**2
-            step = -rates[0] / bend if bend != 0.0 else 0.0
-        else:
-            step = (here[1] - here[0]) / (rates[0] - rates[1])
-        place += float(np.clip(step, -beside, beside))
-    found = errors.touching_at(pairs, np.full(2, place))
-    first, second = moving(found, errors.rotations_at(np.full(2, place), pairs))
-    if pairs[0] == pairs[1]:
-        return np.asarray(first)
-    return np.asarray(first - rates[0] * (first - second) / (rates[0] - rates[1]))
+
+    touching: TouchingPoints
+    rotation: Array
+    rates: Array
+
+    @classmethod
+    def near(cls, errors: PairErrors, place: float) -> _Extreme:
+        """The one near a place, as of ``PairErrors.envelope_at``."""
+        rates, place = np.full(2, np.nan), place if np.isfinite(place) else 0.0
+        # Beside a crossing the pairs on either side carry; a sample of the envelope away they do for certain.
+        beside = 1.0 / (ENVELOPE_REFINEMENT * errors.mesh.rotations.size)
+        either = place + np.array([-beside, beside])
+        # A pair further on in the next cycle is the one before it in this.
+        own = errors.carrying_at(np.mod(either, 1.0))[0]
+        pairs = own + np.floor(either).astype(np.int64)
+        if np.any((pairs < 0) | (pairs >= errors.pairs.size)):
+            pairs = own
+        steps = np.array([-1.0, 0.0, 1.0])
+        for _ in range(PEAK_ROUNDS):
+            found = errors.touching_at(np.repeat(pairs, 3), place + PEAK_STEP * np.tile(steps, 2))
+            if not np.max(np.ptp(found.points.reshape(2, 2, 3), axis=2)) < NEIGHBOUR_DISTANCE_LIMIT:
+                rates = np.full(2, np.nan)
+                break
+            before, here, after = found.gap.reshape(2, 3).T
+            rates = (after - before) / (2.0 * PEAK_STEP)
+            fall = -(after - 2.0 * here + before)[0] / PEAK_STEP**2 if pairs[0] == pairs[1] else rates[0] - rates[1]
+            rise = rates[0] if pairs[0] == pairs[1] else here[1] - here[0]
+            place += float(np.clip(rise / fall if fall != 0.0 else 0.0, -beside, beside))
+        at = np.full(2, place)
+        return cls(errors.touching_at(pairs, at), errors.rotations_at(at, pairs), rates)
+
+    def slopes(self, change: Array) -> Array:
+        """Derivatives (j) of the value from those of both pairs there (2, j): a crossing keeps both equal."""
+        first, second = change
+        apart = self.rates[0] - self.rates[1]
+        share = self.rates[0] / apart if apart != 0.0 else 0.0 * self.rates[0]
+        return np.asarray(first - share * (first - second))
