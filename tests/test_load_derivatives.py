@@ -32,7 +32,7 @@ COARSE = {"mesh_positions": 4, "segments_per_line": 11, "lengthwise_nodes": 17, 
 SETTINGS = (PairSetting("pinion", "radial_distance"), PairSetting("gear", "pressure_angle"))
 OPERATION = Operation(speed=1500.0, roughness=0.8)
 TORQUES = [100.0, 250.0]
-STEP_SHARE = 3e-5  # of the usual step of a setting
+STEP_SHARE = 1e-5  # of the usual step of a setting; errors fall with its square, to 1e-6 here
 
 
 def coarse(name: str, model: str = "solid_shell") -> Case:
@@ -70,7 +70,7 @@ def test_losses_and_place_of_the_load_agree_with_differences(
     spots = [load_spot(one) for _, one in both]
     for name in spots[0]:
         change = (spots[0][name][1] - spots[1][name][1]) / (2.0 * step)
-        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-5, err_msg=name)
+        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-4, err_msg=name)
     ahead, behind = (loss_of(*one) for one in both)
     for name in ("mean_power_loss", "efficiency", "mean_friction_coefficient"):
         change = ((ahead[name] - behind[name]) / (2.0 * step)).values
@@ -121,7 +121,7 @@ def test_root_stress_agrees_with_differences(monkeypatch: pytest.MonkeyPatch) ->
         for name in ("root_stress_history", "max_root_stress"):
             change = (found[0][name] - found[1][name]).values / (2.0 * step)
             here = slopes[name].values[..., number]
-            assert np.nanmax(np.abs(change - here)) < 2e-6 * np.nanmax(np.abs(here)), (setting, name)
+            assert np.nanmax(np.abs(change - here)) < 4e-6 * np.nanmax(np.abs(here)), (setting, name)
     # More torque, more stress, in every root.
     assert (slopes["max_root_stress"].isel(setting=-1) > 0.0).all()
 
@@ -136,10 +136,13 @@ def test_thickness_follows_the_gear_cutter_alone(name: str) -> None:
     assert abs(slopes[0, 1]) < 0.1
     assert slopes[1, 1] == 0.0
     assert np.all(slopes[:, 2] == 0.0)
-    # Both teeth fill the pitch: what the gear's gains the pinion's loses.
-    per_angle = mean_thicknesses(pair) / tooth_angles(pair)
+    # Both teeth fill the pitch: what the gear's angle gains the pinion's loses.
+    step = 1e-3 * by_radius.scale
+    ahead, behind = (np.array(tooth_angles(by_radius.moved(pair, sign * step))) for sign in (1.0, -1.0))
     counts = np.array([pair.pinion.teeth, pair.gear.teeth])
-    assert np.sum(slopes[:, 0] / per_angle * counts) == pytest.approx(0.0, abs=0.1 * abs(slopes[1, 0]))
+    assert np.sum(counts * (ahead - behind)) == pytest.approx(0.0, abs=1e-12)
+    own = mean_thicknesses(pair)[0] / tooth_angles(pair)[0] * (ahead - behind)[0] / (2.0 * step)
+    assert slopes[0, 0] == pytest.approx(own, rel=1e-6)
 
 
 def test_user_gets_losses_with_a_speed_and_the_torque_alone() -> None:
