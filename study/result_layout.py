@@ -106,6 +106,7 @@ OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
 }
 
+LOAD_SPOT = ("load_centre_lengthwise", "load_centre_profile", "load_extent_lengthwise", "load_extent_profile")
 PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 EVALUATION: dict[tuple[str, ...], tuple[str, ...]] = {
     ("torque",): (
@@ -123,7 +124,12 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {PAIRS: ("contact_edge", "line_length")},
         {GRID: ("least_gap",)},
     ),
-    "loaded": (EVALUATION, {SEGMENTS: ("overhang",), LOADED: ("edge_share",)}, {("torque",): ("rms",)}),
+    "loaded": (
+        EVALUATION,
+        {SEGMENTS: ("overhang",), LOADED: ("edge_share",)},
+        {("torque",): ("rms",)},
+        {("torque",): LOAD_SPOT},
+    ),
     "supports": (
         {
             ("bearing", *LOADED, "space"): ("bearing_force", "bearing_moment"),

@@ -16,6 +16,7 @@ from ..mesh_cycle import MeshCycle
 from .carrying_error import CarryingError
 from .contact_ratio import loaded_contact_ratio, unloaded_contact_ratio
 from .flank_region import FlankRegion, region_below
+from .load_spot import load_spot
 from .marking_print import MarkingPrint, least_gap
 from .mesh_stiffness import mesh_stiffnesses
 from .pressure_map import PRESSURE_TOLERANCE, pressure_map
@@ -68,7 +69,7 @@ def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
 
 
 def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[LoadedCase]) -> xr.Dataset:
-    """The group ``/loaded`` with contact ratio, pattern, place of the greatest pressure and mesh stiffness.
+    """The group ``/loaded`` with contact ratio, pattern, place of load and greatest pressure, and mesh stiffness.
 
     Parameters
     ----------
@@ -112,6 +113,7 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
         "max_pressure_profile": ("torque", [place.point[1] for place in places]),
         "max_pressure_line_end": ("torque", ends, LineEnd.flag_attributes()),
         **{name: ("torque", values) for name, values in _pattern(regions).items()},
+        **load_spot(loaded),
     }
     return labelled(loaded.assign(numbers))
 

@@ -7,7 +7,7 @@ on the turned flanks finds the minimum within the bounds.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -67,6 +67,12 @@ class TouchingPoints:
     parameters: Array
     part: NDArray[np.int8]
     bound: NDArray[np.int64]
+
+    @classmethod
+    def joined(cls, parts: Sequence[TouchingPoints]) -> TouchingPoints:
+        """Several, one after the other."""
+        names = ("gap", "points", "parameters", "part", "bound")
+        return cls(*(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names))
 
     def at(self, index: NDArray[Any]) -> TouchingPoints:
         """Those at an index (m)."""

@@ -1,0 +1,156 @@
+"""Derivatives of root stress, losses and place of the load: against differences of the whole and identities."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from held_teeth import anew
+from numpy.typing import NDArray
+
+from easeoff.cases import gear_pair, read_case
+from easeoff.cases.schema.case_schema import Case
+from easeoff.contact import MeshCycle
+from easeoff.contact.compliance import body_coupling
+from easeoff.contact.compliance.finite_elements.stress_response import StressResponse
+from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes
+from easeoff.contact.evaluation.load_spot import load_spot
+from easeoff.contact.load_capacity.tooth_root_stress import root_stress
+from easeoff.friction import FrictionModel, Operation, friction
+from easeoff.geometry.pair.gear_pair import tooth_angles
+from easeoff.geometry.pair.pair_setting import PairSetting
+from easeoff.geometry.pair.thickness_slopes import mean_thicknesses, thickness_slopes
+from easeoff.study import CaseInMesh, derivatives
+from easeoff.study.analysis.loss_slopes import loss_slopes
+
+Array = NDArray[Any]
+
+COARSE = {"mesh_positions": 4, "segments_per_line": 11, "lengthwise_nodes": 17, "profile_nodes": 11}
+SETTINGS = (PairSetting("pinion", "radial_distance"), PairSetting("gear", "pressure_angle"))
+OPERATION = Operation(speed=1500.0, roughness=0.8)
+TORQUES = [100.0, 250.0]
+STEP_SHARE = 1e-5  # of the usual step of a setting; errors fall with its square, to 1e-6 here
+
+
+def coarse(name: str, model: str = "solid_shell") -> Case:
+    case = read_case(name)
+    tables: dict[str, dict[str, Any]] = {"contact": COARSE, "compliance": {"model": model, "fineness": 0.3}}
+    return case.model_copy(update={key: getattr(case, key).model_copy(update=t) for key, t in tables.items()})
+
+
+@cache
+def cycle_of(name: str) -> MeshCycle:
+    return CaseInMesh.of(coarse(name)).cycle
+
+
+def loss_of(cycle: MeshCycle, loaded: xr.Dataset) -> xr.Dataset:
+    tree = xr.DataTree.from_dict({"ease_off": cycle.geometry.ease_off, "loaded": loaded})
+    return friction(tree, OPERATION, FrictionModel(), segment_fields=False)
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: f"{one.of}_{one.name}")
+def test_losses_and_place_of_the_load_agree_with_differences(
+    setting: PairSetting, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    cycle = cycle_of("nasa-12x36")
+    loaded, cases = cycle.loaded(TORQUES)
+    found = CycleSlopes.of(cycle, [setting], cases)
+    slopes, step = found.datasets(loaded)[1], STEP_SHARE * setting.scale
+    values, of_loss = loss_slopes(found, loaded, OPERATION, FrictionModel())
+    whole = loss_of(cycle, loaded)
+    np.testing.assert_array_equal(values["mean_power_loss"], whole["mean_power_loss"])
+    np.testing.assert_array_equal(values["efficiency"], whole["efficiency"])
+    moved = [anew(cycle, setting.moved(cycle.geometry.pair, sign * step)) for sign in (1.0, -1.0)]
+    both = [(one, one.loaded(TORQUES)[0]) for one in moved]
+    spots = [load_spot(one) for _, one in both]
+    for name in spots[0]:
+        change = (spots[0][name][1] - spots[1][name][1]) / (2.0 * step)
+        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-4, err_msg=name)
+    ahead, behind = (loss_of(*one) for one in both)
+    for name in ("mean_power_loss", "efficiency", "mean_friction_coefficient"):
+        change = ((ahead[name] - behind[name]) / (2.0 * step)).values
+        np.testing.assert_allclose(of_loss[name].values[..., 0], change, rtol=1e-5, err_msg=name)
+
+
+def test_loss_follows_the_torque() -> None:
+    cycle, step = cycle_of("nasa-12x36"), 1e-3
+    loaded, cases = cycle.loaded(TORQUES)
+    found = CycleSlopes.of(cycle, SETTINGS[:1], cases)
+    slopes = loss_slopes(found, loaded, OPERATION, FrictionModel())[1]
+    ahead, behind = (loss_of(cycle, cycle.loaded(np.array(TORQUES) + sign * step)[0]) for sign in (1.0, -1.0))
+    change = (ahead["mean_power_loss"].values - behind["mean_power_loss"].values) / (2.0 * step)
+    np.testing.assert_allclose(slopes["mean_power_loss"].values[..., -1], change, rtol=1e-5)
+    # Twice pi times the speed over a minute is what a newton metre more brings in.
+    np.testing.assert_allclose(slopes["input_power"].values[..., -1], np.pi * 1500.0 / 30.0, rtol=1e-9)
+    np.testing.assert_allclose(slopes["input_power"].values[..., 0], 0.0, atol=1e-6)
+
+
+def test_gradient_of_the_largest_stress_gives_it_back() -> None:
+    """Stress is linear in the forces, so that its largest principal one is homogeneous."""
+    generator = np.random.default_rng(5)
+    root = StressResponse(np.linspace(0.1, 0.9, 3), generator.normal(size=(3, 4, 6, 5)))
+    forces = generator.uniform(0.5, 1.0, size=(5, 7))
+    gradient, largest = root.gradients(forces), root.largest(forces).max(axis=0)
+    np.testing.assert_allclose(np.sum(gradient * forces, axis=0), largest, rtol=1e-12)
+    change = generator.normal(size=forces.shape)
+    ahead, behind = (root.largest(forces + sign * 1e-6 * change).max(axis=0) for sign in (1.0, -1.0))
+    np.testing.assert_allclose(np.sum(gradient * change, axis=0), (ahead - behind) / 2e-6, rtol=1e-6)
+
+
+@pytest.mark.thorough
+def test_root_stress_agrees_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    state = CaseInMesh.of(coarse("fm-11x41", "fe"))
+    cycle, teeth = state.cycle, state.teeth
+    assert teeth is not None
+    loaded, cases = cycle.loaded(TORQUES)
+    values, slopes = CycleSlopes.of(cycle, SETTINGS, cases).datasets(loaded, teeth)
+    told = root_stress(cycle.fields, teeth, cases, loaded)
+    np.testing.assert_array_equal(values["max_root_stress"], told["max_root_stress"])
+    for number, setting in enumerate(SETTINGS):
+        step, found = STEP_SHARE * setting.scale, []
+        for sign in (1.0, -1.0):
+            moved = anew(cycle, setting.moved(cycle.geometry.pair, sign * step))
+            solved, own = moved.loaded(TORQUES)
+            found.append(root_stress(moved.fields, teeth, own, solved))
+        for name in ("root_stress_history", "max_root_stress"):
+            change = (found[0][name] - found[1][name]).values / (2.0 * step)
+            here = slopes[name].values[..., number]
+            assert np.nanmax(np.abs(change - here)) < 4e-6 * np.nanmax(np.abs(here)), (setting, name)
+    # More torque, more stress, in every root.
+    assert (slopes["max_root_stress"].isel(setting=-1) > 0.0).all()
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+def test_thickness_follows_the_gear_cutter_alone(name: str) -> None:
+    pair = gear_pair(read_case(name))
+    by_radius, by_distance = PairSetting("gear", "point_radius"), PairSetting("pinion", "radial_distance")
+    slopes = thickness_slopes(pair, [by_radius, by_distance, PairSetting("assembly", "offset")])
+    assert slopes[1, 0] > 0.0 > slopes[0, 0]
+    # The pinion's other flank follows the loaded one: no more changes than the angle at which the tooth stands.
+    assert abs(slopes[0, 1]) < 0.1
+    assert slopes[1, 1] == 0.0
+    assert np.all(slopes[:, 2] == 0.0)
+    # Both teeth fill the pitch: what the gear's angle gains the pinion's loses.
+    step = 1e-3 * by_radius.scale
+    ahead, behind = (np.array(tooth_angles(by_radius.moved(pair, sign * step))) for sign in (1.0, -1.0))
+    counts = np.array([pair.pinion.teeth, pair.gear.teeth])
+    assert np.sum(counts * (ahead - behind)) == pytest.approx(0.0, abs=1e-12)
+    own = mean_thicknesses(pair)[0] / tooth_angles(pair)[0] * (ahead - behind)[0] / (2.0 * step)
+    assert slopes[0, 0] == pytest.approx(own, rel=1e-6)
+
+
+def test_user_gets_losses_with_a_speed_and_the_torque_alone() -> None:
+    tree = derivatives(coarse("nasa-12x36"), ["torque"], torques=TORQUES, speed=[1000.0, 2000.0])
+    slopes = tree["derivatives"].to_dataset()
+    assert slopes["setting"].values.tolist() == ["torque"]
+    assert slopes["mean_power_loss"].dims == ("torque", "speed", "temperature", "roughness", "setting")
+    assert slopes["efficiency"].attrs["units"] == "1 per setting_units"
+    assert (slopes["mean_power_loss"] > 0.0).all()
+    assert tree.attrs["edge_contact"] == 1
+    assert (slopes["tooth_thickness"] == 0.0).all()
