@@ -34,7 +34,7 @@ def coarse_analysis() -> xr.DataTree:
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
-    best = easeoff.optimize(plain, order=2, programmes=1)
+    best = easeoff.modify(plain, order=2, programmes=1)
     further = {name: best[name] for name in ("modification", "optimization")}
     return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
 

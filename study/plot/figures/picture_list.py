@@ -49,8 +49,8 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     result
-        Of ``analyze``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or ``study.wear``, or
-        what ``read_result`` and ``study.sweep.read_sweep`` read.
+        Of ``analyze``, ``modify``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or
+        ``study.wear``, or what ``read_result`` and ``study.sweep.read_sweep`` read.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
         if sign in held:
             return (name,)
     if not isinstance(result, xr.DataTree) or "loaded" not in held:
-        raise InputError("result: must be of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'")
+        raise InputError("result: must be of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'")
     return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
 
 

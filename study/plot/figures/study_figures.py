@@ -201,7 +201,7 @@ def optimization(
     Parameters
     ----------
     tree
-        Of ``easeoff.optimize``.
+        Of ``easeoff.modify``.
     parts
         Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
     axes
@@ -219,7 +219,7 @@ def optimization(
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = easeoff.read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> tree = easeoff.optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> tree = easeoff.modify(case, torques=[200.0], order=2, programmes=1)
     >>> len(easeoff.plot.optimization(tree, parts="peak_to_peak").axes)
     1
     """
