@@ -100,7 +100,8 @@ def _chosen(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tu
             )
     if not wanted or len(set(wanted)) != len(wanted):
         raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")
-    return [known[name] for name in wanted if name != "torque"], wanted
+    # The torque comes with any other setting; alone it takes one along.
+    return [known[name] for name in wanted if name != "torque"] or [next(iter(known.values()))], wanted
 
 
 def derivatives(
@@ -111,10 +112,11 @@ def derivatives(
     torques: float | Sequence[float] | None = None,
     misalignment: MisalignmentSource | None = None,
     modification: Modification | None = None,
+    edge_contact: bool | None = None,
 ) -> xr.DataTree:
     """Differentiate an analysis of a case by settings, assembly errors, deviations and torque.
 
-    Contact is on lines alone, with rigid supports; the elastic teeth are held. See `Derivatives of an analysis
+    Supports are rigid; the elastic teeth are held. See `Derivatives of an analysis
     <../python/derivatives.html>`_.
 
     Parameters
@@ -124,7 +126,7 @@ def derivatives(
     settings
         Names as of ``sweep``: dotted keys of machine and cutter settings of the flanks in mesh, ``E``, ``P``, ``G``,
         ``Sigma``, ``modification.TERM`` and ``torque``; all of ``derivative_settings`` if left out.
-    flank, torques, misalignment, modification
+    flank, torques, misalignment, modification, edge_contact
         As of ``analyze``.
 
     Returns
@@ -153,12 +155,16 @@ def derivatives(
     """
     case = checked_case(case)
     state = CaseInMesh.of(case, flank=flank, misalignment=misalignment, modification=modification)
-    return contact_derivatives(state, settings, torques)
+    return contact_derivatives(state, settings, torques, edge_contact=edge_contact)
 
 
 @one_blas_thread()
 def contact_derivatives(
-    state: CaseInMesh, settings: Sequence[str] | None = None, torques: float | Sequence[float] | None = None
+    state: CaseInMesh,
+    settings: Sequence[str] | None = None,
+    torques: float | Sequence[float] | None = None,
+    *,
+    edge_contact: bool | None = None,
 ) -> xr.DataTree:
     """Differentiate the contact of a pair in mesh; arguments, returns and raises as ``derivatives``.
 
@@ -181,10 +187,13 @@ def contact_derivatives(
         raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
     chosen, names = _chosen(state.pair, state.flank, settings)
     load = case_torques(case, torques)
-    loaded, cases = cycle.loaded(load, edge_contact=False)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
+    loaded, cases = cycle.loaded(load, edge_contact=edges)
     if not all(one.solution.status == Status.CERTIFIED for one in cases):
         raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
+    with_roots = case.compliance.model == "fe" and all(tooth.root is not None for tooth in state.teeth or ())
+    roots = state.teeth if with_roots else None
+    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases, roots)
     order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
     factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
     found = (slopes.isel(setting=order) * factors).assign_coords(
@@ -194,7 +203,7 @@ def contact_derivatives(
     attributes: dict[str, Any] = {
         **case_attributes(case, "derivatives"),
         **state.attributes,
-        "edge_contact": 0,
+        "edge_contact": int(edges),
         "held": "elastic teeth and tooth bodies",
     }
     found = labelled(found)
