@@ -65,12 +65,10 @@ class Workshop:
         found: dict[tuple[FlankName, int], Reading] = {}
         chosen = self.assemblies if assemblies is None else assemblies
         for flank, held in self.states.items():
-            pair = prepared_pair(case, flank, chosen[0])
-            geometry = held.unmodified.geometry.recut(pair)
-            cycle = held.unmodified.with_geometry(geometry)
-            state = replace(held, case=case, pair=pair, unmodified=cycle)
+            state = held.recut(case)
             for number, misalignment in enumerate(chosen):
-                own = state if number == 0 else state.misaligned(misalignment)
+                at_home = misalignment == state.pair.assembly.misalignment
+                own = state if at_home else state.misaligned(misalignment)
                 found[flank, number] = self._reading(own, flank)
         return found
 

@@ -42,6 +42,8 @@ class QuantityKind:
         Of ``contact_derivatives`` whose values are its rows.
     over_torque
         Whether the torque changes it.
+    member
+        Of which it is, where the variable has both.
     """
 
     units: str
@@ -49,6 +51,7 @@ class QuantityKind:
     kind: Kind
     variable: str
     over_torque: bool = True
+    member: str | None = None
 
 
 _ERROR = "loaded transmission error"
@@ -62,6 +65,17 @@ KINDS: dict[str, QuantityKind] = {
         "unloaded_transmission_error_envelope",
         over_torque=False,
     ),
+    **{
+        f"{member}_root_stress": QuantityKind(
+            "MPa", f"greatest root stress of the {member}", "greatest", "root_stress_history", member=member
+        )
+        for member in ("pinion", "gear")
+    },
+    **{
+        f"load_{what}_{way}": QuantityKind("1", f"{words} of the load, {way}", "affine", f"load_{what}_{way}")
+        for what, words in (("centre", "centre"), ("extent", "root-mean-square extent"))
+        for way in ("lengthwise", "profile")
+    },
     "ease_off_change": QuantityKind(
         "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off", over_torque=False
     ),
@@ -165,7 +179,7 @@ class ContactQuantity:
         elif meaning.kind == "norm":
             order = int(self.name.rpartition("_")[2])
             level, slope = _fourier(level[:, None], order)[:, 0], _fourier(slope, order)
-        elif meaning.variable == "pressure":
+        elif meaning.kind == "greatest":
             level, slope = _likely_greatest(level, slope, radius)
         elif meaning.kind == "range":
             known = np.isfinite(level)
@@ -179,17 +193,20 @@ class ContactQuantity:
 
 def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, torque: int) -> tuple[Array, Array]:
     """Values (m) of a variable, and their derivatives (m, n)."""
-    found = values[meaning.variable]
-    if "torque" in found.dims:
-        found = found.isel(torque=torque)
+    if meaning.variable not in values:
+        raise InputError(f"{meaning.long_name}: must be of a case with [compliance] model = 'fe' and edge radii")
+    found = _chosen(values[meaning.variable], meaning, torque)
     level = np.asarray(found.values, dtype=np.float64).ravel()
     if slopes is None:
         return level, np.zeros((level.size, 0))
-    change = slopes[meaning.variable]
-    if "torque" in change.dims:
-        change = change.isel(torque=torque)
-    change = change.transpose(*found.dims, "setting")
+    change = _chosen(slopes[meaning.variable], meaning, torque).transpose(*found.dims, "setting")
     return level, np.asarray(change.values, dtype=np.float64).reshape(level.size, -1)
+
+
+def _chosen(found: xr.DataArray, meaning: QuantityKind, torque: int) -> xr.DataArray:
+    if meaning.member is not None:
+        found = found.isel(member=("pinion", "gear").index(meaning.member))
+    return found.isel(torque=torque) if "torque" in found.dims else found
 
 
 def turned(change: Array, arm: Array) -> Array:
@@ -218,11 +235,11 @@ def _fourier(rows: Array, order: int) -> Array:
 
 def _likely_greatest(level: Array, slope: Array, radius: float) -> tuple[Array, Array]:
     """The rows that may become the greatest, always as many: the last one repeated where there are fewer."""
-    level, slope = np.nan_to_num(level), np.nan_to_num(slope)
+    level, slope = np.where(np.isfinite(level), level, -np.inf), np.nan_to_num(slope)
     bound = level + radius * np.linalg.norm(slope, axis=1)
     chosen = np.argsort(-bound, kind="stable")[:ROW_COUNT]
     chosen = np.concatenate([chosen, np.repeat(chosen[:1], ROW_COUNT - chosen.size)])
-    return level[chosen], slope[chosen]
+    return np.where(np.isfinite(level[chosen]), level[chosen], 0.0), slope[chosen]
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ FURTHER_PICTURES: dict[str, tuple[Drawing, Callable[[xr.DataTree], bool]]] = {
     "misalignment": (contact_figures.misalignment, lambda tree: misalignment_over_torque(tree) is not None),
     "deviations": (contact_figures.deviations, lambda tree: "ease_off_change" in tree["ease_off"]),
     "optimization": (study_figures.optimization, lambda tree: "optimization" in tree.children),
+    "front": (study_figures.front, lambda tree: "front" in tree.children),
 }
 #: Pictures of what is no result of an analysis, with a variable or group by which it is known.
 STUDY_PICTURES: dict[str, tuple[Drawing, str]] = {
