@@ -26,7 +26,7 @@ from easeoff.study.optimization.free_setting import SettingSpace, free_settings,
 from easeoff.study.optimization.setting_search import SettingSearch, first_workshop
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
-TWO = ["*.radial_distance", "*.ratio_of_roll"]
+TWO = [RADIAL, ROLL]
 TORQUE = 150.0
 
 

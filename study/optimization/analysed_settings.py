@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -48,7 +48,7 @@ class Workshop:
     units
         Change of each setting (n) that changes the ease-off by one micrometre at most.
     analyses
-        Number of analyses so far, each with derivatives.
+        Number of analyses so far, each with derivatives; counted in this list of one, which copies share.
     """
 
     space: SettingSpace
@@ -58,15 +58,12 @@ class Workshop:
     units: Array
     analyses: list[int] = field(default_factory=lambda: [0])
 
-    def readings(
-        self, case: Case, assemblies: Sequence[Misalignment] | None = None
-    ) -> dict[tuple[FlankName, int], Reading]:
+    def readings(self, case: Case) -> dict[tuple[FlankName, int], Reading]:
         """Analyses of a case with held teeth. Raises as ``contact_derivatives``."""
         found: dict[tuple[FlankName, int], Reading] = {}
-        chosen = self.assemblies if assemblies is None else assemblies
         for flank, held in self.states.items():
             state = held.recut(case)
-            for number, misalignment in enumerate(chosen):
+            for number, misalignment in enumerate(self.assemblies):
                 at_home = misalignment == state.pair.assembly.misalignment
                 own = state if at_home else state.misaligned(misalignment)
                 found[flank, number] = self._reading(own, flank)

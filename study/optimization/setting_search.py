@@ -43,8 +43,6 @@ class Outcome:
         The case with these.
     point
         Its analyses, with its own teeth.
-    found
-        The analyses of the settings before rounding.
     steps
         All programmes, with the number of the search.
     converged
@@ -57,7 +55,6 @@ class Outcome:
     rounded: Array
     case: Case
     point: AnalysedSettings
-    found: AnalysedSettings
     steps: tuple[tuple[int, Step], ...]
     converged: bool
     last: StepAnswer
@@ -92,11 +89,6 @@ class SettingSearch:
         self._workshop, self._start, self._steps = workshop, start, steps
         self._progress, self._stage = progress, stage
         self._programmes: dict[str, StepProgramme] = {}
-
-    @property
-    def workshop(self) -> Workshop:
-        """The workshop of the start."""
-        return self._workshop
 
     def begun(self, judgement: Judgement) -> AnalysedSettings:
         """The start under a judgement."""
@@ -146,7 +138,7 @@ class SettingSearch:
             point = self.anew(case, rounded, judgement)
         except EaseoffError as error:
             raise GeometryError(f"the settings found, rounded, cannot be analysed: {error}") from error
-        return Outcome(here.values, rounded, case, point, here, tuple(done), found.converged, found.last)
+        return Outcome(here.values, rounded, case, point, tuple(done), found.converged, found.last)
 
     def _programme(self, judgement: Judgement, model: LocalModel) -> StepProgramme:
         weights = judgement.weights
