@@ -80,7 +80,7 @@ def front(
     known: Sequence[FrontPoint] = (),
     kept: Callable[[FrontPoint], None] | None = None,
 ) -> list[FrontPoint]:
-    """Points of the front of two objectives, in the order of the second.
+    """Points of the front of two objectives, in the order of the second; without those that another one dominates.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def front(
     judgement
         Of both objectives.
     count
-        Number of points, two at least.
+        Number of points to search for, two at least.
     known
         Points that are there already.
     kept
@@ -115,7 +115,15 @@ def front(
         ceiling = float(ratios[gap : gap + 2, 1].mean())
         under = replace(judgement, ceilings=((1, ceiling),))
         add(searching.settled(under, found[gap].values))
-    return sorted(found, key=lambda one: one.ratio[1])
+    return sorted(undominated(found), key=lambda one: one.ratio[1])
+
+
+def undominated(points: Sequence[FrontPoint]) -> list[FrontPoint]:
+    """The points than which no other is better in one objective and no worse in the other."""
+    ratios = np.array([one.ratio for one in points])
+    return [
+        one for one in points if not np.any(np.all(ratios <= one.ratio, axis=1) & np.any(ratios < one.ratio, axis=1))
+    ]
 
 
 def alone(judgement: Judgement, number: int) -> Judgement:
