@@ -51,7 +51,8 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
         ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
         ``depth_pinion``, ``depth_gear`` [mm], and how the pinion passes a point of the gear: ``pinion_lengthwise_rate``
-        and ``..._acceleration`` [1/rad, 1/rad^2], the same for the profile. NaN at nodes without a conjugate point.
+        and ``..._acceleration`` [1/rad, 1/rad^2], the same for the profile; ``action_position`` [mm] and
+        ``action_normal`` (nt, nh, 3, j), where a node makes conjugate contact. NaN at nodes without a conjugate point.
         Beside these ``put_in`` of what is added to the gap of the flanks: a modification, less the zero of the
         ease-off [rad].
 
@@ -116,6 +117,8 @@ class _Fields:
             values[name] = getattr(exact, name).reshape(nodes)
         for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
             values[name] = getattr(exact, name).reshape(nodes)
+        for name in ("action_position", "action_normal"):
+            values[name] = np.moveaxis(getattr(exact, name).reshape(3, *nodes), 0, -1)
         # Most settings leave one of both members alone.
         same = exact.pinion_position is self.geometry.exact.pinion_position
         values["depth_pinion"] = self._known_depths[0] if same else self._pinion_depth(exact)
