@@ -97,7 +97,7 @@ class Aim:
     def __post_init__(self) -> None:
         if not self.objectives:
             raise InputError("minimize = []: must name a quantity at least, such as peak_to_peak")
-        for quantity in (*(one.quantity for one in self.objectives), *(one.quantity for one in self.limits)):
+        for quantity in self.quantities:
             if quantity.torque is not None and quantity.torque not in self.torques:
                 told = ", ".join(f"{torque:g}" for torque in self.torques)
                 raise InputError(f"quantity = {shown(quantity.text)}: must be at one of the torques {told} [N m]")
@@ -106,6 +106,11 @@ class Aim:
                     f"quantity = {shown(quantity.text)}: must be of the flanks that are analysed, "
                     f"{' and '.join(self.flanks)}"
                 )
+
+    @property
+    def quantities(self) -> list[ContactQuantity]:
+        """Quantities of objectives and limits."""
+        return [*(one.quantity for one in self.objectives), *(one.quantity for one in self.limits)]
 
     @property
     def weights(self) -> Array:

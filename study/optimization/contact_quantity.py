@@ -71,6 +71,9 @@ KINDS: dict[str, QuantityKind] = {
         )
         for member in ("pinion", "gear")
     },
+    "mean_power_loss": QuantityKind(
+        "W", "mean power loss, at the worst operating condition", "greatest", "mean_power_loss"
+    ),
     **{
         f"load_{what}_{way}": QuantityKind("1", f"{words} of the load, {way}", "affine", f"load_{what}_{way}")
         for what, words in (("centre", "centre"), ("extent", "root-mean-square extent"))
@@ -79,6 +82,11 @@ KINDS: dict[str, QuantityKind] = {
     "ease_off_change": QuantityKind(
         "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off", over_torque=False
     ),
+}
+#: What a case needs for variables that not every analysis has.
+NEEDED = {
+    "root_stress_history": "[compliance] model = 'fe' and edge radii of the blades",
+    "mean_power_loss": "a speed in [friction]",
 }
 NAMES = ("peak_to_peak", "harmonic_1 to harmonic_20", *list(KINDS)[1:])
 
@@ -194,7 +202,7 @@ class ContactQuantity:
 def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, torque: int) -> tuple[Array, Array]:
     """Values (m) of a variable, and their derivatives (m, n)."""
     if meaning.variable not in values:
-        raise InputError(f"{meaning.long_name}: must be of a case with [compliance] model = 'fe' and edge radii")
+        raise InputError(f"{meaning.long_name}: must be of a case with {NEEDED[meaning.variable]}")
     found = _chosen(values[meaning.variable], meaning, torque)
     level = np.asarray(found.values, dtype=np.float64).ravel()
     if slopes is None:

@@ -77,8 +77,8 @@ def optimize(
     case
         A checked case, or what ``read_case`` takes.
     minimize
-        Quantities, as ``peak_to_peak``, ``harmonic_1``, ``max_pressure``, ``unloaded_peak_to_peak`` or
-        ``ease_off_change``; with ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
+        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``contact_quantity.NAMES``; with
+        ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
     limits
         Of the same quantities: ``max_pressure@250<=1500``.
     form
@@ -160,8 +160,10 @@ def optimize(
         whole("points", points, 2, POINT_LIMIT)
         if len(aim.objectives) != 2:
             raise InputError(f"minimize = {list(minimize)}: must be two quantities for the front of form = 'pareto'")
-    space = SettingSpace(checked, free_settings(checked, sides, free), resolution or USUAL_RESOLUTION)
-    states = {side: CaseInMesh.of(checked, flank=side, stage=stage) for side in sides}
+    losses = any(one.name == "mean_power_loss" for one in aim.quantities)
+    searched = checked if losses else checked.model_copy(update={"friction": None})
+    space = SettingSpace(searched, free_settings(checked, sides, free), resolution or USUAL_RESOLUTION)
+    states = {side: CaseInMesh.of(searched, flank=side, stage=stage) for side in sides}
     if stage is not None:
         stage("search")
     rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)))
@@ -197,15 +199,12 @@ def optimize(
             f"{name}~{given if isinstance(given, str) else given.text}" for name, given in (spread or {}).items()
         ),
     }
-    return _result(outcome, aim, record, front_group)
-
-
-def _result(outcome: Outcome, aim: Aim, record: xr.Dataset, front_group: xr.Dataset | None) -> xr.DataTree:
-    tree = analyze(outcome.case, flank=aim.flanks[0], torques=list(aim.torques))
+    best = outcome.case.model_copy(update={"friction": checked.friction})
+    tree = analyze(best, flank=sides[0], torques=list(aim.torques))
     tree["optimal_settings"] = xr.DataTree(record)
     if front_group is not None:
         tree["front"] = xr.DataTree(front_group)
-    tree.attrs["case"] = case_toml(outcome.case)
+    tree.attrs["case"] = case_toml(best)
     return tree
 
 
