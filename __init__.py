@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .study import plot
     from .study.analysis.case_analysis import analyze
     from .study.design.optimal_modification import modify
-    from .study.optimization.setting_optimization import optimize
+    from .study.design.optimization.setting_optimization import optimize
     from .study.report.notebook.result_accessor import ResultAccessor
     from .study.report.notebook.sweep_accessor import SweepAccessor
     from .study.result import read_result, write_result
@@ -73,7 +73,7 @@ _MODULES = {
     "MissingSolverError": ".core.errors",
     "analyze": ".study.analysis.case_analysis",
     "modify": ".study.design.optimal_modification",
-    "optimize": ".study.optimization.setting_optimization",
+    "optimize": ".study.design.optimization.setting_optimization",
     "plot": ".study",
     "read_case": ".cases",
     "read_result": ".study.result",

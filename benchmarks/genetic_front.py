@@ -22,7 +22,7 @@ import easeoff
 import numpy as np
 from easeoff.cases.schema.case_schema import Case
 from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.study.optimization.free_setting import SettingSpace, free_settings
+from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]

@@ -18,12 +18,12 @@ from easeoff.cases import parse_case, write_case
 from easeoff.geometry import Misalignment
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
-from easeoff.study.optimization.aim import Aim, Judgement, Objective
-from easeoff.study.optimization.analysed_settings import AnalysedSettings, Workshop
-from easeoff.study.optimization.assembly_sample import sampled_assemblies
-from easeoff.study.optimization.contact_quantity import ContactQuantity, QuantityLimit
-from easeoff.study.optimization.free_setting import SettingSpace, free_settings, with_limits
-from easeoff.study.optimization.setting_search import SettingSearch, first_workshop
+from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
+from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
+from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
+from easeoff.study.design.optimization.contact_quantity import ContactQuantity, QuantityLimit
+from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
+from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
 TWO = [RADIAL, ROLL]

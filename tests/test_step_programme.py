@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog, minimize
 
-from easeoff.study.optimization.composite import Composite
-from easeoff.study.optimization.step_programme import (
+from easeoff.study.design.optimization.composite import Composite
+from easeoff.study.design.optimization.step_programme import (
     LIMIT_MARGIN,
     SINGLE_REACH,
     VIOLATION_PRICE,
@@ -20,7 +20,7 @@ from easeoff.study.optimization.step_programme import (
     StepProgramme,
     judged_objective,
 )
-from easeoff.study.optimization.trust_region import Merit, search
+from easeoff.study.design.optimization.trust_region import Merit, search
 
 Array = NDArray[np.float64]
 RADIUS = 2.0

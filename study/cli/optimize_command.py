@@ -177,8 +177,8 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     from ...cases import parse_case, read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
-    from ..optimization.setting_optimization import USUAL_OBJECTIVES
-    from ..optimization.setting_optimization import optimize as optimized
+    from ..design.optimization.setting_optimization import USUAL_OBJECTIVES
+    from ..design.optimization.setting_optimization import optimize as optimized
     from ..report.setting_report import setting_report
     from ..report.summary.result_summary import uncertified
     from ..result import read_result, write_result

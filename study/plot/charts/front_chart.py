@@ -42,7 +42,7 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
 
 def _unit(name: str) -> str:
     """Unit of a quantity as it is printed."""
-    from ...optimization.contact_quantity import ContactQuantity
+    from ...design.optimization.contact_quantity import ContactQuantity
 
     units = ContactQuantity.parsed(name).meaning.units
     return {"urad": "µrad", "um": "µm"}.get(units, units)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.pair.ease_off import exact_ease_off
-from ...geometry.pair.gear_pair import GearPair
+from ....geometry.pair.ease_off import exact_ease_off
+from ....geometry.pair.gear_pair import GearPair
 from .aim import Reading
 from .contact_quantity import turned
 

@@ -10,11 +10,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import number, shown
-from ...core.errors import InputError
-from ...core.ordered_values import ordered
-from ...core.suggestion import suggestion
-from ...geometry.pair.gear_pair import FlankName
+from ....core.checks import number, shown
+from ....core.errors import InputError
+from ....core.ordered_values import ordered
+from ....core.suggestion import suggestion
+from ....geometry.pair.gear_pair import FlankName
 from .composite import Composite, Kind
 
 Array = NDArray[np.float64]

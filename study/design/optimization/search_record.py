@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
-from ...core.errors import InputError
+from ....core.attributes import labelled
+from ....core.errors import InputError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .front import FrontPoint

@@ -12,9 +12,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cases.schema.case_schema import Case
-from ...core.errors import EaseoffError, GeometryError
-from ..case_in_mesh import CaseInMesh
+from ....cases.schema.case_schema import Case
+from ....core.errors import EaseoffError, GeometryError
+from ...case_in_mesh import CaseInMesh
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm

@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cases.conversion import gear_pair
-from ...cases.recording import flank_settings
-from ...cases.schema.case_schema import Case
-from ...core.checks import shown
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
-from ...geometry.cutting.generating_surface import GeneratingSurface
-from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, setting_step
-from ...geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
-from ...geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
-from ...geometry.deviation.machine_set_up import shares_set_up
-from ...geometry.pair.gear_pair import FlankName, GearPair
-from ...geometry.pair.pair_setting import PairSetting, is_angle
-from ..analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
-from ..sweep.swept_quantity import swept_quantity
+from ....cases.conversion import gear_pair
+from ....cases.recording import flank_settings
+from ....cases.schema.case_schema import Case
+from ....core.checks import shown
+from ....core.errors import InputError
+from ....core.suggestion import suggestion
+from ....geometry.cutting.generating_surface import GeneratingSurface
+from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, setting_step
+from ....geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
+from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
+from ....geometry.deviation.machine_set_up import shares_set_up
+from ....geometry.pair.gear_pair import FlankName, GearPair
+from ....geometry.pair.pair_setting import PairSetting, is_angle
+from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
+from ...sweep.swept_quantity import swept_quantity
 
 Array = NDArray[np.float64]
 

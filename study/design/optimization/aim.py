@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import shown
-from ...core.errors import InputError
-from ...geometry.pair.gear_pair import FlankName
+from ....core.checks import shown
+from ....core.errors import InputError
+from ....geometry.pair.gear_pair import FlankName
 from .composite import Composite
 from .contact_quantity import ContactQuantity, QuantityLimit
 from .step_programme import Form, judged_objective

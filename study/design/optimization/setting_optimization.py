@@ -11,20 +11,21 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.deflection_table import MisalignmentSource, misalignment_of
-from ...cases.schema.case_schema import Case
-from ...cases.writing import case_toml
-from ...core.attributes import labelled
-from ...core.checks import number, one_of, positive, whole
-from ...core.errors import InputError
-from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
-from ...geometry.pair.assembly import Misalignment
-from ...geometry.pair.gear_pair import FlankName
-from ..analysis.case_analysis import analyze
-from ..analysis.contact_analysis import case_torques
-from ..analysis.shown_progress import shows_progress, told
-from ..case_in_mesh import CaseInMesh, checked_case
-from ..sweep.distribution import Distribution
+from ....cases.conversion import misalignment as case_misalignment
+from ....cases.deflection_table import MisalignmentSource, misalignment_of
+from ....cases.schema.case_schema import Case
+from ....cases.writing import case_toml
+from ....core.attributes import labelled
+from ....core.checks import number, one_of, positive, whole
+from ....core.errors import InputError
+from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ....geometry.pair.assembly import Misalignment
+from ....geometry.pair.gear_pair import FlankName
+from ...analysis.case_analysis import analyze
+from ...analysis.contact_analysis import case_torques
+from ...analysis.shown_progress import shows_progress, told
+from ...case_in_mesh import CaseInMesh, checked_case
+from ...sweep.distribution import Distribution
 from .aim import Aim, Judgement, Objective
 from .analysed_settings import AnalysedSettings, Workshop
 from .assembly_sample import constant_assemblies, sampled_assemblies
@@ -226,8 +227,6 @@ def _assemblies(
     seed: int,
 ) -> tuple[list[Misalignment], int]:
     """All assemblies, the case's own first, and how many of them were drawn."""
-    from ...cases.conversion import misalignment as case_misalignment
-
     own = constant_assemblies([case_misalignment(case.misalignment)])[0]
     given = constant_assemblies([misalignment_of(one) for one in misalignments])
     drawn = sampled_assemblies(own, spread, samples, seed)

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ...cases.deflections import Deflections
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
-from ...geometry.pair.assembly import Misalignment
-from ..sweep.distribution import Distribution, sample_values
+from ....cases.deflections import Deflections
+from ....core.errors import InputError
+from ....core.suggestion import suggestion
+from ....geometry.pair.assembly import Misalignment
+from ...sweep.distribution import Distribution, sample_values
 
 #: Fields of ``Misalignment`` by the names of assembly errors.
 ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}

@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import one_of
+from ....core.checks import one_of
 
 Array = NDArray[np.float64]
 Kind = Literal["affine", "greatest", "range", "norm"]

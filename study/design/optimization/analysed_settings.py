@@ -10,12 +10,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.schema.case_schema import Case
-from ...core.errors import EaseoffError
-from ...geometry.pair.assembly import Misalignment
-from ...geometry.pair.gear_pair import FlankName
-from ..analysis.setting_derivatives import SIDES, contact_derivatives
-from ..case_in_mesh import CaseInMesh, prepared_pair
+from ....cases.schema.case_schema import Case
+from ....core.errors import EaseoffError
+from ....geometry.pair.assembly import Misalignment
+from ....geometry.pair.gear_pair import FlankName
+from ...analysis.setting_derivatives import SIDES, contact_derivatives
+from ...case_in_mesh import CaseInMesh, prepared_pair
 from .aim import Judgement, Load, Reading
 from .composite import Composite
 from .contact_quantity import ContactQuantity
