@@ -26,7 +26,7 @@ from ...analysis.contact_analysis import case_torques
 from ...analysis.shown_progress import shows_progress, told
 from ...case_in_mesh import CaseInMesh, checked_case
 from ...sweep.distribution import Distribution
-from .aim import Aim, Judgement, Objective
+from .aim import Aim, Judgement, Objective, Reference
 from .analysed_settings import AnalysedSettings, Workshop
 from .assembly_sample import constant_assemblies, sampled_assemblies
 from .contact_quantity import ContactQuantity, QuantityLimit
@@ -144,7 +144,7 @@ def optimize(
     one_of("form", form, FORMS)
     sides: tuple[FlankName, ...] = (
         get_args(FlankName) if one_of("flank", flank, get_args(Flanks)) == "both" else (flank,)
-    )  # type: ignore[assignment]
+    )
     whole("steps", steps, 1, STEP_LIMIT)
     number("move", move, "um", above=0.0, most=1000.0)
     load = case_torques(checked, torques)
@@ -178,7 +178,7 @@ def optimize(
     if resume is not None:
         require_same_search(resume, _names(start, aim))
         known = front_points(resume) if form == "pareto" else []
-        values = resume["optimal_settings/setting_found"].values
+        values = np.asarray(resume["optimal_settings"].to_dataset()["setting_found"].values)
     if form == "pareto":
         found = front(searching, judgement, points, known)
         chosen = best_of(found)
@@ -233,7 +233,7 @@ def _assemblies(
     return [own, *given, *drawn], len(drawn)
 
 
-def _references(searching: SettingSearch, aim: Aim) -> list[Array]:
+def _references(searching: SettingSearch, aim: Aim) -> list[Reference]:
     begun = searching.begun(Judgement(aim, ()))
     return aim.references(begun.read)
 

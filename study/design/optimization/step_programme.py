@@ -136,7 +136,7 @@ class StepProgramme:
         self._cvxpy = cvxpy
         size = model.size
         self._step = cvxpy.Variable(size)
-        self._violation = cvxpy.Variable(len(model.limits), nonneg=True) if model.limits else None
+        self._violation: Any = cvxpy.Variable(len(model.limits), nonneg=True) if model.limits else None
         self._parameters: list[tuple[Any, Any]] = []
         conditions, terms = [], []
         worst = cvxpy.Variable()
