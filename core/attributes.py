@@ -20,7 +20,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "order": ("1", "harmonic order of the mesh frequency"),
     "pair": ("1", "tooth pair: 0 the pair followed, negative before it, positive after it"),
     "segment": ("1", "contact segment, counted over all contact lines"),
-    "setting": ("", "setting, assembly error, deviation or load by which is differentiated"),
+    "setting": ("", "setting that moves, or by which is differentiated"),
     "setting_units": ("", "unit of the setting"),
     "member": ("", "member of the pair"),
     "space": ("", "component in the global frame: z along the gear axis, x to the mesh, y along the offset"),

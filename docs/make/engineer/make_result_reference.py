@@ -21,6 +21,7 @@ from easeoff.geometry import GlobalErrors, deviation_from_formula
 from easeoff.study import result_summary
 
 PAGE = REFERENCE / "results.md"
+CHOSEN = ("setting", "objective", "quantity_limit")  # texts that depend on what was asked for
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
@@ -75,7 +76,7 @@ def meaning(name: Hashable, variable: xr.DataArray) -> str:
         flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
         text = ", ".join(f"{value} `{word}`" for value, word in flags)
         return f"{said}: {text}"
-    if variable.dtype.kind == "U" and name in variable.coords:
+    if variable.dtype.kind == "U" and name in variable.coords and name not in CHOSEN:
         said += ": " + ", ".join(f"`{word}`" for word in variable.values)
     return said
 

@@ -136,7 +136,7 @@ class StepProgramme:
         self._cvxpy = cvxpy
         size = model.size
         self._step = cvxpy.Variable(size)
-        self._violation: Any = cvxpy.Variable(len(model.limits), nonneg=True) if model.limits else None
+        self._violation = cvxpy.Variable(max(1, len(model.limits)), nonneg=True)
         self._parameters: list[tuple[Any, Any]] = []
         conditions, terms = [], []
         worst = cvxpy.Variable()
@@ -155,7 +155,7 @@ class StepProgramme:
         conditions += [one for kept in self._kept for one in kept]
         conditions += [cvxpy.abs(self._reach @ self._step) <= 1.0, cvxpy.abs(self._step) <= SINGLE_REACH]
         conditions += [self._above, self._below]
-        price = 0.0 if self._violation is None else VIOLATION_PRICE * cvxpy.sum(self._violation)
+        price = VIOLATION_PRICE * cvxpy.sum(self._violation)
         self._problem = cvxpy.Problem(cvxpy.Minimize(self._goal + price), conditions)
 
     def _function(self, composite: Composite) -> Any:
@@ -188,7 +188,7 @@ class StepProgramme:
                 return _no_answer(str(error), model)
         if self._step.value is None:
             return _no_answer(str(self._problem.status), model)
-        violation = 0.0 if self._violation is None else float(np.sum(self._violation.value))
+        violation = float(np.sum(self._violation.value))
         multipliers = [float(sum(np.sum(one.dual_value) for one in kept)) for kept in self._kept]
         return StepAnswer(
             str(self._problem.status),
