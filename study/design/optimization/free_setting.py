@@ -18,7 +18,7 @@ from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, setting_step
+from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, SettingStep, setting_step
 from ....geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
 from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.deviation.machine_set_up import shares_set_up
@@ -48,8 +48,6 @@ class FreeSetting:
         Its unit.
     start
         Its value in the case.
-    step
-        Resolution of the machine.
     low, high
         Limits.
     """
@@ -58,7 +56,6 @@ class FreeSetting:
     moves: Mapping[str, float]
     units: str
     start: float
-    step: float
     low: float = -math.inf
     high: float = math.inf
 
@@ -128,9 +125,8 @@ def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]
             name, moves = f"{member}.*.{table}.{short}", {key: 1.0, f"{member}.{other}.{table}.{short}": 1.0}
         setting = PairSetting("pinion" if member == "pinion" else "gear", internal_name(key))
         factor = math.degrees(1.0) if is_angle(setting) else 1.0
-        step = setting_step(setting.name)
         start = factor * setting.value(pair)
-        found.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start, step.step))
+        found.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start))
     return found
 
 
@@ -184,6 +180,22 @@ class SettingSpace:
     def start(self) -> Array:
         """Values in the case (n)."""
         return np.array([one.start for one in self.free])
+
+    @property
+    def steps(self) -> Array:
+        """Steps (n) of the machine, in the units of the case file."""
+        return np.array([self._step(one).step for one in self.free])
+
+    def nearest(self, values: Array) -> Array:
+        """The nearest values (n) that can be set."""
+        found = []
+        for one, value in zip(self.free, values, strict=True):
+            step = self._step(one)
+            found.append(step.written(step.rounded(float(value) / step.factor)))
+        return np.array(found)
+
+    def _step(self, one: FreeSetting) -> SettingStep:
+        return setting_step(internal_name(next(iter(one.moves))), self.resolution)
 
     def case_at(self, values: Array, *, rounded: bool = False) -> Case:
         """The case with other values (n) of the free settings; ``rounded`` to the resolution.

@@ -18,6 +18,7 @@ from ...case_in_mesh import CaseInMesh
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
+from .setting_rounding import rounded_settings
 from .step_programme import LocalModel, StepAnswer, StepProgramme
 from .trust_region import FIRST_RADIUS, GAIN_TOLERANCE, Step, search
 
@@ -132,7 +133,7 @@ class SettingSearch:
             if here.merit.total - best.merit.total <= GAIN_TOLERANCE or len(done) >= most:
                 break
             radius = max(found.radius, LATER_RADIUS)
-        case = space.case_at(here.values, rounded=True)
+        case = space.case_at(rounded_settings(here), rounded=True)
         rounded = space.values_of(case)
         try:
             point = self.anew(case, rounded, judgement)
