@@ -21,6 +21,7 @@ from easeoff.geometry import GlobalErrors, deviation_from_formula
 from easeoff.study import result_summary
 
 PAGE = REFERENCE / "results.md"
+CHOSEN = ("setting", "objective", "quantity_limit")  # texts that depend on what was asked for
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
@@ -34,8 +35,11 @@ def coarse_analysis() -> xr.DataTree:
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
-    best = easeoff.optimize(plain, order=2, programmes=1)
+    best = easeoff.modify(plain, order=2, programmes=1)
     further = {name: best[name] for name in ("modification", "optimization")}
+    spread = {"spread": {"E": "uniform(-0.01,0.01)"}, "samples": 1}
+    front = easeoff.optimize(plain, form="pareto", points=2, steps=1, limits=["ease_off_change<=9"], **spread)
+    further |= {name: front[name] for name in ("optimal_settings", "front")}
     return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
 
 
@@ -84,7 +88,7 @@ def meaning(name: Hashable, variable: xr.DataArray) -> str:
         flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
         text = ", ".join(f"{value} `{word}`" for value, word in flags)
         return f"{said}: {text}"
-    if variable.dtype.kind == "U" and name in variable.coords:
+    if variable.dtype.kind == "U" and name in variable.coords and name not in CHOSEN:
         said += ": " + ", ".join(f"`{word}`" for word in variable.values)
     return said
 

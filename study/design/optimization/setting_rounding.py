@@ -1,0 +1,54 @@
+"""Settings rounded to the steps of the machine, the way that the model of their analysis likes best.
+
+The nearest steps may pass a limit that the settings keep. Neighbouring ones are tried by the model alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .analysed_settings import AnalysedSettings
+from .step_programme import LIMIT_MARGIN, VIOLATION_PRICE, judged_objective
+
+Array = NDArray[np.float64]
+
+#: Numbers of steps that one setting is moved by, and the most rounds through all settings.
+STEP_COUNTS = (64, 16, 4, 1)
+ROUND_COUNT_LIMIT = 50
+
+
+def rounded_settings(point: AnalysedSettings) -> Array:
+    """Settings (n) that can be set, near analysed ones, in the units of the case file.
+
+    Parameters
+    ----------
+    point
+        The analysed settings.
+    """
+    space, units = point.workshop.space, point.workshop.units
+    model, judgement = point.model(1.0), point.judgement
+    low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
+
+    def merit(values: Array) -> float:
+        step = (values - point.values) / units
+        ratios = [np.array([one.value(step) for one in group]) for group in model.objectives]
+        passed = [max(one.value(step) for one in group) - 1.0 + 0.5 * LIMIT_MARGIN for group in model.limits]
+        price = VIOLATION_PRICE * sum(max(0.0, excess) for excess in passed)
+        return judged_objective(ratios, judgement.weights, judgement.aim.form) + price
+
+    best = space.nearest(point.values)
+    least = merit(best)
+    for _ in range(ROUND_COUNT_LIMIT):
+        before = least
+        for number, step in enumerate(space.steps):
+            for count in (sign * size for size in STEP_COUNTS for sign in (1, -1)):
+                tried = best.copy()
+                tried[number] += count * step
+                tried = np.clip(space.nearest(tried), low, high)
+                found = merit(tried)
+                if found < least - 1e-9:
+                    best, least = tried, found
+        if least == before:
+            break
+    return best
