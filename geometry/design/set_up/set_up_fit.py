@@ -151,7 +151,7 @@ def best_set_up(
     cutter_radius
         Mean radius of the cutter [mm].
     steps
-        Standard steps of the blades, at which the machine settings are fitted once more.
+        Standard steps of the blades, at which the machine settings are fitted once more; not so completing.
 
     Returns
     -------
@@ -192,7 +192,10 @@ def best_set_up(
                 f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {failure}; "
                 f"choose another method, wider limits, or {BLANK_ADVICE}"
             )
-        found |= _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+        # Both flanks share one machine, which cannot make up for two rounded blades.
+        if method != "completing":
+            best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+        found |= best
     return found
 
 
