@@ -55,9 +55,9 @@ def designed(method: str, steps: str = "") -> tuple[Case, DesignReport]:
 @pytest.mark.parametrize("method", ["closest_fit", "modified_roll", "completing"])
 @pytest.mark.quick(1)
 def test_pinion_is_fitted_with_blades_on_their_steps(method: str) -> None:
-    """And comes as near to the target as with free ones."""
+    """And comes as near to the target as with free ones; completing, the gear's blades alone have steps."""
     case, report = designed(method)
-    for member in (case.pinion, case.gear):
+    for member in (case.gear,) if method == "completing" else (case.pinion, case.gear):
         for flank in (member.concave, member.convex):
             assert flank is not None
             halves = flank.cutter.blade_pressure_angle / 0.5

@@ -59,7 +59,7 @@ class EdgeRadiusLimits:
         pinion, gear = line.pinion_places[0], line.gear_places[0]
         spiral = line.pinion_spiral(line.on_gear(pinion)), line.gear_spiral(gear)
         pitch = np.tan(self.proportions.pitch_angle)
-        return np.array([pinion, gear]) * pitch / np.cos(np.array(spiral)) ** 2
+        return np.asarray(np.array([pinion, gear]) * pitch / np.cos(np.array(spiral)) ** 2)
 
     @property
     def inner_dedendum(self) -> Array:

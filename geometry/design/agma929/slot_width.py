@@ -67,7 +67,7 @@ class SlotWidths:
         steep = math.sin(p.drive_pressure_angle) + math.sin(p.coast_pressure_angle)
         pinion = line.pinion_places * np.cos(line.pinion_spiral(line.on_gear(line.pinion_places)))
         gear = line.gear_places * np.cos(line.gear_spiral(line.gear_places))
-        return self.backlash / steep * np.array([each[0] / each[2] for each in (pinion, gear)])
+        return np.asarray(self.backlash / steep * np.array([each[0] / each[2] for each in (pinion, gear)]))
 
     @cached_property
     def effective_width(self) -> float:
@@ -117,7 +117,7 @@ class SlotWidths:
     @property
     def limit_point_width(self) -> Array:
         """Largest point widths that fit the slots of pinion and gear, less the stock allowance (2) [mm] (90, 91)."""
-        return self.least - np.array(self.proportions.stock_allowance)
+        return np.asarray(self.least - np.array(self.proportions.stock_allowance))
 
     @property
     def roughing_blade_point(self) -> Array:

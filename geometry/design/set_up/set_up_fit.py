@@ -39,7 +39,8 @@ SLOT_WEIGHT = 3e3  # [um/mm]: an error of the slot counts as much as three times
 SLOT_STEP = 1e-4  # of the usual steps
 RESIDUAL_CHANGE = 1e-6  # relative change of the sum of squares at which a fit ends
 LARGEST_EVALUATIONS = 60
-FIRST_TILT = 0.02  # [rad]; with one cutter the conjugate pinion is out of reach, and without tilt nothing turns it
+#: [rad]; with one milling cutter the conjugate pinion is out of reach, and without tilt nothing turns it.
+FIRST_TILTS = (-0.1, 0.02)
 INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
 
 
@@ -150,7 +151,7 @@ def best_set_up(
     cutter_radius
         Mean radius of the cutter [mm].
     steps
-        Standard steps of the blades, at which the machine settings are fitted once more.
+        Standard steps of the blades, at which the machine settings are fitted once more; not so completing.
 
     Returns
     -------
@@ -165,16 +166,20 @@ def best_set_up(
     shared = shared_settings(method, limits, cutter_radius)
     on_root = {side: root_gap(pair.pinion.loaded, pair.pinion.section) for side, pair in upright.items()}
     first = _one_cutter(upright, blank) if method == "completing" else upright
-    starts = [*further, first] if "cutter_tilt" in shared else [first]
+    starts = [(first, 0.0)]
+    if "cutter_tilt" in shared:
+        milled = first["drive"].pinion.loaded.settings.indexing_ratio == 0.0
+        tilts = FIRST_TILTS if method == "completing" and milled else (0.0,)
+        starts = [*((start, 0.0) for start in further), *((first, tilt) for tilt in tilts)]
     sides: list[tuple[FlankName, ...]] = [("drive", "coast")] if method == "completing" else [("drive",), ("coast",)]
     found: dict[FlankName, Synthesis] = {}
     for together in sides:
         best: dict[FlankName, Synthesis] | None = None
         failure = GeometryError("no start")
-        for start in starts:
+        for start, tilt in starts:
             try:
                 chosen = {side: (start[side], targets[side], on_root[side]) for side in together}
-                fits = _fit(chosen, shared, limits, blank, cutter_radius)
+                fits = _fit(chosen, shared, limits, blank, cutter_radius, tilt=tilt)
             except GeometryError as error:
                 failure = error
                 continue
@@ -187,7 +192,10 @@ def best_set_up(
                 f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {failure}; "
                 f"choose another method, wider limits, or {BLANK_ADVICE}"
             )
-        found |= _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+        # Both flanks share one machine, which cannot make up for two rounded blades.
+        if method != "completing":
+            best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+        found |= best
     return found
 
 
@@ -212,7 +220,7 @@ def _stepped(
     for side, (pair, target, root) in sides.items():
         surface = with_settings(fits[side].surface, blades[side])
         near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
-    again = _fit(near, shared, limits, blank, cutter_radius, own)
+    again = _fit(near, shared, limits, blank, cutter_radius, own=own)
     return {
         side: replace(
             fit,
@@ -292,7 +300,9 @@ def _fit(
     limits: SettingLimits,
     blank: BlankDimensions,
     cutter_radius: float,
+    *,
     own: tuple[str, ...] = BLADE_SETTINGS,
+    tilt: float = 0.0,
 ) -> dict[FlankName, Synthesis]:
     from scipy.optimize import least_squares
 
@@ -302,8 +312,8 @@ def _fit(
         for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):
             low, high = limits.allowed(name, blank.pinion.root_angle, cutter_radius)
             bounds[place] = (low - origin) / scale, (high - origin) / scale
-            if name == "cutter_tilt" and origin == 0.0 and fit.slot is not None:
-                start[place] = FIRST_TILT / scale
+            if name == "cutter_tilt":
+                start[place] += tilt / scale
     inside = np.minimum(INTERIOR, 0.25 * (bounds[:, 1] - bounds[:, 0]))
     found = least_squares(
         fit,
