@@ -144,7 +144,7 @@ class _Loaded:
         pieces: EdgePieces,
         near: Sequence[FlankEdge] | None = None,
     ) -> _Loaded:
-        """Of segments ``own``, and of pieces of edges on the fields of the ``traced``; ``near`` as of ``flank_edges``."""
+        """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
         table, weights = own.table, own.on_lines.quadrature[1]
         values = {name: table[name] for name in NAMES}
         points = own.loaded_points.reshape(2, -1, weights.size)
