@@ -37,8 +37,9 @@ CASES = ("fm-11x41", "nasa-12x36", "fh-12x41-45", "fh-design-a", "fh-design-b")
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 TORQUES = {"fm-11x41": 250.0, "nasa-12x36": 100.0}
 MOTIONS = ("sliding_base_motion_1", "cutter_tilt_motion_2")
-#: Steps of the differences, over the usual step of a setting: short enough to meet no change of the touching segments.
-STEPS = (1e-4, 3e-5, 1e-5)
+#: Steps of the differences, over the usual step of a setting. Long ones are for what hardly moves the flanks, where
+#: rounding rules; of others a short one meets no change of the touching segments.
+STEPS = (1e-4, 3e-3, 1e-5)
 TOLERANCE = 1e-6
 #: What rounding leaves of the rotation [rad]; over a step it is the least error a difference can have.
 ROTATION_ROUNDING = 3e-15
@@ -92,7 +93,7 @@ def test_contact_on_lines_agrees_with_differences(name: str, monkeypatch: pytest
 )
 def test_loaded_contact_agrees_with_differences(name: str, edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
-    check_settings(name, "drive", [PairSetting("pinion", "radial_distance")], STEPS[1:2], edges)
+    check_settings(name, "drive", [PairSetting("pinion", "radial_distance")], STEPS[::2], edges)
 
 
 def touching(case: LoadedCase) -> Array:

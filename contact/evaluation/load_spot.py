@@ -46,7 +46,8 @@ def load_spot(loaded: xr.Dataset) -> dict[str, tuple[tuple[str, ...], Array]]:
     force = np.nan_to_num(ordered(loaded, "force", *dims))
     certified = np.all(ordered(loaded, "status", *dims[:2]) == Status.CERTIFIED, axis=1)
     whole = np.where(certified, force.sum(axis=(1, 2)), np.nan)
-    centres, extents = {}, {}
+    centres: dict[str, tuple[tuple[str, ...], Array]] = {}
+    extents: dict[str, tuple[tuple[str, ...], Array]] = {}
     for way in WAYS:
         place = np.nan_to_num(ordered(loaded, way, *dims))
         centre = np.sum(force * place, axis=(1, 2)) / whole

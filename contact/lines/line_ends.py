@@ -138,20 +138,16 @@ def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
 
     Between two points the border is where the margin, taken as linear, is zero.
     """
-    rows, count = margin.shape
-    first, last, found = np.zeros(rows), np.zeros(rows), np.zeros(rows, dtype=bool)
-    for row, inside in enumerate(margin > 0.0):
-        where = np.flatnonzero(inside)
-        if not where.size:
-            continue
-        found[row] = True
-        middle = where[np.argmin(np.abs(where - 0.5 * (count - 1)))]
-        outside = np.flatnonzero(~inside)
-        low, high = outside[outside < middle].max(initial=-1) + 1, outside[outside > middle].min(initial=count) - 1
-        first[row], last[row] = low, high
-        m = margin[row]
-        if low > 0:
-            first[row] -= m[low] / (m[low] - m[low - 1])
-        if high < count - 1:
-            last[row] += m[high] / (m[high] - m[high + 1])
-    return first, last, found
+    rows, count = np.arange(len(margin)), margin.shape[1]
+    inside, place = margin > 0.0, np.arange(count)
+    found = np.any(inside, axis=1)
+    middle = np.argmin(np.where(inside, np.abs(place - 0.5 * (count - 1)), np.inf), axis=1)[:, None]
+    low = np.max(np.where(~inside & (place < middle), place, -1), axis=1) + 1
+    high = np.min(np.where(~inside & (place > middle), place, count), axis=1) - 1
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at_low, at_high = (margin[rows, np.clip(end, 0, count - 1)] for end in (low, high))
+        before = at_low / (at_low - margin[rows, np.maximum(low - 1, 0)])
+        after = at_high / (at_high - margin[rows, np.minimum(high + 1, count - 1)])
+    first = low - np.where(found & (low > 0), before, 0.0)
+    last = high + np.where(found & (high < count - 1), after, 0.0)
+    return np.where(found, first, 0.0), np.where(found, last, 0.0), found

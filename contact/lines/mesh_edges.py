@@ -107,14 +107,23 @@ def edges_in_mesh(
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def flank_edges(splines: FlankSplines) -> tuple[FlankEdge, ...]:
-    """Toe, heel and tip of gear and pinion, at no rotation in particular."""
+def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) -> tuple[FlankEdge, ...]:
+    """Toe, heel and tip of gear and pinion, at no rotation in particular.
+
+    Parameters
+    ----------
+    splines
+        Splines from ``loaded_splines``.
+    near
+        The edges of a pair near this one, from which those of the pinion are found sooner.
+    """
     along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
     nodes = np.stack(
         [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
     )
     of_gear = nodes.reshape(2, -1)
-    points = np.concatenate([of_gear, conjugate_points(splines, of_gear)], axis=1)
+    start = None if near is None else np.concatenate([edge.points for edge in near if edge.of_pinion], axis=1)
+    points = np.concatenate([of_gear, conjugate_points(splines, of_gear, start)], axis=1)
     here, opposite = across_line(splines, points), OppositePoints.of(splines, points)
     blade_distance = splines("blade_distance", np.clip(points, 0.0, 1.0))
     edges = []
@@ -340,7 +349,8 @@ def _touching_parts(
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
     share = np.where(high > low, high - low, 0.0)
     middle = 0.5 * (low + high)
-    return _TouchingParts(edge, element, of_pinion, wanted[0] + middle * (wanted[1] - wanted[0]), *ends, middle, share)
+    between = wanted[0] + middle * (wanted[1] - wanted[0])
+    return _TouchingParts(edge, element, of_pinion, between, ends[0], ends[1], middle, share)
 
 
 def _margins(edge: FlankEdge, rotations: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:

@@ -61,12 +61,12 @@ class OppositePoints:
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 
-def conjugate_points(splines: FlankSplines, nodes: Array) -> Array:
-    """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none."""
-    lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
-    there = OppositePoints.of(splines, lattice).fractions
-    away = [np.subtract.outer(side, node) ** 2 for side, node in zip(there, nodes, strict=True)]
-    points = lattice[:, np.argmin(away[0] + away[1], axis=0)]
+def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = None) -> Array:
+    """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none.
+
+    They are searched from points ``near`` (2, k) if given, where these are not NaN.
+    """
+    points = _nearest_of_lattice(splines, nodes) if near is None else near
     for _ in range(SEARCH_ITERATIONS):
         opposite, before = OppositePoints.of(splines, points), points
         points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
@@ -74,6 +74,14 @@ def conjugate_points(splines: FlankSplines, nodes: Array) -> Array:
             break
     found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
     return np.where(found, points, np.nan)
+
+
+def _nearest_of_lattice(splines: FlankSplines, nodes: Array) -> Array:
+    """Points (2, k) of a lattice on the gear opposite which pinion points come nearest to given ones (2, k)."""
+    lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
+    there = OppositePoints.of(splines, lattice).fractions
+    away = [np.subtract.outer(side, node) ** 2 for side, node in zip(there, nodes, strict=True)]
+    return np.asarray(lattice[:, np.argmin(away[0] + away[1], axis=0)])
 
 
 def points_below(splines: FlankSplines, wanted: Array, points: Array, rotations: Array) -> Array:

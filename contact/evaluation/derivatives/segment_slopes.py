@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...lines.contact_lines import ContactLines
 from ...lines.line_ends import line_rotations
-from ...lines.mesh_edges import chosen_elements
+from ...lines.mesh_edges import FlankEdge, chosen_elements, flank_edges
 from ...loaded_cases import LoadedCase
 from ...segments import DEPTHS, CycleSegments
 from .field_directions import FieldDirections
@@ -137,8 +137,14 @@ class _Loaded:
     points: Array
 
     @classmethod
-    def of(cls, traced: CycleSegments, own: CycleSegments, pieces: EdgePieces) -> _Loaded:
-        """Of segments ``own``, and of pieces of edges on the fields of those that are ``traced``."""
+    def of(
+        cls,
+        traced: CycleSegments,
+        own: CycleSegments,
+        pieces: EdgePieces,
+        near: Sequence[FlankEdge] | None = None,
+    ) -> _Loaded:
+        """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
         table, weights = own.table, own.on_lines.quadrature[1]
         values = {name: table[name] for name in NAMES}
         points = own.loaded_points.reshape(2, -1, weights.size)
@@ -147,7 +153,8 @@ class _Loaded:
         position, pair, edge, element = pieces.keys.T
         mesh = traced.on_lines.lines
         rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
-        found = chosen_elements(traced.fields, rotation, traced.edges, edge, element)
+        edges = traced.edges if near is None else flank_edges(traced.fields, near)
+        found = chosen_elements(traced.fields, rotation, edges, edge, element)
         on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
         on_edges |= traced.fields.evaluate(DEPTHS, found.points)
         every = np.repeat(found.points[..., None], weights.size, axis=-1)
@@ -185,7 +192,7 @@ def _moved(
     moved = traced.to_edges if own.cut else traced
     known, found = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
     if np.array_equal(known, found):
-        return _Loaded.of(traced, moved, pieces)
+        return _Loaded.of(traced, moved, pieces, segments.edges)
     return _Loaded.of(segments, own, pieces).times(np.nan)
 
 
