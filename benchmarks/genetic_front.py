@@ -3,8 +3,8 @@
 Usage: python benchmarks/genetic_front.py [CASE] [TORQUE] [POINTS] [POPULATION] [GENERATIONS] [PICTURE]
 
 Prints both fronts, the analyses that each took, their hypervolumes over the start, and after how many analyses the
-genetic search reached shares of the first; draws both fronts into a picture. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh
-positions, 15 segments a line.
+genetic search reached shares of the first; draws both fronts into a picture. Needs pymoo (the extra ``genetic``). The
+contact is coarse: 8 mesh positions, 15 segments a line.
 """
 
 from __future__ import annotations
