@@ -1,10 +1,10 @@
 """Front of two objectives by convex programmes and by NSGA-II: the same pair, settings, limits and analysis.
 
-Usage: python benchmarks/genetic_front.py [CASE] [TORQUE] [POINTS] [POPULATION] [GENERATIONS]
+Usage: python benchmarks/genetic_front.py [CASE] [TORQUE] [POINTS] [POPULATION] [GENERATIONS] [PICTURE]
 
 Prints both fronts, the analyses that each took, their hypervolumes over the start, and after how many analyses the
-genetic search reached shares of the first. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh
-positions, 15 segments a line.
+genetic search reached shares of the first; draws both fronts into a picture. Needs pymoo (the extra ``genetic``). The
+contact is coarse: 8 mesh positions, 15 segments a line.
 """
 
 from __future__ import annotations
@@ -129,6 +129,9 @@ def main() -> None:
     for share in SHARES:
         reached = next((count for count, found in history if hypervolume(found) >= share * area), None)
         print(f"{100.0 * share:.0f} % of the first after {'more' if reached is None else reached} analyses")
+    if len(given) > 5:
+        others = {f"NSGA-II, {history[-1][0]} analyses": ratios * evaluator.start}
+        easeoff.plot.front(tree, others=others).savefig(given[5], dpi=100)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from ....geometry.cutting.generating_surface import GeneratingSurface
 from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, SettingStep, setting_step
 from ....geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
 from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
-from ....geometry.deviation.machine_set_up import shares_set_up
+from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ....geometry.pair.pair_setting import PairSetting, is_angle
 from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
@@ -30,8 +30,6 @@ from ...sweep.swept_quantity import swept_quantity
 Array = NDArray[np.float64]
 
 CENTRE, BASE = "machine_center_to_crossing_point", "sliding_base"
-#: Settings that are set and written as one over what is fitted, or that turn the tooth and nothing else.
-NOT_FREE = ("blade_spheric_radius",)
 
 
 @dataclass(frozen=True)
@@ -109,8 +107,20 @@ def free_settings(
 
 
 def _movable(pair: GearPair, flank: FlankName) -> list[str]:
-    names = derivative_settings(pair, flank)
-    return [name for name in names if "." in name and name.rpartition(".")[2] not in (*NOT_FREE, "cradle_angle")]
+    """Keys of machine and cutter settings, without the radius of a blade's profile, which may be infinite.
+
+    On a generated member the basic cradle angle turns the tooth and does nothing else.
+    """
+    found = []
+    for key in derivative_settings(pair, flank):
+        member, short = key.partition(".")[0], key.rpartition(".")[2]
+        if member not in ("pinion", "gear") or short == "blade_spheric_radius":
+            continue
+        surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
+        turns_only = short == "cradle_angle" and surface.settings.generated
+        if internal_name(key) in movable_settings(surface) and not turns_only:
+            found.append(key)
+    return found
 
 
 def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]) -> dict[str, FreeSetting]:
