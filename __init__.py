@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
     from .study import plot
     from .study.analysis.case_analysis import analyze
-    from .study.design.optimization import optimize
+    from .study.design.optimal_modification import modify
+    from .study.optimization.setting_optimization import optimize
     from .study.report.notebook.result_accessor import ResultAccessor
     from .study.report.notebook.sweep_accessor import SweepAccessor
     from .study.result import read_result, write_result
@@ -52,6 +53,7 @@ __all__ = [
     "contact",
     "friction",
     "geometry",
+    "modify",
     "optimize",
     "plot",
     "read_case",
@@ -70,7 +72,8 @@ _MODULES = {
     "MissingPackageError": ".core.errors",
     "MissingSolverError": ".core.errors",
     "analyze": ".study.analysis.case_analysis",
-    "optimize": ".study.design.optimization",
+    "modify": ".study.design.optimal_modification",
+    "optimize": ".study.optimization.setting_optimization",
     "plot": ".study",
     "read_case": ".cases",
     "read_result": ".study.result",

@@ -48,8 +48,25 @@ def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: flo
     >>> round(continuous_range(sawtooth(np.arange(16) / 16), sawtooth, 1e-6), 3)
     0.667
     """
+    (_, greatest), (_, least) = extremes(values, at, tolerance)
+    return greatest - least
+
+
+def extremes(
+    values: Array, at: Callable[[Array], Array], tolerance: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Place and value of the greatest and of the least value; arguments as of ``continuous_range``.
+
+    Examples
+    --------
+    >>> def wave(x):
+    ...     return np.cos(2.0 * np.pi * x)
+    >>> (place, value), _ = extremes(wave(np.arange(16) / 16), wave, 1e-6)
+    >>> round(value, 6)
+    1.0
+    """
     if not np.all(np.isfinite(values)):
-        return float(np.nan)
+        return (np.nan, np.nan), (np.nan, np.nan)
     windows = [(sign, *window) for sign in (1.0, -1.0) for window in _windows(sign * values)]
     open_ones = list(range(len(windows)))
     for _ in range(EXTREME_ROUNDS):
@@ -65,8 +82,13 @@ def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: flo
         open_ones = following
         if not open_ones:
             break
-    greatest, negative_least = (max(np.max(w[2]) for w in windows if w[0] == sign) for sign in (1.0, -1.0))
-    return float(greatest + negative_least)
+
+    def highest(sign: float) -> tuple[float, float]:
+        known = [(w[2][k], w[1][k]) for w in windows if w[0] == sign for k in [np.argmax(w[2])]]
+        value, place = max(known)
+        return float(np.mod(place, 1.0)), float(sign * value)
+
+    return highest(1.0), highest(-1.0)
 
 
 def _windows(values: Array) -> list[tuple[Array, Array]]:

@@ -70,17 +70,42 @@ class PairErrors:
         takes over; they lie between the mesh positions. Wherever a pair may carry its contact is found anew, from the
         points at the positions before and after.
         """
-        course, turned = self._course
-        wanted = self.mesh.rotations[0] + (ahead[None, :] - self.pairs[:, None]) * self.mesh.pinion_pitch
-        before = np.clip(np.searchsorted(turned, wanted, side="right") - 1, 0, turned.size - 2)
-        share = np.clip((wanted - turned[before]) / (turned[before + 1] - turned[before]), 0.0, 1.0)
+        return self.carrying_at(ahead)[1].gap
+
+    def carrying_at(self, ahead: Array) -> tuple[NDArray[np.int64], TouchingPoints]:
+        """Number of the pair that carries (m) and its point of contact, at rotations as of ``envelope_at``."""
+        course = self._course[0]
+        before, share = self._between_positions(ahead[None, :], np.arange(self.pairs.size)[:, None])
         estimate, doubt = _between(course.gap, before, share)
         highest = np.min(np.where(np.isfinite(estimate), estimate + doubt, np.inf), axis=0)
         pair, place = np.nonzero(estimate - doubt <= highest)
+        found = self.touching_at(pair, ahead[place])
         fine = np.where(np.isfinite(estimate), estimate, np.inf)
-        fine[pair, place] = self._found(course, before[pair, place], share[pair, place], wanted[pair, place])
-        fine = np.where(np.isfinite(fine), fine, estimate)
-        return smallest(fine)
+        fine[pair, place] = np.where(np.isfinite(found.gap), found.gap, fine[pair, place])
+        number = np.full(fine.shape, -1)
+        number[pair, place] = np.arange(pair.size)
+        carrying, places = np.argmin(fine, axis=0), np.arange(ahead.size)
+        own = number[carrying, places]
+        touching = found.at(own) if pair.size else course.at(np.zeros(ahead.size, dtype=np.int64))
+        touching.gap[:] = np.where(np.isfinite(fine[carrying, places]), fine[carrying, places], np.nan)
+        lost = (own < 0) | ~np.isfinite(found.gap[own]) if pair.size else np.ones(ahead.size, dtype=bool)
+        touching.points[:, lost] = np.nan
+        return carrying, touching
+
+    def touching_at(self, pair: NDArray[np.int64], ahead: Array) -> TouchingPoints:
+        """Points of contact of given pairs (n), by their numbers, each at a rotation (n) as of ``envelope_at``."""
+        before, share = self._between_positions(ahead, pair)
+        return self._found(self._course[0], before, share, self.rotations_at(ahead, pair))
+
+    def rotations_at(self, ahead: Array, pair: NDArray[np.int64]) -> Array:
+        """Pinion rotations [rad], counted as the roll angle of each pair, at rotations as of ``envelope_at``."""
+        return np.asarray(self.mesh.rotations[0] + (ahead - self.pairs[pair]) * self.mesh.pinion_pitch)
+
+    def _between_positions(self, ahead: Array, pair: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+        """Elements of the course before places of pairs, and how far on towards the next."""
+        turned, wanted = self._course[1], self.rotations_at(ahead, pair)
+        before = np.clip(np.searchsorted(turned, wanted, side="right") - 1, 0, turned.size - 2)
+        return before, np.clip((wanted - turned[before]) / (turned[before + 1] - turned[before]), 0.0, 1.0)
 
     @cached_property
     def _course(self) -> tuple[TouchingPoints, Array]:
@@ -89,8 +114,8 @@ class PairErrors:
         order = np.argsort(turned)
         return self.touching.at(order), turned[order]
 
-    def _found(self, course: TouchingPoints, before: NDArray[np.int64], share: Array, wanted: Array) -> Array:
-        """Gaps (n) at rotations (n) from those of a course (m) between which they lie."""
+    def _found(self, course: TouchingPoints, before: NDArray[np.int64], share: Array, wanted: Array) -> TouchingPoints:
+        """Points of contact (n) at rotations (n) from those of a course (m) between which they lie."""
         first, second = course.at(before), course.at(before + 1)
         near = np.max(np.abs(first.points - second.points), axis=0) < NEIGHBOUR_DISTANCE_LIMIT
         near &= first.part == second.part
@@ -107,7 +132,7 @@ class PairErrors:
         points = between(first.points, second.points)
         parameters = between(first.parameters, second.parameters)
         part = np.where(weight == 1.0, second.part[row], first.part[row])
-        return least(refined(self.flanks, points, wanted[row], parameters, part), row, share.size).gap
+        return least(refined(self.flanks, points, wanted[row], parameters, part), row, share.size)
 
 
 def smallest(values: Array) -> Array:

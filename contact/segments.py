@@ -50,6 +50,8 @@ class Segments:
         Local compliance.
     searched
         Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
+    edge, element
+        Which of the ``flank_edges`` a segment is a piece of, and the number of that piece (n); -1 on contact lines.
     wrench
         Wrench of a unit normal force on the pinion about the origin of the global frame (n, 6), see ``MeshWrenches``;
         ``None`` unless asked for.
@@ -74,6 +76,8 @@ class Segments:
     bending: ModalBasis
     line_contact: WeberLineContact
     searched: NDArray[np.bool_]
+    edge: NDArray[np.int64]
+    element: NDArray[np.int64]
     wrench: Array | None = None
     held: SupportModes | None = None
 
@@ -262,24 +266,25 @@ class CycleSegments:
     @cached_property
     def by_position(self) -> list[Segments | None]:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
-        return self._split(self._on_lines, self._unit_loads, None if self.cut else self.on_lines.bending)
+        return self._split(self.table, self._unit_loads, None if self.cut else self.on_lines.bending)
 
     def at_every(self, stride: int) -> list[Segments | None]:
         """As ``by_position`` at every so many mesh positions, and ``None`` at the others."""
-        table = self._on_lines
+        table = self.table
         chosen = table["position"] % stride == 0
         return self._split({name: values[..., chosen] for name, values in table.items()}, self._unit_loads)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
-        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)
-        on_lines, on_edges = self.to_edges._on_lines, self._edge_table(edges)
+        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self.edges)
+        on_lines, on_edges = self.to_edges.table, self._edge_table(edges)
         loads = self.on_lines.loads_on(edges.elements.points[..., None], np.ones(1))
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
         return self._split(both, self.to_edges._unit_loads.with_edges(loads))
 
     @cached_property
-    def _edges(self) -> tuple[FlankEdge, ...]:
+    def edges(self) -> tuple[FlankEdge, ...]:
+        """Toe, heel and tip of both members."""
         return flank_edges(self.fields)
 
     def _edge_table(self, edges: MeshEdges) -> dict[str, Array]:
@@ -300,13 +305,15 @@ class CycleSegments:
                 "pair": edges.pair,
                 "point": found.points,
                 "searched": np.zeros(count, dtype=bool),
-                "row": self.to_edges._on_lines["row"].size + np.arange(count),
+                "edge": found.edge,
+                "element": found.element,
+                "row": self.to_edges.table["row"].size + np.arange(count),
             }
         )
 
     @cached_property
-    def _on_lines(self) -> dict[str, Array]:
-        """The table of the segments on lines, with their gap."""
+    def table(self) -> dict[str, Array]:
+        """Values of the segments on lines by name, their number last, with their gap."""
         closest, on_lines = self.closest, self.on_lines
         points, weights = on_lines.quadrature
         names = ("separation_angle", "lever_arm", "curvature")
@@ -315,22 +322,23 @@ class CycleSegments:
             gap["wrench"] = on_lines.mean(self.wrenches.on_lines(points))
         expanded = np.reshape(closest.expanded, (-1, weights.size))
         gap["searched"] = np.any(~expanded, axis=-1)
+        gap["edge"] = gap["element"] = np.full(len(expanded), -1)
         if not self.cut:
             return on_lines.table | gap | {"overhang": np.full(expanded.shape[0], np.nan)}
         middle = points[:, :, weights.size // 2 :: weights.size].reshape(2, -1)
         rotation = np.repeat(line_rotations(on_lines.lines), on_lines.count)
         gap["overhang"] = -edge_distance(self.fields, middle, rotation)
-        return on_lines.names | on_lines.loaded_at(self._loaded) | gap
+        return on_lines.names | on_lines.loaded_at(self.loaded_points) | gap
 
     @cached_property
-    def _loaded(self) -> Array:
+    def loaded_points(self) -> Array:
         """Points (2, m, count * g) where the teeth are loaded; next to an edge a steep place for their bending."""
         points = self.on_lines.quadrature[0]
         return np.clip(points + self.closest.shift, 0.0, 1.0) if self.cut else points
 
     @cached_property
     def _unit_loads(self) -> UnitLoads:
-        return self.on_lines.loads(self._loaded) if self.cut else self.on_lines.unit_loads
+        return self.on_lines.loads(self.loaded_points) if self.cut else self.on_lines.unit_loads
 
     def _split(
         self, table: dict[str, Array], loads: UnitLoads, bending: list[ModalBasis] | None = None
@@ -355,7 +363,8 @@ class CycleSegments:
             basis = bending[i] if bending is not None else loads.bending(here["pair"], here["row"])
             gap = here["separation_angle"], here["lever_arm"]
             wrench = here["wrench"].T if "wrench" in here else None
-            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), here["searched"], wrench)
+            piece = here["searched"], here["edge"], here["element"]
+            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), *piece, wrench)
         return result
 
 

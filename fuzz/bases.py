@@ -20,7 +20,7 @@ COMMANDS = {
     "fe.nc": "run fe.toml -o fe.nc --torque 50",
     "problems.nc": "problems nasa.toml -o problems.nc --torque 50",
     "wear.nc": "wear fm.toml -o wear.nc --torque 100 --revolutions 1e5",
-    "best.nc": "optimize nasa.toml -o best.nc --torque 100 --order 2",
+    "best.nc": "modify nasa.toml -o best.nc --torque 100 --order 2",
     "table.nc": "verify nasa.toml -o table.nc --torque 50",
     "sweep.nc": "sweep nasa.toml -o sweep.nc --over E=-0.05:0.05:3 --over P=0,0.02 --torque 50,150 --workers 1 "
     "--store batches",

@@ -13,7 +13,7 @@ from pathlib import Path
 from processes import Outcome
 
 #: Commands that may end with 1: values are uncertified, or a comparison is outside its limit.
-MAY_FAIL = ("run", "sweep", "vh", "optimize", "wear", "library", "verify")
+MAY_FAIL = ("run", "sweep", "vh", "modify", "optimize", "wear", "library", "verify")
 #: Words of which one is in the output then.
 REASONS = ("certified", "outside", "early", "differ", "no load distribution", "not reached", "not analysed")
 STDOUT_SIZE_LIMIT = 60_000  # [characters], of tables and reports

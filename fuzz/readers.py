@@ -13,6 +13,7 @@ WRITTEN: dict[str, dict[str, str]] = {
     "run": {".nc": "result"},
     "sweep": {".nc": "sweep"},
     "vh": {".nc": "netcdf"},
+    "modify": {".nc": "result", ".toml": "case"},
     "optimize": {".nc": "result", ".toml": "case"},
     "problems": {".nc": "problems"},
     "wear": {".nc": "wear"},

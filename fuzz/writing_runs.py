@@ -67,7 +67,7 @@ RUNS = (
     WritingRun("problems nasa.toml -o out.nc --torque 50", ("nasa.toml",), ("out.nc",)),
     WritingRun("wear fm.toml -o out.nc --torque 100 --revolutions 1e5", ("fm.toml",), ("out.nc",)),
     WritingRun(
-        "optimize nasa.toml -o out.nc --torque 100 --order 2 --fitted-case fit.toml --force",
+        "modify nasa.toml -o out.nc --torque 100 --order 2 --fitted-case fit.toml --force",
         ("nasa.toml",),
         ("out.nc", "fit.toml"),
     ),

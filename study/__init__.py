@@ -1,6 +1,7 @@
 """Studies of a pair: analysis, sweeps, design, optimisation, wear, reports, pictures, solver comparison, commands.
 
-``easeoff.analyze`` and ``easeoff.optimize`` stand at the top of the package; all names here are imported on first use.
+``easeoff.analyze``, ``modify`` and ``optimize`` stand at the top of the package; all names here are imported on first
+use.
 """
 
 from __future__ import annotations

@@ -198,6 +198,19 @@ class CaseInMesh:
         deflections = misalignment if isinstance(misalignment, Deflections) else None
         return replace(self, pair=self.pair.misaligned(own), unmodified=cycle, deflections=deflections)
 
+    def recut(self, case: Case) -> CaseInMesh:
+        """The pair of a case with other machine or cutter settings in its own assembly; the elastic teeth are held.
+
+        Raises
+        ------
+        GeometryError
+            If a cutter meets no tooth of its blank, or the flanks do not meet.
+        """
+        pair = prepared_pair(case, self.flank, None)
+        geometry = self.unmodified.geometry.recut(pair)
+        cycle = self.unmodified.with_geometry(updated_geometry(geometry, self.deviations, self.deviated))
+        return replace(self, case=case, pair=pair, unmodified=cycle)
+
     def assemblies(self, torques: Sequence[float] | NDArray[Any]) -> list[tuple[tuple[int, ...], CaseInMesh]]:
         """The distinct assemblies at torques [N m]: numbers of the torques, and the pair in that assembly.
 

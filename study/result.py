@@ -30,7 +30,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     tree
-        Result of ``analyze``, ``optimize`` or ``study.analyze_load_cases``.
+        Result of ``analyze``, ``modify``, ``optimize`` or ``study.analyze_load_cases``.
     path
         The file, replaced if it exists; missing folders are made.
 

@@ -72,7 +72,7 @@ COMMANDS = {
     "load_cases.nc": "run spiral_bevel.toml --load-cases load_cases.csv",
     "duty.nc": "run hypoid.toml --load-cases case",
     "sweep.nc": "sweep spiral_bevel.toml --over E=-0.05:0.05:3 --over speed=500,1500",
-    "optimize.nc": "optimize spiral_bevel.toml --order 2",
+    "optimize.nc": "modify spiral_bevel.toml --order 2",
     "wear.nc": "wear spiral_bevel.toml --torque 150 --revolutions 1e6",
     "vh.nc": "vh spiral_bevel.toml",
     "problems.nc": "problems spiral_bevel.toml --torque 150",

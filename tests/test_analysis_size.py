@@ -110,7 +110,7 @@ def test_studies_refuse_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setenv(MEMORY_VARIABLE, "3")
     case = sized(lengthwise_nodes=1001, profile_nodes=1001)
     with pytest.raises(InputError, match="1001 profile_nodes: must be smaller"):
-        easeoff.optimize(case, torques=[100.0])
+        easeoff.modify(case, torques=[100.0])
     with pytest.raises(InputError, match="1001 profile_nodes: must be smaller"):
         wear(case, WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
 

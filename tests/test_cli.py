@@ -169,8 +169,8 @@ def test_a_full_disk_is_one_message_and_leaves_nothing(case: Path, tmp_path: Pat
         (["design", "{design}", "-o", "{design}"], ["design.toml is the file that is read"]),
         (["convert", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
         (["problems", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
-        (["optimize", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
-        (["optimize", "{case}", "-o", "{tmp}/x.nc", "--fitted-case", "{case}"], ["is the file that is read"]),
+        (["modify", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
+        (["modify", "{case}", "-o", "{tmp}/x.nc", "--fitted-case", "{case}"], ["is the file that is read"]),
         (
             [
                 "wear",
@@ -192,7 +192,7 @@ def test_a_full_disk_is_one_message_and_leaves_nothing(case: Path, tmp_path: Pat
         (["run", "nasa-12x36"], ["--output"]),
         (["run", "nasa-12x36", "-o", "{tmp}/x.txt"], ["x.txt", "netCDF", "ends in .nc"]),
         (["problems", "nasa-12x36", "-o", "{tmp}/x.txt"], ["x.txt", "netCDF", "ends in .nc"]),
-        (["optimize", "nasa-12x36", "-o", "{tmp}/x.csv"], ["x.csv", "netCDF", "ends in .nc"]),
+        (["modify", "nasa-12x36", "-o", "{tmp}/x.csv"], ["x.csv", "netCDF", "ends in .nc"]),
         ([*WEAR, "-o", "{tmp}/x.csv"], ["x.csv", "netCDF", "ends in .nc"]),
         ([*WEAR, "-o", "{tmp}/x.nc", "--coefficient", "0"], ["'0': nothing wears", "greater than zero"]),
         ([*WEAR, "-o", "{tmp}/x.nc", "--coefficient", "0/0"], ["'0/0': nothing wears", "greater than zero"]),

@@ -581,7 +581,7 @@ COMMANDS = {
     "run": ["-o", "out.nc", "--torque", "50"],
     "problems": ["-o", "out.nc", "--torque", "50"],
     "wear": ["-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
-    "optimize": ["-o", "out.nc", "--torque", "50", "--order", "2"],
+    "modify": ["-o", "out.nc", "--torque", "50", "--order", "2"],
     "verify": ["--torque", "50"],
     "export": ["-o", "out.csv"],
     "convert": ["-o", "out.rexs"],

@@ -388,11 +388,11 @@ def test_optimises_for_the_assembly_of_every_torque(case: Case) -> None:
     known: dict[str, Any] = {"order": 2, "programmes": 2}
     none = case.model_copy(update={"misalignment": type(case.misalignment)()})
     torques = [300.0, 100.0]
-    tree = easeoff.optimize(none, torques=torques, misalignments=[AXLE], **known)
+    tree = easeoff.modify(none, torques=torques, misalignments=[AXLE], **known)
     record = tree["optimization"].to_dataset()
     assert record["depends_on_torque"].values.tolist() == [0, 1]
     for number, torque in enumerate(torques):
-        alone = easeoff.optimize(none, torques=[torque], misalignments=[AXLE.at(torque)], **known)
+        alone = easeoff.modify(none, torques=[torque], misalignments=[AXLE.at(torque)], **known)
         own = alone["optimization"].to_dataset()
         for name in ("max_line_load", "max_pressure", "peak_to_peak", "max_end_load"):
             np.testing.assert_array_equal(

@@ -238,7 +238,7 @@ def test_root_stress_over_the_cycle_is_the_greatest_of_the_pairs(stressed: xr.Da
         ("root_stress", {}, "tree: the result has no group 'root_stress': finite-element teeth have it"),
         ("misalignment", {}, "tree: its misalignment does not depend on the torque"),
         ("deviations", {}, "tree: its flanks have no deviations"),
-        ("optimization", {}, "tree: the result has no group 'optimization': it must be a result of 'easeoff optimize'"),
+        ("optimization", {}, "tree: the result has no group 'optimization': it must be a result of 'easeoff modify'"),
         ("load_cases", {}, "tree: the result has no group 'load_cases': it must be a result over load cases"),
     ],
 )

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 from report_content import coarse, content, unpacked
 
-from easeoff import InputError, analyze, optimize, write_result
+from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
 from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
@@ -184,9 +184,9 @@ def test_a_result_without_deviations_has_no_picture_of_them(supported: xr.DataTr
 
 
 @pytest.mark.thorough
-def test_an_optimization_shows_its_terms_and_both_stages() -> None:
+def test_a_modification_shows_its_terms_and_both_stages() -> None:
     with without_compiled_code():
-        tree = optimize(coarse(), torques=[100.0], order=2)
+        tree = modify(coarse(), torques=[100.0], order=2)
     part = one(tree)["modification"]
     surface, record = tree["modification"].to_dataset(), tree["optimization"].to_dataset()
     assert [float(value) for _, value in part["terms"]] == pytest.approx(surface["coefficient"].values, abs=0.006)
@@ -281,7 +281,7 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
         report_page({"check": check.isel(place=[1, 0, 2])})
     with pytest.raises(InputError, match="no text in the attribute 'title'"):
         report_page({"check": check.assign_attrs(title=3)})
-    with pytest.raises(InputError, match="nothing: must be a result of 'easeoff run', 'optimize', 'wear' or 'vh'"):
+    with pytest.raises(InputError, match="nothing: must be a result of 'easeoff run', 'modify', 'optimize', 'wear' or"):
         report_page({"nothing": xr.Dataset({"other": 1.0})})
     path = tmp_path / "sweep.nc"
     xr.Dataset({"a": 1.0}, attrs={"sweep_schema_version": 1}).to_netcdf(path)

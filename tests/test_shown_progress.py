@@ -16,7 +16,7 @@ from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 
 COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-FUNCTIONS = (easeoff.analyze, easeoff.optimize, easeoff.sweep, analyze_load_cases, vh_check, wear)
+FUNCTIONS = (easeoff.analyze, easeoff.modify, easeoff.optimize, easeoff.sweep, analyze_load_cases, vh_check, wear)
 
 
 def coarse() -> easeoff.Case:

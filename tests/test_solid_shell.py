@@ -273,13 +273,13 @@ def test_every_stage_is_named_before_it_begins(model: Any, teeth: str | None) ->
     named = [] if teeth is None else [f"{teeth} of the pinion", f"{teeth} of the gear"]
     assert said[: len(named) + 1] == [*named, "loaded contact"]
     assert said.count("step") == len(said) - len(named) - 1 == QUICK.mesh_positions
-    for study, last in ((easeoff.optimize, "convex programmes"), (wear, "wear")):
+    for study, last in ((easeoff.modify, "convex programmes"), (wear, "wear")):
         said.clear()
         options: dict[str, Any] = {"stage": said.append}
         if study is wear:
             wear(case, WearLaw(1e-12, 1e-12, revolutions=1e4), torque=100.0, **options)
         else:
-            easeoff.optimize(case, torques=[100.0], order=2, programmes=1, **options)
+            easeoff.modify(case, torques=[100.0], order=2, programmes=1, **options)
         assert said == [*named, last]
 
 

@@ -125,7 +125,7 @@ def test_the_shipped_axle_moves_as_the_page_says() -> None:
     assert float(np.degrees(tree["misalignment/shaft_angle"]).mean()) == pytest.approx(0.025, abs=5e-4)
 
 
-@pytest.mark.parametrize("command", ["wear", "optimize", "verify"])
+@pytest.mark.parametrize("command", ["wear", "modify", "verify"])
 def test_studies_refuse_supports_that_are_not_there_and_do_not_overwrite_their_file(
     command: str, coarse: Case, tmp_path: Path
 ) -> None:
@@ -140,19 +140,19 @@ def test_studies_refuse_supports_that_are_not_there_and_do_not_overwrite_their_f
 
 
 @pytest.mark.thorough
-def test_wear_optimization_and_verification_take_supports(coarse: Case, tmp_path: Path) -> None:
+def test_wear_modification_and_verification_take_supports(coarse: Case, tmp_path: Path) -> None:
     plain, own = tmp_path / "plain.toml", tmp_path / "own.toml"
     write_case(coarse, plain)
     write_case(with_supports(coarse, AXLE), own)
     worn = ("--torque", 250, "--revolutions", 10)
-    for command, options in (("wear", worn), ("optimize", ("--order", 2)), ("verify", ())):
+    for command, options in (("wear", worn), ("modify", ("--order", 2)), ("verify", ())):
         for name, words in (("named", (plain, "--supports", AXLE)), ("own", (own,)), ("plain", (plain,))):
             outcome = CliRunner().invoke(main, [*map(str, (command, *words, *options, "-o", tmp_path / f"{name}.nc"))])
             assert outcome.exit_code in (0, 1), outcome.output
         held, same, rigid = (
             xr.open_datatree(tmp_path / f"{n}.nc", engine="netcdf4") for n in ("named", "own", "plain")
         )
-        numbers = {"wear": "max_pressure", "optimize": "loaded/max_pressure", "verify": "difference"}[command]
+        numbers = {"wear": "max_pressure", "modify": "loaded/max_pressure", "verify": "difference"}[command]
         first, second, third = (np.ravel(np.asarray(tree[numbers], dtype=float)) for tree in (held, same, rigid))
         np.testing.assert_allclose(first, second, rtol=1e-6, atol=1e-12)
         assert first.shape != third.shape or not np.allclose(first, third, rtol=1e-4, atol=0.0, equal_nan=True)

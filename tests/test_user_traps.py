@@ -153,7 +153,7 @@ def test_an_edited_case_is_not_replaced_unless_asked(tmp_path: Path) -> None:
         assert said.exit_code == 2
         assert f"{path} was edited after easeoff wrote it: give another name, or --force" in said.output
         assert path.read_bytes() == edited
-    said = call("optimize", "nasa-12x36", "-o", tmp_path / "best.nc", "--fitted-case", path)
+    said = call("modify", "nasa-12x36", "-o", tmp_path / "best.nc", "--fitted-case", path)
     assert "was edited after easeoff wrote it" in said.output
     assert [found.name for found in tmp_path.iterdir()] == ["mine.toml"]
     assert call(*write, "--force").exit_code == 0

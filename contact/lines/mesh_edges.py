@@ -8,7 +8,7 @@ the gear is fixed on the gear flank; an edge of the pinion moves over it as the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import fields as dataclass_fields
 from itertools import product
 from typing import Any, TypeVar
@@ -22,7 +22,7 @@ from .mesh_lines import MeshLines
 from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
-Around = TypeVar("Around", bound="EdgeElements | AcrossLine | OppositePoints")
+Around = TypeVar("Around", bound="EdgeElements | _TouchingParts | AcrossLine | OppositePoints")
 
 ELEMENTS_PER_EDGE = 160
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
@@ -49,6 +49,10 @@ class EdgeElements:
         Relative curvature of the gap across the contact line [1/mm].
     overhang
         Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
+    still_opens
+        Whether the expansion of the gap holds, see ``closest_approach.still_opens``.
+    edge, element
+        Which of the ``flank_edges`` a piece belongs to, and its number along that edge.
     """
 
     level: NDArray[np.int64]
@@ -58,6 +62,9 @@ class EdgeElements:
     length: Array
     curvature: Array
     overhang: Array
+    still_opens: NDArray[np.bool_]
+    edge: NDArray[np.int64]
+    element: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -140,22 +147,101 @@ def edge_elements(
     edges
         The edges from ``flank_edges``, if they are known.
     """
-    candidates = [_candidates(edge, rotations, widest) for edge in edges or flank_edges(splines)]
-    rows, *between = (np.concatenate(values, axis=-1) for values in zip(*candidates, strict=True))
-    of_pinion, wanted, first, last, middle, share = between
-    points = first + middle * (last - first)
-    moving = np.flatnonzero(of_pinion)
-    points[:, moving] = points_below(splines, wanted[:, moving], points[:, moving], rotations[rows[moving]])
+    edges = edges or flank_edges(splines)
+    near = [_near_elements(edge, rotations, widest) for edge in edges]
+    edge = np.repeat(np.arange(len(edges)), [row.size for row, _ in near])
+    rows, element = (np.concatenate(values) for values in zip(*near, strict=True))
+    parts = _touching_parts(edges, rotations[rows], edge, element)
+    some = parts.share > 0.0
+    rows = rows[some]
+    found = _pieces(splines, rotations[rows], _at(parts, some))
+    kept = (found.separation_angle < widest[rows]) & (found.curvature > 0.0) & (found.length > 0.0)
+    kept &= found.still_opens & ~splines.in_hole(found.points)
+    return _at(replace(found, level=rows), kept)
+
+
+def chosen_elements(
+    splines: FlankSplines,
+    rotations: Array,
+    edges: Sequence[FlankEdge],
+    edge: NDArray[np.int64],
+    element: NDArray[np.int64],
+) -> EdgeElements:
+    """Given pieces (n) of edges as far as they may touch, each at a pinion rotation of its own.
+
+    Parameters
+    ----------
+    splines
+        Splines from ``loaded_splines``.
+    rotations
+        Pinion rotations (n) [rad], counted as the roll angle.
+    edges
+        From ``flank_edges``.
+    edge, element
+        Which edge, and the number of the piece along it (n).
+
+    Returns
+    -------
+    EdgeElements
+        Each at a level of its own; without length where no part of them may touch.
+    """
+    return _pieces(splines, rotations, _touching_parts(edges, rotations, edge, element))
+
+
+def _pieces(splines: FlankSplines, rotations: Array, parts: _TouchingParts) -> EdgeElements:
+    """The parts (n) of elements with the gap at their middles, each at a pinion rotation of its own (n)."""
+    way = parts.end - parts.start
+    points = parts.start + parts.middle * way
+    moving = np.flatnonzero(parts.of_pinion)
+    points[:, moving] = points_below(splines, parts.wanted[:, moving], points[:, moving], rotations[moving])
     points = np.clip(points, 0.0, 1.0)
     here = across_line(splines, points)
-    left = rotations[rows] - here.roll_angle
+    left = rotations - here.roll_angle
     gap, curvature = here.gap(left), here.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
-    length = share * here.length_along(last - first)
-    kept = (gap < widest[rows]) & (curvature > 0.0) & (length > 0.0)
-    kept &= here.still_opens(left) & ~splines.in_hole(points)
-    return _at(EdgeElements(rows, points, gap, here.lever_arm, length, curvature, overhang), kept)
+    return EdgeElements(
+        level=np.arange(rotations.size),
+        points=points,
+        separation_angle=gap,
+        lever_arm=here.lever_arm,
+        length=parts.share * here.length_along(way),
+        curvature=curvature,
+        overhang=overhang,
+        still_opens=here.still_opens(left),
+        edge=parts.edge,
+        element=parts.element,
+    )
+
+
+@dataclass(frozen=True)
+class _TouchingParts:
+    """Parts of elements (n) of edges that may touch.
+
+    Parameters
+    ----------
+    edge, element
+        Which edge, and the number of the element along it.
+    of_pinion
+        Whether the edge is that of the pinion.
+    wanted
+        The middle on the member (2, n).
+    start, end
+        Both ends of the element on the gear (2, n).
+    middle
+        Where the middle of the part lies between them.
+    share
+        Of the element; zero without such a part.
+    """
+
+    edge: NDArray[np.int64]
+    element: NDArray[np.int64]
+    of_pinion: NDArray[np.bool_]
+    wanted: Array
+    start: Array
+    end: Array
+    middle: Array
+    share: Array
 
 
 @dataclass(frozen=True)
@@ -219,41 +305,49 @@ class FlankEdge:
         )
 
 
-def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array, ...]:
-    """Elements (n) of an edge at all rotations that may touch, as far as they do.
-
-    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
-
-    Returns
-    -------
-    tuple
-        Indices of the rotations, whether the edge is that of the pinion, the middle on the member (2, n), both ends of
-        the element on the gear (2, n each), where the middle of the part lies between them, and its share of the
-        element.
-    """
+def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Indices of the rotations and numbers of the elements of an edge (n) whose gap may be below the widest one."""
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
         gap = np.where(edge.here.still_opens(left), edge.here.gap(left), np.inf)
-        falls = -edge.here.gap_slope(left) * edge.leaving * edge.outward
-        away = rotations[:, None] - edge.here.roll_angle
-        moved = edge.points[:, None] + edge.moving[:, None] * away
-        other = moved if edge.of_pinion else edge.opposite.after(away)
-        blade = np.broadcast_to(edge.blade_distance, gap.shape)
-        nearest = np.minimum(gap[:, 1:], gap[:, :-1])
+    nearest = np.minimum(gap[:, 1:], gap[:, :-1])
     row, element = np.nonzero(nearest < GAP_ESTIMATE_MARGIN * widest[:, None])
-    low, high = np.zeros(row.size), np.ones(row.size)
-    for margin in (falls, *other, *(1.0 - other), blade):
-        first, last = margin[row, element], margin[row, element + 1]
+    return row, element
+
+
+def _touching_parts(
+    edges: Sequence[FlankEdge], rotations: Array, edge: NDArray[np.int64], element: NDArray[np.int64]
+) -> _TouchingParts:
+    """Parts of elements (n) that may touch, each at a pinion rotation of its own (n).
+
+    Such a part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
+    """
+    count = element.size
+    margins, ends, wanted = np.empty((2, 6, count)), np.empty((2, 2, count)), np.empty((2, 2, count))
+    of_pinion = np.zeros(count, dtype=bool)
+    for number, one in enumerate(edges):
+        own = np.flatnonzero(edge == number)
+        of_pinion[own] = one.of_pinion
+        for side in (0, 1):
+            at = element[own] + side
+            margins[side][:, own], ends[side][:, own] = _margins(one, rotations[own], at)
+            wanted[side][:, own] = one.nodes[:, at]
+    low, high = np.zeros(count), np.ones(count)
+    for first, last in zip(*margins, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
             zero = first / (first - last)
         low = np.maximum(low, np.where(first > 0.0, 0.0, np.where(last > 0.0, zero, 1.0)))
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
-    kept = high > low
-    row, element, low, high = row[kept], element[kept], low[kept], high[kept]
-    middle, following = 0.5 * (low + high), element + 1
-    wanted = edge.nodes[:, element] + middle * (edge.nodes[:, following] - edge.nodes[:, element])
-    ends = [
-        edge.points[:, at] + edge.moving[:, at] * (rotations[row] - edge.here.roll_angle[at])
-        for at in (element, following)
-    ]
-    return row, np.full(row.size, edge.of_pinion), wanted, *ends, middle, high - low
+    share = np.where(high > low, high - low, 0.0)
+    middle = 0.5 * (low + high)
+    return _TouchingParts(edge, element, of_pinion, wanted[0] + middle * (wanted[1] - wanted[0]), *ends, middle, share)
+
+
+def _margins(edge: FlankEdge, rotations: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:
+    """What must be positive at nodes (n) of an edge for them to touch (6, n), and their points on the gear (2, n)."""
+    here = _at(edge.here, at)
+    away = rotations - here.roll_angle
+    falls = -here.gap_slope(away * edge.nearing[at]) * edge.leaving[at] * edge.outward
+    moved = edge.points[:, at] + edge.moving[:, at] * away
+    other = moved if edge.of_pinion else _at(edge.opposite, at).after(away)
+    return np.stack([falls, *other, *(1.0 - other), edge.blade_distance[at]]), moved

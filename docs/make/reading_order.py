@@ -29,6 +29,7 @@ READING_ORDER = {
             "guides/real_flanks",
             "guides/corrections",
             "guides/optimal_modification",
+            "guides/optimal_settings",
             "guides/finite_elements",
             "guides/friction",
             "guides/mixed_ehl",

@@ -37,7 +37,7 @@ def case_commands(name: str) -> list[list[str]]:
         ["vh", name, "-o", "out.nc"],
         ["problems", name, "-o", "out.nc"],
         ["wear", name, "-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
-        ["optimize", name, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
+        ["modify", name, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
         ["correct", name, "--deviation", "gear=fm-11x41-worn-gear"],
         ["verify", name, "--torque", "50", "-o", "table.nc"],
         ["design", name, "-o", "o.toml"],

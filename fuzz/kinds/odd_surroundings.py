@@ -42,7 +42,7 @@ def paths(rng: random.Random, box: Box) -> Input:
             ["compare", "problems.nc", "-o", "study", "--solvers", "native", "--repetitions", "1"],
             ["problems", pair, "-o", "out.nc", "--torque", "50"],
             ["wear", pair, "-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
-            ["optimize", pair, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
+            ["modify", pair, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
             ["convert", "file.rexs", "-o", "o.toml"],
             ["convert", "file.ses", "-o", "o.toml"],
             ["convert", pair, "-o", "o.rexs"],

@@ -26,7 +26,7 @@ def options(rng: random.Random, box: Box) -> Input:
         "vh": ["vh", pair, "-o", output],
         "problems": ["problems", pair, "-o", output, "--torque", "50"],
         "wear": ["wear", pair, "-o", output, "--torque", "50", "--revolutions", "1e3"],
-        "optimize": ["optimize", pair, "-o", output, "--torque", "50", "--order", "2"],
+        "modify": ["modify", pair, "-o", output, "--torque", "50", "--order", "2"],
         "verify": ["verify", pair, "--torque", "50"],
         "export": ["export", pair, "-o", rng.choice([output, "o.csv", "o.stl", "o.nc", "o.vtk", "o.x"]), "--nodes",
         "9x7"],

@@ -23,6 +23,7 @@ from .gear_pair import PairGeometry
 from .modification import Modification
 from .near_pair import PLACES, KnownPair, NearPair, rate
 from .pair_setting import PairSetting
+from .rolling import drift
 
 Array = NDArray[Any]
 
@@ -49,8 +50,11 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
         ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
         ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
-        ``depth_pinion``, ``depth_gear`` [mm]. NaN at nodes without a conjugate point. Beside these ``put_in`` of what
-        is added to the gap of the flanks: a modification, less the zero of the ease-off [rad].
+        ``depth_pinion``, ``depth_gear`` [mm], and how the pinion passes a point of the gear: ``pinion_lengthwise_rate``
+        and ``..._acceleration`` [1/rad, 1/rad^2], the same for the profile; ``action_position`` [mm] and
+        ``action_normal`` (nt, nh, 3, j), where a node makes conjugate contact. NaN at nodes without a conjugate point.
+        Beside these ``put_in`` of what is added to the gap of the flanks: a modification, less the zero of the
+        ease-off [rad].
 
     Raises
     ------
@@ -113,12 +117,28 @@ class _Fields:
             values[name] = getattr(exact, name).reshape(nodes)
         for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
             values[name] = getattr(exact, name).reshape(nodes)
+        for name in ("action_position", "action_normal"):
+            values[name] = np.moveaxis(getattr(exact, name).reshape(3, *nodes), 0, -1)
         # Most settings leave one of both members alone.
         same = exact.pinion_position is self.geometry.exact.pinion_position
         values["depth_pinion"] = self._known_depths[0] if same else self._pinion_depth(exact)
         same = gear.position is self.geometry.members.gear.position
         values["depth_gear"] = self._known_depths[1] if same else self._gear_depth(gear)
-        return values
+        same = exact.pinion_position is self.geometry.exact.pinion_position
+        return values | (self._known_passing if same else self._passing(exact))
+
+    def _passing(self, exact: EaseOff) -> dict[str, Array]:
+        moving, names = drift(exact), ("rate", "acceleration")
+        both = {"lengthwise": moving.lengthwise, "profile": moving.profile}
+        return {
+            f"pinion_{way}_{name}": values.reshape(self.geometry.nodes)
+            for way, orders in both.items()
+            for name, values in zip(names, orders, strict=True)
+        }
+
+    @cached_property
+    def _known_passing(self) -> dict[str, Array]:
+        return self._passing(self.geometry.exact)
 
     def _pinion_depth(self, exact: EaseOff) -> Array:
         depth = self.geometry.members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal).depth

@@ -79,6 +79,50 @@ def gap_slopes(
     return np.stack(columns, axis=-1) if columns else np.zeros((*rotation.shape, 0))
 
 
+def held_point_slopes(
+    geometry: PairGeometry,
+    settings: Sequence[PairSetting],
+    pinion_parameters: Array,
+    pinion_part: NDArray[np.int8],
+    rotation: Array,
+) -> tuple[Array, Array]:
+    """Derivatives of where pinion points of held parameters (n) stand.
+
+    Parameters
+    ----------
+    geometry, settings, pinion_parameters, pinion_part, rotation
+        As of ``gap_slopes``.
+
+    Returns
+    -------
+    tuple
+        Derivatives of axial and radial coordinate along the gear axis (2, n, j) [mm], and of lengthwise and profile
+        fraction on the pinion (2, n, j).
+    """
+    known = KnownPair(geometry)
+    section = geometry.exact.pinion_section
+    found = np.zeros((4, *rotation.shape, len(settings)))
+
+    def stand(pair: GearPair) -> Array:
+        there = known.motion(pair)
+
+        def both(surface: GeneratingSurface, p: Array) -> Array:
+            return np.concatenate(surface.evaluate(p)[:2])
+
+        own = on_parts(pair.pinion.loaded.flank_parts, pinion_part, pinion_parameters, both)
+        position, _ = there.turned(*pair.assembly.pinion_to_global(own[:3], own[3:]), rotation + there.center)
+        x, y, z = position - pair.assembly.gear_origin.reshape(3, 1)
+        fractions = section.fractions(own[2], np.hypot(own[0], own[1]))
+        return np.stack([z, np.hypot(x, y), *fractions])
+
+    for number, setting in enumerate(settings):
+        if setting.of not in ("modification", "gear"):
+            step = STEP_SHARE * setting.scale
+            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            found[..., number] = rate([stand(pair) for pair in pairs], step)
+    return found[:2], found[2:]
+
+
 def _of_gear(known: KnownPair, pairs: Sequence[GearPair], step: float, gear: Flank) -> Array:
     moved = rate([_positions(pair.gear.loaded, gear.part, gear.parameters) for pair in pairs], step)
     moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]

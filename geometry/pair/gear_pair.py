@@ -220,6 +220,30 @@ class PairGeometry:
         pair = self.pair.misaligned(misalignment)
         return _in_mesh(pair, self.members, _exact_ease_off(pair, self.members.gear))
 
+    def recut(self, pair: GearPair) -> PairGeometry:
+        """Geometry of a pair with other settings of its flanks in the same blanks; the tooth bodies stay as they are.
+
+        Parameters
+        ----------
+        pair
+            The pair with the other settings, in any assembly.
+
+        Raises
+        ------
+        GeometryError
+            If a cutter meets no tooth of its blank, or the flanks do not meet.
+        """
+        own = self.members
+        pinion, gear = (
+            flank if member.loaded == before.loaded else member.flank(own.lengthwise, own.profile)
+            for member, before, flank in (
+                (pair.pinion, self.pair.pinion, own.pinion),
+                (pair.gear, self.pair.gear, own.gear),
+            )
+        )
+        members = MemberGeometry(own.lengthwise, own.profile, pinion, gear, own.bodies)
+        return _in_mesh(pair, members, _exact_ease_off(pair, gear))
+
 
 def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> PairGeometry:
     """Everything the contact needs to know of a pair, computed once.

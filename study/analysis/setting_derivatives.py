@@ -6,14 +6,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
-from ...contact.evaluation.derivatives.cycle_slopes import cycle_slopes
+from ...contact.evaluation.derivatives.cycle_slopes import CycleSlopes
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.checks import shown
@@ -27,6 +27,11 @@ from ...geometry.pair.pair_setting import PairSetting, is_angle
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..sweep.swept_quantity import swept_quantity
 from .contact_analysis import case_torques
+from .friction_analysis import friction_settings, operation_of
+
+if TYPE_CHECKING:
+    from ...friction import FrictionModel, Lubricant, Operation
+    from ...friction.operation import Array, Numbers, Roughness
 
 #: Keys of the cutter in a case file, and the settings of the blade that they are.
 CUTTER_KEYS = {
@@ -100,7 +105,8 @@ def _chosen(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tu
             )
     if not wanted or len(set(wanted)) != len(wanted):
         raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")
-    return [known[name] for name in wanted if name != "torque"], wanted
+    # The torque comes with any other setting; alone it takes one along.
+    return [known[name] for name in wanted if name != "torque"] or [next(iter(known.values()))], wanted
 
 
 def derivatives(
@@ -111,10 +117,16 @@ def derivatives(
     torques: float | Sequence[float] | None = None,
     misalignment: MisalignmentSource | None = None,
     modification: Modification | None = None,
+    edge_contact: bool | None = None,
+    speed: Numbers | None = None,
+    temperature: Numbers | None = None,
+    roughness: Roughness | list[Roughness] | Array | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
 ) -> xr.DataTree:
     """Differentiate an analysis of a case by settings, assembly errors, deviations and torque.
 
-    Contact is on lines alone, with rigid supports; the elastic teeth are held. See `Derivatives of an analysis
+    Supports are rigid; the elastic teeth are held. See `Derivatives of an analysis
     <../python/derivatives.html>`_.
 
     Parameters
@@ -124,15 +136,16 @@ def derivatives(
     settings
         Names as of ``sweep``: dotted keys of machine and cutter settings of the flanks in mesh, ``E``, ``P``, ``G``,
         ``Sigma``, ``modification.TERM`` and ``torque``; all of ``derivative_settings`` if left out.
-    flank, torques, misalignment, modification
-        As of ``analyze``.
+    flank, torques, misalignment, modification, edge_contact, speed, temperature, roughness, oil, friction_model
+        As of ``analyze``. What friction takes of the torque is not fed back.
 
     Returns
     -------
     xr.DataTree
         ``values`` with ease-off and roll angle, unloaded and loaded transmission error and their numbers, load shares,
-        forces and pressures; ``derivatives`` with the same variables over ``setting`` as well, in their units per
-        ``setting_units``. NaN where the contact has a kink.
+        forces, pressures, centre and extent of the load; with finite elements root stresses, with a speed losses;
+        ``derivatives`` with the same variables over ``setting`` as well, in their units per ``setting_units``. NaN
+        where the contact has a kink.
 
     Raises
     ------
@@ -152,15 +165,35 @@ def derivatives(
     (('torque', 'setting'), ['mm', 'degree', 'N m'])
     """
     case = checked_case(case)
+    operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
+    friction_model, _ = friction_settings(case, operation, friction_model, None)
     state = CaseInMesh.of(case, flank=flank, misalignment=misalignment, modification=modification)
-    return contact_derivatives(state, settings, torques)
+    given: dict[str, Any] = {"edge_contact": edge_contact, "operation": operation, "friction_model": friction_model}
+    return contact_derivatives(state, settings, torques, **given)
 
 
 @one_blas_thread()
 def contact_derivatives(
-    state: CaseInMesh, settings: Sequence[str] | None = None, torques: float | Sequence[float] | None = None
+    state: CaseInMesh,
+    settings: Sequence[str] | None = None,
+    torques: float | Sequence[float] | None = None,
+    *,
+    edge_contact: bool | None = None,
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
 ) -> xr.DataTree:
-    """Differentiate the contact of a pair in mesh; arguments, returns and raises as ``derivatives``.
+    """Differentiate the contact of a pair in mesh.
+
+    Parameters
+    ----------
+    state
+        A case in mesh.
+    settings, torques, edge_contact
+        As of ``derivatives``, which tells what is returned and raised as well.
+    operation
+        Operating conditions of friction; the case's own if left out.
+    friction_model
+        Models of friction; the case's own or the dissertation's if left out.
 
     Examples
     --------
@@ -181,24 +214,37 @@ def contact_derivatives(
         raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
     chosen, names = _chosen(state.pair, state.flank, settings)
     load = case_torques(case, torques)
-    loaded, cases = cycle.loaded(load, edge_contact=False)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
+    loaded, cases = cycle.loaded(load, edge_contact=edges)
     if not all(one.solution.status == Status.CERTIFIED for one in cases):
         raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-    values, slopes = cycle_slopes(cycle, [one.setting for one in chosen], loaded, cases)
+    with_roots = case.compliance.model == "fe" and all(tooth.root is not None for tooth in state.teeth or ())
+    roots = state.teeth if with_roots else None
+    found = CycleSlopes.of(cycle, [one.setting for one in chosen], cases)
+    values, slopes = found.datasets(loaded, roots)
+    operation = operation or operation_of(case.friction)
+    model, _ = friction_settings(case, operation, friction_model, None)
+    if operation is not None:
+        from ...friction import FrictionModel
+        from .loss_slopes import loss_slopes
+
+        of_loss = loss_slopes(found, loaded, operation, model or FrictionModel())
+        values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
     order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
     factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
-    found = (slopes.isel(setting=order) * factors).assign_coords(
+    changes = (slopes.isel(setting=order) * factors).assign_coords(
         setting=("setting", names),
         setting_units=("setting", [swept_quantity(name).units for name in names]),
     )
     attributes: dict[str, Any] = {
         **case_attributes(case, "derivatives"),
         **state.attributes,
-        "edge_contact": 0,
+        "edge_contact": int(edges),
+        "friction_feedback": 0,
         "held": "elastic teeth and tooth bodies",
     }
-    found = labelled(found)
-    for variable in found.data_vars.values():
+    changes = labelled(changes)
+    for variable in changes.data_vars.values():
         variable.attrs["units"] += " per setting_units"
         variable.attrs["long_name"] = f"derivative of: {variable.attrs['long_name']}"
-    return xr.DataTree.from_dict({"/": xr.Dataset(attrs=attributes), "values": values, "derivatives": found})
+    return xr.DataTree.from_dict({"/": xr.Dataset(attrs=attributes), "values": values, "derivatives": changes})

@@ -23,6 +23,7 @@ from .inputs.case_commands import cases, convert, design
 from .inputs.new_command import new
 from .inputs.oil_command import oil
 from .inputs.sheet_command import sheet
+from .modify_command import modify
 from .optimize_command import optimize
 from .options.shared_options import echo
 from .result_commands import cite, plot, report, show
@@ -136,6 +137,7 @@ for _command in (
     sweep,
     verify,
     vh,
+    modify,
     optimize,
     cases,
     new,

@@ -1,7 +1,8 @@
-"""Command that optimises the ease-off of a case."""
+"""Command that searches for the best machine settings of a case."""
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,129 +11,203 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import chosen_case, show_stage, supports_option
+from .inputs.sheet_command import resolution_option
+from .options.analysis_options import show_stage
+from .options.number_lists import number_list
 from .options.shared_options import (
-    DEFLECTION_FILE,
-    MISALIGNMENT,
     allow_outside_option,
     echo,
-    flank_option,
     force_option,
     misalignment,
     next_commands,
     output_option,
+    outside_allowed,
     torques,
 )
-from .terminal.terminal_bar import terminal_bar, working
-from .terminal.word_completion import case_names, solver_names
+from .terminal.terminal_bar import terminal_bar
+from .terminal.word_completion import case_names
+
+SPREAD = re.compile(r"(E|P|G|Sigma)\s*~\s*(.+)")
+RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
     return [misalignment(ctx, param, text) for text in texts]
 
 
+def _spread(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+    """Distributions of assembly errors."""
+    found: dict[str, str] = {}
+    for text in texts:
+        parts = SPREAD.fullmatch(text.strip())
+        if parts is None:
+            raise click.BadParameter(f"{text!r}: must be E, P, G or Sigma with a distribution, as E~normal(0,0.03)")
+        if parts[1] in found:
+            raise click.BadParameter(f"{parts[1]} comes twice")
+        found[parts[1]] = parts[2]
+    return found
+
+
+def _ranges(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of settings by key."""
+    found: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        parts = RANGE.fullmatch(text.strip())
+        try:
+            if parts is None:
+                raise ValueError
+            found[parts[1]] = float(parts[2]), float(parts[3])
+        except ValueError as error:
+            raise click.BadParameter(f"{text!r}: must be KEY=LOW:HIGH, as '*.sliding_base=20:25'") from error
+    return found
+
+
+def _patterns(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...] | None:
+    """Patterns of free settings; none for the usual ones."""
+    return texts or None
+
+
+def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float] | None:
+    """Weights of the objectives."""
+    return None if text is None else number_list(text, "numbers separated by commas, such as 1,0.5")
+
+
 @click.command(cls=Command)
 @click.argument("case", shell_complete=case_names)
 @allow_outside_option
 @output_option("netCDF file to write.")
-@flank_option
+@click.option(
+    "--minimize",
+    multiple=True,
+    metavar="QUANTITY",
+    show_default="peak_to_peak and max_pressure",
+    help="peak_to_peak, harmonic_1, harmonic_2, ..., max_pressure, unloaded_peak_to_peak, pinion_root_stress, "
+    "gear_root_stress, mean_power_loss, load_centre_lengthwise, load_extent_lengthwise (and profile), ease_off_change; "
+    "with @TORQUE at one torque alone, with drive. or coast. before it on one side. May be repeated.",
+)
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="'QUANTITY<=VALUE'",
+    help="Limit of a quantity in urad, MPa, W or um, such as 'max_pressure@250<=1500'. May be repeated.",
+)
+@click.option(
+    "--form",
+    type=click.Choice(["worst", "weighted", "pareto"]),
+    default="worst",
+    show_default=True,
+    help="The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
+)
+@click.option("--weight", "weights", callback=_weights, metavar="W1,W2,...", help="Weights of the objectives.")
+@click.option("--points", type=int, metavar="N", default=9, show_default=True, help="Points of the front.")
+@click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast", "both"]),
+    default="drive",
+    show_default=True,
+    help="Flanks in mesh that are analysed.",
+)
 @click.option(
     "--torque",
     "torques",
     callback=torques,
     metavar="T1,T2,...",
     show_default="from the case",
-    help="Torques at the pinion in N m, all of equal weight.",
+    help="Torques at the pinion in N m.",
 )
 @click.option(
     "--misalignment",
     "misalignments",
     callback=_misalignments,
     multiple=True,
-    metavar=MISALIGNMENT,
-    help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "
-    "repeated.",
-)
-@supports_option
-@click.option(
-    "--objective",
-    type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
-    default="peak_load",
-    show_default=True,
-    help="Quantity to minimise.",
+    metavar="E=..,P=..,G=..,Sigma=..",
+    help="Further assembly in mm, Sigma in degrees, that counts as much as the case's own. May be repeated.",
 )
 @click.option(
-    "--order", type=click.IntRange(2, 4), metavar="N", default=3, show_default=True, help="Greatest order of the terms."
+    "--spread",
+    callback=_spread,
+    multiple=True,
+    metavar="'E~normal(0,0.03)'",
+    help="Distribution of an assembly error in mm, Sigma in degrees: normal, uniform or triangular. May be repeated.",
+)
+@click.option("--samples", type=int, metavar="N", help="Number of assemblies drawn from the distributions.")
+@click.option("--seed", type=int, metavar="S", default=0, show_default=True, help="Seed of the samples.")
+@click.option(
+    "--free",
+    callback=_patterns,
+    multiple=True,
+    metavar="PATTERN",
+    show_default="machine settings that the pinion's set-up uses",
+    help="Keys of the settings that move, such as 'pinion.*.machine.*'. May be repeated.",
 )
 @click.option(
-    "--transmission-error",
+    "--limit-setting",
+    "limit_settings",
+    callback=_ranges,
+    multiple=True,
+    metavar="KEY=LOW:HIGH",
+    help="Least and greatest value of a setting in mm or degrees. May be repeated.",
+)
+@click.option(
+    "--move",
     type=float,
-    metavar="URAD",
-    show_default="no limit",
-    help="Limit of the loaded transmission error, peak to peak, in urad.",
-)
-@click.option(
-    "--end-load",
-    type=float,
-    metavar="N/MM",
-    show_default="that of the present ease-off",
-    help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
-)
-@click.option(
-    "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
-)
-@click.option(
-    "--solver",
-    metavar="NAME",
-    default="auto",
+    metavar="UM",
+    default=100.0,
     show_default=True,
-    shell_complete=solver_names,
-    help="Contact solver; MODULE:FUNCTION for your own.",
+    help="By how much one setting alone may change the ease-off in um, where it has no limits of its own.",
 )
+@resolution_option
+@click.option("--steps", type=int, metavar="N", default=30, show_default=True, help="Programmes for one optimum.")
 @click.option(
-    "--fitted-case",
+    "--case",
+    "best_case",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Case file to write, with pinion settings fitted to the modified ease-off.",
+    help="Case file to write, with the settings found.",
 )
+@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE", help="Result to go on from.")
 @force_option
-def optimize(
-    case: str, output: Path, fitted_case: Path | None, force: bool, supports: str | None, **options: Any
-) -> None:
-    """Optimise the ease-off of CASE under load.
+def optimize(case: str, output: Path, best_case: Path | None, resume: Path | None, force: bool, **options: Any) -> None:
+    """Search for the machine settings of CASE that are best under load.
 
-    The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
-    without tooth edges.
+    Convex programmes propose, certified analyses judge. The settings found are rounded to the machine's resolution and
+    analysed rounded.
     """
-    from ...cases import write_case
+    from ...cases import parse_case, read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
-    from ..design.fitted_settings import fit_modification, recorded_modification
-    from ..design.optimization import optimize as optimized
-    from ..report.optimization_report import optimization_report
+    from ..optimization.setting_optimization import USUAL_OBJECTIVES
+    from ..optimization.setting_optimization import optimize as optimized
+    from ..report.setting_report import setting_report
     from ..report.summary.result_summary import uncertified
-    from ..result import write_result
+    from ..result import read_result, write_result
 
-    check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
-    if fitted_case is not None:
-        check_writable(fitted_case, case, *([] if supports is None else [supports]), suffix=".toml")
-        require_replaceable(fitted_case, force)
-    checked = chosen_case(case, supports)
+    check_writable(output, case, suffix=".nc")
+    if best_case is not None:
+        check_writable(best_case, case, suffix=".toml")
+        require_replaceable(best_case, force)
+    checked = read_case(case, allow_outside=outside_allowed())
+    earlier = None if resume is None else read_result(resume)
     bar: Any
-    with terminal_bar(desc="convex programmes", unit="programme") as bar:
-        tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
-    write_result(tree, output)
-    echo(optimization_report(tree))
-    echo(f"\nwrote {output}")
-    if fitted_case is not None:
-        with working("fitting the pinion's settings"):
-            fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
-        write_case(
-            fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
+    with terminal_bar(desc="search", unit="programme") as bar:
+        tree = optimized(
+            checked,
+            options.pop("minimize") or USUAL_OBJECTIVES,
+            resume=earlier,
+            progress=bar.update,
+            stage=lambda name: show_stage(bar, name),
+            **options,
         )
-        echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
-    fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
-    next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
+    write_result(tree, output)
+    echo(setting_report(tree))
+    echo(f"\nwrote {output}")
+    if best_case is not None:
+        found = parse_case(tree.attrs["case"], allow_outside=True)
+        write_case(found, best_case, f"Made by easeoff from {Path(case).name}: settings of {output.name}.")
+        echo(f"wrote {best_case}")
+    sheet = [] if best_case is None else [("sheet", best_case, "-o", "SHEET.html")]
+    next_commands(("show", output), ("plot", output, "FOLDER"), *sheet)
     failures = uncertified(tree)
     if failures:
         echo("\n".join(failures), err=True)

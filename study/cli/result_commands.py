@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def show(result: Path) -> None:
     """Show the main numbers of RESULT.
 
-    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
+    RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
     """
     from ..report.contact_report.given_results import kind_of, read_given
     from ..report.summary.load_case_summary import load_case_summary
@@ -95,9 +95,9 @@ def show(result: Path) -> None:
 def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None, **options: Any) -> None:
     """Draw pictures of RESULT into FOLDER.
 
-    RESULT is a file of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'. The files are named after case, flank and
-    picture, as in fm-11x41-drive-pressure.png. Pictures of an earlier result of the same case and flank in FOLDER are
-    replaced or removed.
+    RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'. The files are named after case,
+    flank and picture, as in fm-11x41-drive-pressure.png. Pictures of an earlier result of the same case and flank in
+    FOLDER are replaced or removed.
     """
     from ...core.writing.output_file import check_folder
     from ..plot.figures.drawn_file import read_drawn
@@ -130,10 +130,10 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
-    RESULT is a file of 'easeoff run', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before and after
-    a change, stand side by side under the names of their files. The report holds case, numbers, charts, pictures of the
-    flanks that answer the pointer, and teeth in three dimensions. It opens in any browser without a network, which also
-    prints it.
+    RESULT is a file of 'easeoff run', 'modify', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before
+    and after a change, stand side by side under the names of their files. The report holds case, numbers, charts,
+    pictures of the flanks that answer the pointer, and teeth in three dimensions. It opens in any browser without a
+    network, which also prints it.
     """
     from ...core.errors import InputError
     from ...core.writing.output_file import check_writable

@@ -38,7 +38,7 @@ class _Wanted:
 
 
 def recorded_modification(tree: xr.DataTree) -> Modification:
-    """Modification of a result of ``optimize``.
+    """Modification of a result of ``modify``.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def recorded_modification(tree: xr.DataTree) -> Modification:
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = easeoff.read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> tree = easeoff.optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> tree = easeoff.modify(case, torques=[200.0], order=2, programmes=1)
     >>> sorted(recorded_modification(tree).coefficients)
     ['bias', 'lengthwise_crowning', 'pressure_angle_error', 'profile_crowning', 'spiral_angle_error']
     """

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .figures.correction_figures import topography, write_topographies
     from .figures.friction_figures import efficiency, friction_maps
     from .figures.picture_list import pictures
-    from .figures.study_figures import load_cases, optimization, sweep, vh_check, wear
+    from .figures.study_figures import front, load_cases, optimization, sweep, vh_check, wear
     from .figures.written_pictures import write_pictures
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "ease_off",
     "efficiency",
     "friction_maps",
+    "front",
     "load_cases",
     "load_sharing",
     "misalignment",
@@ -69,7 +70,7 @@ _ORIGINS = {
     ".figures.correction_figures": ["topography", "write_topographies"],
     ".figures.friction_figures": ["efficiency", "friction_maps"],
     ".figures.picture_list": ["pictures"],
-    ".figures.study_figures": ["load_cases", "optimization", "sweep", "vh_check", "wear"],
+    ".figures.study_figures": ["front", "load_cases", "optimization", "sweep", "vh_check", "wear"],
     ".figures.written_pictures": ["write_pictures"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

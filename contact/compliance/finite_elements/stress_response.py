@@ -48,11 +48,33 @@ class StressResponse:
         return np.concatenate([np.empty((self.lengthwise.size, 0)), *parts], axis=1)
 
     def _largest(self, forces: Array) -> Array:
+        return np.asarray(np.linalg.eigvalsh(self._tensor(forces))[..., -1].max(axis=1))
+
+    def gradients(self, forces: Array) -> Array:
+        """Derivatives (k, n) [MPa/N] of the largest tensile stress of all stations by the forces on the nodes (k, n).
+
+        The place of the largest stress and its direction, in which there is no shear, stay to first order.
+        """
+        step, count = FORCE_SETS_PER_BATCH, forces.shape[1]
+        parts = [self._gradients(forces[:, start : start + step]) for start in range(0, count, step)]
+        return np.concatenate([np.empty((forces.shape[0], 0)), *parts], axis=1)
+
+    def _gradients(self, forces: Array) -> Array:
+        tensor = self._tensor(forces)
+        points, columns = self.stress.shape[1], np.arange(forces.shape[1])
+        stress = np.linalg.eigvalsh(tensor)[..., -1].reshape(-1, columns.size)
+        station, point = np.divmod(np.argmax(stress, axis=0), points)
+        direction = np.linalg.eigh(tensor[station, point, columns])[1][..., -1]
+        shares = [(1.0 if i == j else 2.0) * direction[:, i] * direction[:, j] for i, j in STRESS_COMPONENTS]
+        return np.asarray(np.einsum("cn,nck->kn", np.stack(shares), self.stress[station, point]))
+
+    def _tensor(self, forces: Array) -> Array:
+        """Stress tensors (s, p, n, 3, 3) [MPa] under sets of forces (k, n)."""
         stress = np.einsum("spck,kn->spnc", self.stress, forces, optimize=True)
         tensor = np.empty((*stress.shape[:-1], 3, 3))
         for component, (i, j) in enumerate(STRESS_COMPONENTS):
             tensor[..., i, j] = tensor[..., j, i] = stress[..., component]
-        return np.asarray(np.linalg.eigvalsh(tensor)[..., -1].max(axis=1))
+        return tensor
 
 
 def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:

@@ -20,7 +20,7 @@ from ...compliance.material import Material
 from ...compliance.spread_deflection import SpreadDeflection, gaussians
 from ...lines.flank_splines import SLOPES
 from ...lines.opposite_points import PINION_FRACTIONS
-from ...segments import LineSegments, Segments
+from ...segments import LineSegments
 from .field_directions import FieldDirections
 from .segment_slopes import SegmentSlopes
 
@@ -59,7 +59,7 @@ class BendingSlopes:
     Parameters
     ----------
     on_lines
-        Segments of the contact lines (n).
+        Segments of the contact lines.
     members
         Unit loads of both members.
     weights
@@ -74,17 +74,16 @@ class BendingSlopes:
     spread: tuple[Array, Array]
 
     @classmethod
-    def of(cls, on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
-        """Derivatives at the quadrature points of contact lines.
+    def of(cls, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
+        """Derivatives at the points where the segments are loaded.
 
         Raises
         ------
         InputError
             If the teeth are plates.
         """
-        points, weights = on_lines.quadrature
-        moved = segments.points
-        by_segment = (2, -1, weights.size)
+        on_lines = segments.segments.on_lines
+        points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
         change = directions.slopes.evaluate(list(PINION_FRACTIONS), points)
         slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES)]
         on_pinion = np.moveaxis(np.stack(list(change.values())), 1, -1)
@@ -93,31 +92,31 @@ class BendingSlopes:
         for member, tooth, motion in zip(MEMBERS, on_lines.teeth.both, (on_pinion, moved), strict=True):
             if not isinstance(tooth, FlankCompliance):
                 raise InputError("compliance.model = 'shell': derivatives need solid shells or finite elements")
-            at = member_points(on_lines.fields, member, points).reshape(by_segment)
+            at = member_points(on_lines.fields, member, points)
             loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
-            members.append(MemberLoads(loads, by_point, motion.reshape(*at.shape, -1), tooth.factor.shape[0]))
+            members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
         return cls(on_lines, tuple(members), weights, _spread(on_lines, directions, segments))
 
-    def __call__(self, here: Segments, chosen: Array, force: Array) -> Array:
+    def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
         """Changes of the deflections (s, j) [mm] by the settings, under held forces.
 
         Parameters
         ----------
-        here
-            Segments of one mesh position (s).
+        pair
+            Tooth pairs of segments of one mesh position (s).
         chosen
-            Their numbers among those of all lines (s).
+            Their numbers among all segments (s).
         force
             Their forces (s) [N].
         """
         result = np.zeros((force.size, self.members[0].motion.shape[-1]))
-        coupling, pairs = body_coupling(self.on_lines.teeth.both), np.unique(here.pair)
+        coupling, pairs = body_coupling(self.on_lines.teeth.both), np.unique(pair)
         on_bodies = []
         for member in self.members:
             by_force: list[tuple[Array, Array]] = []
-            for pair in pairs:
-                rows = np.flatnonzero(here.pair == pair)
+            for one in pairs:
+                rows = np.flatnonzero(pair == one)
                 own = chosen[rows]
                 amplitude = member.loads[own].T @ force[rows]
                 changed = self._amplitude_change(member, own, force[rows])
@@ -132,8 +131,8 @@ class BendingSlopes:
             changed = np.stack([np.concatenate([m[p][1] for m in on_bodies]) for p in range(pairs.size)])
             answer = np.einsum("aqbr,br->aq", compliance, amplitude)
             answer_change = np.einsum("aqbr,brj->aqj", compliance, changed)
-            for number, pair in enumerate(pairs):
-                rows, start = np.flatnonzero(here.pair == pair), 0
+            for number, one in enumerate(pairs):
+                rows, start = np.flatnonzero(pair == one), 0
                 for member in self.members:
                     size = member.loads.shape[1] - member.own
                     columns = slice(start, start := start + size)
@@ -141,8 +140,8 @@ class BendingSlopes:
                     result[rows] += self._moved(member, chosen[rows], held)
                     result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
         loads, change = self.spread
-        for pair in pairs if loads.shape[1] else ():
-            rows = np.flatnonzero(here.pair == pair)
+        for one in pairs if loads.shape[1] else ():
+            rows = np.flatnonzero(pair == one)
             own, moved = loads[chosen[rows]], change[:, chosen[rows]]
             result[rows] += (moved @ (own.T @ force[rows])).T
             result[rows] += own @ np.einsum("jnk,n->kj", moved, force[rows])
@@ -171,8 +170,8 @@ def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
 
 def _spread(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
     """Unit loads (n, k) of the spread deflection of both members, and their derivatives (j, n, k)."""
-    points, weights = on_lines.quadrature
-    size = points[0].size // weights.size
+    points, weights = segments.points, on_lines.quadrature[1]
+    size = points.shape[1]
     if not on_lines.spread:
         return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
     materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
@@ -184,7 +183,7 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         tangents = directions.base.derivatives(names, points, SLOPES)
         moved, deeper = (
             np.moveaxis(change[name], -3, -1)
-            + sum(tangent[name][..., None] * way for tangent, way in zip(tangents, segments.points, strict=True))
+            + sum(tangent[name][..., None] * way for tangent, way in zip(tangents, segments.motion, strict=True))
             for name in names
         )
         turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
@@ -192,15 +191,11 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum(
             "xmq,jx->mqj", place["position"], turned
         )
-        unit = _Gaussians(spread, along, place[spread.depth], weights)
+        unit = _Gaussians(spread, along, place[spread.depth])
         # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
         by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
-        relative, own = (
-            (shifted - along_moved).reshape(size, -1, directions.count),
-            deeper.reshape(size, -1, directions.count),
-        )
-        slope = np.einsum("kng,ngj,g->jnk", by_shift, relative, weights, optimize=True)
-        slope += np.einsum("kng,ngj,g->jnk", by_depth, own, weights, optimize=True)
+        slope = np.einsum("kng,ngj,g->jnk", by_shift, shifted - along_moved, weights, optimize=True)
+        slope += np.einsum("kng,ngj,g->jnk", by_depth, deeper, weights, optimize=True)
         slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
         found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
     loads, slopes = zip(*found, strict=True)
@@ -226,19 +221,17 @@ def _nodes_motion(
 
 @dataclass(frozen=True)
 class _Gaussians:
-    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (m, q) [mm]."""
+    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (n, g) [mm]."""
 
     spread: SpreadDeflection
     along: Array
     depth: Array
-    weights: Array
 
     def at(self, shift: float = 0.0, deeper: float = 0.0, wider: float = 0.0) -> Array:
-        nodes, shape = self.spread.nodes, (-1, self.weights.size)
+        nodes = self.spread.nodes
         spacing = nodes[1] - nodes[0] + wider
         moved = nodes[0] + shift + spacing * np.arange(nodes.size)
-        along, depth = self.along.reshape(shape), self.depth.reshape(shape) + deeper
-        return gaussians(moved, along, depth, self.spread.flexibility * spacing)
+        return gaussians(moved, self.along, self.depth + deeper, self.spread.flexibility * spacing)
 
     def _slope(self, name: str) -> Array:
         ahead, behind = (self.at(**{name: sign * PLACE_STEP}) for sign in (1.0, -1.0))

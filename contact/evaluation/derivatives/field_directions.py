@@ -13,11 +13,12 @@ from ....core.errors import GeometryError
 from ...lines.closest_approach import SEPARATION_FIELDS
 from ...lines.contact_lines import BOUNDARY_FIELDS, bend_and_slope
 from ...lines.flank_splines import FlankSplines, fit
+from ...lines.opposite_points import PASSING_FIELDS
 from ...lines.tensor_spline import TensorSpline
 
 Array = NDArray[Any]
 
-#: What contact on lines depends on.
+#: What contact depends on.
 FIELDS = (
     "roll_angle",
     "ease_off_angle",
@@ -27,6 +28,7 @@ FIELDS = (
     "position",
     "depth_pinion",
     "depth_gear",
+    *PASSING_FIELDS,
 )
 BEND_STEP = 1e-4  # of the greatest change of curvature and skew, in a difference of their bounded forms
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from ....core.errors import GeometryError
 from ....geometry.newton import cramers_rule
-from ...lines.contact_lines import BOUNDARY_FIELDS, ContactLines, length_through
+from ...lines.contact_lines import BOUNDARY_FIELDS, length_through
 from ...lines.flank_splines import SLOPES, VALUE_AND_SLOPES
-from ...lines.mesh_lines import MeshLines, gauss_points
+from ...lines.mesh_lines import MeshLines
 from .field_directions import FieldDirections
 
 Array = NDArray[Any]
@@ -39,15 +39,6 @@ class LineMotion:
 
     points: Array
     length: Array
-
-    def quadrature(self, mesh: MeshLines, segments: int) -> Array:
-        """Of the quadrature points of even segments (2, m, segments * g, j)."""
-        lines = mesh.lines
-        each = [
-            gauss_points(ContactLines(lines.level, self.points[..., j], lines.length), segments)[0]
-            for j in range(self.points.shape[-1])
-        ]
-        return np.stack(each, axis=-1)
 
 
 def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:

@@ -18,13 +18,14 @@ from ....core.errors import InputError
 from ...compliance import WeberLineContact
 from ...line_contact.line_contact_sensitivity import line_contact_sensitivity
 from ...loaded_cases import LoadedCase
-from ...segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM, CycleSegments
+from ...segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM
 from .bending_slopes import BendingSlopes
 from .segment_slopes import SegmentSlopes
 
 Array = NDArray[Any]
 
 SIZE_STEP = 1e-5  # relative, of the sizes of a line contact in a difference of its deflection
+OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a difference; strips are some hundredths wide
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,10 @@ class CaseSlopes:
         Of the segments (n, j) [N, MPa].
     moment
         Of the segments' moments about the gear axis (n, j) [N mm].
+    place
+        Of the segments' places (2, n, j), as fractions on the gear.
+    length, equivalent_radius
+        Of these (n, j) [mm]. As the places those of edges without load are left at zero.
     """
 
     case: LoadedCase
@@ -48,48 +53,52 @@ class CaseSlopes:
     force: Array
     pressure: Array
     moment: Array
+    place: Array
+    length: Array
+    equivalent_radius: Array
 
 
 def case_slopes(
-    segments: CycleSegments,
-    slopes: SegmentSlopes,
-    bending: BendingSlopes,
-    cases: Sequence[LoadedCase],
-    torque_slope: float,
+    slopes: SegmentSlopes, bending: BendingSlopes, cases: Sequence[LoadedCase], torque_slope: float
 ) -> list[CaseSlopes]:
-    """Derivatives of solved cases of contact on lines.
+    """Derivatives of solved cases.
 
     Parameters
     ----------
-    segments
-        Of the mesh cycle.
     slopes, bending
-        Derivatives of its segments, and of their bending.
+        Derivatives of the segments, and of their bending.
     cases
-        From ``MeshCycle.loaded`` with contact on lines alone.
+        From ``MeshCycle.loaded``.
     torque_slope
         Torque about the gear axis per torque at the pinion [N mm / (N m)].
 
     Raises
     ------
     InputError
-        If a case is not certified, is supported, or has edges in contact.
+        If a case is not certified, or is supported.
     """
-    position = segments.on_lines.names["position"]
-    numbers = {k: np.flatnonzero(position == k) for k in np.unique(position)}
     result = []
     for case in cases:
-        chosen = numbers[case.mesh_position]
-        if case.segments.held is not None or np.any(np.isfinite(case.segments.line_contact.overhang)):
-            raise InputError("cases: must be those of contact on lines alone, with rigid supports, to have derivatives")
-        if case.segments.pair.size != chosen.size:
-            raise InputError("cases: must be those of the mesh cycle's own segments")
-        own = {name: values[chosen] for name, values in slopes.slopes.items()}
-        result.append(_case(case, own, bending(case.segments, chosen, case.solution.force), torque_slope))
+        here, force = case.segments, case.solution.force
+        if here.held is not None:
+            raise InputError("cases: must be those of rigid supports to have derivatives")
+        rows = slopes.rows(case)
+        known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
+        own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
+        bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
+        place = np.stack([_among(values[rows[known]], known, rows.size) for values in slopes.places])
+        result.append(_case(case, own, bent, place, torque_slope))
     return result
 
 
-def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, torque_slope: float) -> CaseSlopes:
+def _among(values: Array, rows: Array, count: int) -> Array:
+    """Values (m, j) at some rows of ``count``, zero at the others."""
+    every = np.zeros((count, values.shape[1]))
+    every[rows] = values
+    return every
+
+
+def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array, torque_slope: float) -> CaseSlopes:
     here, solution = case.segments, case.solution
     force, contact = solution.force, here.line_contact
     arm, count = slopes["lever_arm"], bent.shape[1]
@@ -112,7 +121,10 @@ def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, torque_slope:
     of_load = of_load - with_torque(sizes["equivalent_radius"] / contact.equivalent_radius[:, None])
     pressure = 0.5 * contact.pressure(force)[:, None] * of_load
     moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
-    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment)
+    own = place[0], place[1], sizes["length"], sizes["equivalent_radius"]
+    lengthwise, profile, length, radius = (with_torque(values) for values in own)
+    of_place = np.stack([lengthwise, profile])
+    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, of_place, length, radius)
 
 
 def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Array]:
@@ -123,13 +135,14 @@ def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Arr
     for name in ("depth_pinion", "depth_gear"):
         inside = getattr(contact, name)[:, None] > MATERIAL_DEPTH_MINIMUM
         sizes[name] = np.where(inside, slopes[name], 0.0)
+    if np.any(np.isfinite(contact.overhang)):
+        sizes["overhang"] = slopes["overhang"]
     return sizes
 
 
 def _deflection_slope(contact: WeberLineContact, name: str, force: Array) -> Array:
     """Derivative (n) of the local deflection under a held force by one of the sizes."""
     size = getattr(contact, name)
-    ahead, behind = (
-        replace(contact, **{name: size * (1.0 + sign * SIZE_STEP)}).deflection(force) for sign in (1.0, -1.0)
-    )
-    return np.asarray((ahead - behind) / (2.0 * SIZE_STEP * size))
+    step = OVERHANG_STEP if name == "overhang" else SIZE_STEP * size
+    ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
+    return np.asarray((ahead - behind) / (2.0 * step))

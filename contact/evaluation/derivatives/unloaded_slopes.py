@@ -1,32 +1,64 @@
-"""Derivatives of the unloaded transmission error: those of the gap where the flanks touch."""
+"""Derivatives of the unloaded transmission error: those of the gap where the flanks touch.
+
+By the envelope theorem the smallest gap changes as the gap at a fixed point of the gear does, less what the bound on
+which the point lies moves: times the gap's slope across the bound, over that of the distance from it. Edges of the gear
+stand still on its flank; those of the pinion move over it with the settings.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry.flanks.flank import solve_flank
-from ....geometry.pair.gap_slopes import gap_slopes
+from ....geometry.flanks.flank_parts import on_parts
+from ....geometry.newton import cramers_rule
+from ....geometry.pair.gap_slopes import gap_slopes, held_point_slopes
 from ....geometry.pair.gear_pair import PairGeometry
 from ....geometry.pair.pair_setting import PairSetting
 from ...lines.flank_splines import fit
 from ...lines.mesh_lines import MeshLines
+from ...lines.touching_points import TouchingPoints
 from ...lines.turned_flanks import BOUNDS, TurnedFlanks
-from ...pair_errors import ENVELOPE_REFINEMENT, PairErrors
+from ...lines.turned_pinion import circles_met
+from ...mesh_harmonics import extremes
+from ...pair_errors import ENVELOPE_REFINEMENT, NEIGHBOUR_DISTANCE_LIMIT, PairErrors
+from ...unloaded import PEAK_TOLERANCE
 
 Array = NDArray[Any]
 
-#: Where the smallest gap may lie: within, or on an edge of the gear that is fixed on its flank.
-FIXED_BOUNDS = (-1, *(BOUNDS.index(f"gear_{edge}") for edge in ("toe", "heel", "root", "tip")))
+ON_BOUND = 1e-6  # fraction of the flank within which a point lies on a bound
+LEVEL_SLOPE = 1e-9  # [rad per fraction of the flank]; a gap that falls by less towards a bound is not held by it
+PINION_BOUNDS = BOUNDS.index("pinion_toe"), BOUNDS.index("pinion_tip") + 1
+PEAK_STEP = 1e-4  # of a pitch, in differences of the courses of tooth pairs about a peak
+PEAK_ROUNDS = 4  # of Newton's method to where courses cross or are level
+
+
+@dataclass(frozen=True)
+class UnloadedSlopes:
+    """Unloaded transmission error of the pair that carries, and its derivatives by settings (j).
+
+    Parameters
+    ----------
+    error, slopes
+        At ``ENVELOPE_REFINEMENT`` times as many rotations as mesh positions (n), (n, j) [rad].
+    peak_to_peak, peak_slopes
+        Its peak to peak [rad], and the derivatives (j).
+    """
+
+    error: Array
+    slopes: Array
+    peak_to_peak: float
+    peak_slopes: Array
 
 
 def unloaded_slopes(
     geometry: PairGeometry, mesh: MeshLines, settings: Sequence[PairSetting], slopes: Mapping[str, Array]
-) -> tuple[Array, Array]:
+) -> UnloadedSlopes:
     """Unloaded transmission error of the pair that carries, and its derivatives.
 
     Parameters
@@ -42,26 +74,123 @@ def unloaded_slopes(
 
     Returns
     -------
-    tuple
-        Transmission error (n) [rad] and derivatives (n, j) at ``ENVELOPE_REFINEMENT`` times as many rotations; these
-        are NaN where an edge of the pinion or the end of a blade touches, which moves with the settings.
+    UnloadedSlopes
+        NaN where the end of a blade touches, or another part of a flank begins, which move with the settings.
     """
-    count = ENVELOPE_REFINEMENT * mesh.rotations.size
-    mesh = replace(mesh, rotations=mesh.rotations[0] + np.arange(count) / count * mesh.pinion_pitch)
     errors = PairErrors.of(TurnedFlanks(geometry), mesh)
-    touching = errors.touching
-    error = np.where(np.isfinite(errors.error), errors.error, np.inf)
-    carrying = np.argmin(error, axis=0)
-    at = touching.at(carrying * count + np.arange(count))
-    rotation = mesh.rotations - errors.pairs[carrying] * mesh.pinion_pitch
-    known = np.isfinite(at.gap)
-    points = np.where(known, at.points, 0.5)
-    gear = geometry.pair.gear
-    flank = solve_flank(gear.loaded, gear.section, *gear.section.points(*points))
-    of_pinion = (at.part % len(geometry.exact.motion.surface.flank_parts)).astype(np.int8)
-    parameters = at.parameters.reshape(-1, 2, at.gap.size)[of_pinion, :, np.arange(at.gap.size)].T
-    change = gap_slopes(geometry, settings, flank, parameters, of_pinion, rotation)
-    members = geometry.members
-    put_in = fit(members.lengthwise, members.profile, {"put_in": slopes["put_in"]})("put_in", points)
-    fixed = known & np.isin(at.bound, FIXED_BOUNDS)
-    return np.where(known, at.gap, np.nan), np.where(fixed[:, None], change + put_in.T, np.nan)
+    moving = _TouchingMotion(geometry, errors, settings, slopes)
+    count = ENVELOPE_REFINEMENT * mesh.rotations.size
+    ahead = np.arange(count) / count
+    carrying, touching = errors.carrying_at(ahead)
+    peak, by_setting = 0.0, np.zeros(len(settings))
+    places = extremes(1e6 * touching.gap, lambda at: 1e6 * errors.envelope_at(at), PEAK_TOLERANCE)
+    for sign, (place, value) in zip((1.0, -1.0), places, strict=True):
+        peak += sign * 1e-6 * value
+        by_setting = by_setting + sign * _at_extreme(errors, moving, place)
+    return UnloadedSlopes(touching.gap, moving(touching, errors.rotations_at(ahead, carrying)), peak, by_setting)
+
+
+@dataclass(frozen=True)
+class _TouchingMotion:
+    """Derivatives of the smallest gap by settings; called with points of contact and their rotations."""
+
+    geometry: PairGeometry
+    errors: PairErrors
+    settings: Sequence[PairSetting]
+    slopes: Mapping[str, Array]
+
+    def __call__(self, at: TouchingPoints, rotation: Array) -> Array:
+        """Derivatives (n, j) [rad] at points of contact (n), at pinion rotations (n) [rad]."""
+        known = np.isfinite(at.gap) & np.isfinite(at.points[0])
+        result = np.full((at.gap.size, len(self.settings)), np.nan)
+        if known.any() and self.settings:
+            result[known] = self._found(at.at(np.flatnonzero(known)), rotation[known])
+        return result
+
+    def _found(self, at: TouchingPoints, rotation: Array) -> Array:
+        geometry, members = self.geometry, self.geometry.members
+        gear, parts = geometry.pair.gear, geometry.exact.motion.surface.flank_parts
+        of_pinion = (at.part % len(parts)).astype(np.int8)
+        here = self.errors.flanks.at(at.points, rotation, at.parameters, at.part)
+        parameters = here.parameters.reshape(-1, 2, at.gap.size)[of_pinion, :, np.arange(at.gap.size)].T
+        place = gear.section.points(*at.points)
+        flank = solve_flank(gear.loaded, gear.section, *place)
+        change = gap_slopes(geometry, self.settings, flank, parameters, of_pinion, rotation)
+        put_in = fit(members.lengthwise, members.profile, {"put_in": self.slopes["put_in"]})("put_in", at.points)
+        change = change + put_in.T
+
+        force, held = _bound_forces(here.slope, here.margins, here.margin_slopes)
+        own = np.flatnonzero(np.any(force[slice(*PINION_BOUNDS)] != 0.0, axis=0))
+        if own.size:
+            margins = self._pinion_margins(parameters[:, own], of_pinion[own], rotation[own], place[:, own])
+            change[own] -= np.einsum("bn,bnj->nj", force[slice(*PINION_BOUNDS), own], margins)
+        return np.where(held[:, None], change, np.nan)
+
+    def _pinion_margins(self, parameters: Array, part: NDArray[np.int8], rotation: Array, place: Array) -> Array:
+        """Derivatives (4, n, j) of the distances of fixed points of the gear from the pinion's toe, heel, root, tip."""
+        exact = self.geometry.exact
+        by_place = on_parts(
+            exact.motion.surface.flank_parts,
+            part,
+            np.concatenate([parameters, rotation[None], place]),
+            lambda surface, v: circles_met(exact, surface, v[:2], v[2], v[3:]).bound_slopes[:2].reshape(4, -1),
+        ).reshape(2, 2, -1)
+        moved, fractions = held_point_slopes(self.geometry, self.settings, parameters, part, rotation)
+        lengthwise, profile = fractions - np.einsum("fpn,pnj->fnj", by_place, moved)
+        return np.stack([lengthwise, -lengthwise, profile, -profile])
+
+
+def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Multipliers of the bounds (b, n) that hold smallest gaps, and whether these bounds are toe, heel, root or tip.
+
+    The gap's slope (2, n) is the sum of the slopes of the margins (b, 2, n) times the multipliers.
+    """
+    columns = np.arange(slope.shape[1])
+    force = np.zeros(margins.shape)
+    first, second = np.argsort(margins, axis=0, kind="stable")[:2]
+    on = [margins[bound, columns] < ON_BOUND for bound in (first, second)]
+    one, other = (margin_slopes[bound, :, columns].T for bound in (first, second))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        single = np.sum(slope * one, axis=0) / np.sum(one**2, axis=0)
+        both = cramers_rule(one, other, slope)
+    corner = on[0] & on[1] & np.all(np.isfinite(both), axis=0)
+    steep = np.max(np.abs(slope), axis=0) > LEVEL_SLOPE
+    force[first, columns] = np.where(steep & on[0], np.where(corner, both[0], single), 0.0)
+    force[second, columns] = np.where(steep & corner, both[1], 0.0)
+    return force, ~np.any(force[PINION_BOUNDS[1] :] != 0.0, axis=0)
+
+
+def _at_extreme(errors: PairErrors, moving: _TouchingMotion, place: float) -> Array:
+    """Derivatives (j) of the carrying pair's error at its greatest or least value over the cycle, found near a place.
+
+    Two pairs' courses cross there, or one is level. A crossing moves so that both stay equal.
+    """
+    missing = np.full(len(moving.settings), np.nan)
+    if not np.isfinite(place):
+        return missing
+    # Beside a crossing the pairs on either side carry; a sample of the envelope away they do for certain.
+    beside = 1.0 / (ENVELOPE_REFINEMENT * errors.mesh.rotations.size)
+    either, _ = errors.carrying_at(np.mod(place + np.array([-beside, beside]), 1.0))
+    turns = np.floor(place + np.array([-beside, beside])).astype(np.int64)
+    pairs = either + turns  # a pair further on in the next cycle is the one before it in this
+    if np.any((pairs < 0) | (pairs >= errors.pairs.size)):
+        pairs = either
+    steps = np.array([-1.0, 0.0, 1.0])
+    for _ in range(PEAK_ROUNDS):
+        found = errors.touching_at(np.repeat(pairs, 3), place + PEAK_STEP * np.tile(steps, 2))
+        apart = found.points.reshape(2, 2, 3)
+        if not np.max(np.ptp(apart, axis=2)) < NEIGHBOUR_DISTANCE_LIMIT:
+            return missing
+        before, here, after = found.gap.reshape(2, 3).T
+        rates = (after - before) / (2.0 * PEAK_STEP)
+        if pairs[0] == pairs[1]:
+            bend = (after - 2.0 * here + before)[0] / PEAK_STEP**2
+            step = -rates[0] / bend if bend != 0.0 else 0.0
+        else:
+            step = (here[1] - here[0]) / (rates[0] - rates[1])
+        place += float(np.clip(step, -beside, beside))
+    found = errors.touching_at(pairs, np.full(2, place))
+    first, second = moving(found, errors.rotations_at(np.full(2, place), pairs))
+    if pairs[0] == pairs[1]:
+        return np.asarray(first)
+    return np.asarray(first - rates[0] * (first - second) / (rates[0] - rates[1]))

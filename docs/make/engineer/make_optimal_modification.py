@@ -125,7 +125,7 @@ def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
 def trade(name: str, free: xr.DataTree) -> list[tuple[float, float]]:
     """Peak to peak [urad] and line load over that before, worst torque, under one limit after the other and none."""
     reached = []
-    for tree in (*(easeoff.optimize(by_its_method(name), transmission_error=limit) for limit in LIMITS), free):
+    for tree in (*(easeoff.modify(by_its_method(name), transmission_error=limit) for limit in LIMITS), free):
         record = tree["optimization"].to_dataset().isel(assembly=0)
         load, after = record["max_line_load"], record.sel(stage="after")
         ratio = (load.sel(stage="after") / load.sel(stage="before")).max().item()
@@ -151,7 +151,7 @@ def main() -> None:
     for name, page in zip(CASES, PAGES, strict=True):
         made = {}
         for label, options in RUNS:
-            made[label] = easeoff.optimize(by_its_method(name), **options)
+            made[label] = easeoff.modify(by_its_method(name), **options)
             print(name, label, cells(made[label], "after"), programmes(made[label]), flush=True)
         write_table(page, name, table(name, made))
         if name == CASES[0]:

@@ -34,8 +34,11 @@ def coarse_analysis() -> xr.DataTree:
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
-    best = easeoff.optimize(plain, order=2, programmes=1)
+    best = easeoff.modify(plain, order=2, programmes=1)
     further = {name: best[name] for name in ("modification", "optimization")}
+    spread = {"spread": {"E": "uniform(-0.01,0.01)"}, "samples": 1}
+    front = easeoff.optimize(plain, form="pareto", points=2, steps=1, limits=["ease_off_change<=9"], **spread)
+    further |= {name: front[name] for name in ("optimal_settings", "front")}
     return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
 
 

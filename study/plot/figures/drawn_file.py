@@ -44,7 +44,7 @@ LEAST = {"lengthwise": 2, "profile": 2, "step": 1, "torque": 1, "v_grid": 1, "h_
 
 
 def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
-    """Read a file of ``easeoff run``, ``optimize``, ``sweep``, ``vh`` or ``wear``.
+    """Read a file of ``easeoff run``, ``modify``, ``optimize``, ``sweep``, ``vh`` or ``wear``.
 
     Raises
     ------

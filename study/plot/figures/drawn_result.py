@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 MADE_BY = {
     "friction": "give a speed: analyze(..., speed=1500.0), or 'easeoff run --speed 1500'",
     "root_stress": "finite-element teeth have it: compliance.model = 'fe' in the case",
-    "optimization": "it must be a result of 'easeoff optimize'",
+    "optimization": "it must be a result of 'easeoff modify'",
+    "front": "'easeoff optimize --form pareto' makes it",
+    "optimal_settings": "it must be a result of 'easeoff optimize'",
     "load_cases": "it must be a result over load cases",
 }
 

@@ -32,6 +32,7 @@ FURTHER_PICTURES: dict[str, tuple[Drawing, Callable[[xr.DataTree], bool]]] = {
     "misalignment": (contact_figures.misalignment, lambda tree: misalignment_over_torque(tree) is not None),
     "deviations": (contact_figures.deviations, lambda tree: "ease_off_change" in tree["ease_off"]),
     "optimization": (study_figures.optimization, lambda tree: "optimization" in tree.children),
+    "front": (study_figures.front, lambda tree: "front" in tree.children),
 }
 #: Pictures of what is no result of an analysis, with a variable or group by which it is known.
 STUDY_PICTURES: dict[str, tuple[Drawing, str]] = {
@@ -49,8 +50,8 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     result
-        Of ``analyze``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or ``study.wear``, or
-        what ``read_result`` and ``study.sweep.read_sweep`` read.
+        Of ``analyze``, ``modify``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or
+        ``study.wear``, or what ``read_result`` and ``study.sweep.read_sweep`` read.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
         if sign in held:
             return (name,)
     if not isinstance(result, xr.DataTree) or "loaded" not in held:
-        raise InputError("result: must be of 'easeoff run', 'optimize', 'sweep', 'vh' or 'wear'")
+        raise InputError("result: must be of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'")
     return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
 
 

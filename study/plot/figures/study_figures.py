@@ -1,9 +1,9 @@
-"""Figures of studies: load cases, sweeps, V-H checks, wear and optimised ease-off."""
+"""Figures of studies: load cases, sweeps, V-H checks, wear, optimised ease-off and fronts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, overload
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, overload
 
 import xarray as xr
 
@@ -14,6 +14,7 @@ from .drawn_result import require_result, views
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from .drawn_result import AxesChoice, DrawnAxes
 
@@ -201,7 +202,7 @@ def optimization(
     Parameters
     ----------
     tree
-        Of ``easeoff.optimize``.
+        Of ``easeoff.modify``.
     parts
         Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
     axes
@@ -219,7 +220,7 @@ def optimization(
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = easeoff.read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> tree = easeoff.optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> tree = easeoff.modify(case, torques=[200.0], order=2, programmes=1)
     >>> len(easeoff.plot.optimization(tree, parts="peak_to_peak").axes)
     1
     """
@@ -228,4 +229,42 @@ def optimization(
         from ..charts.flank_change_map import draw_optimization
 
         figure = draw_optimization(tree, views(tree, "gear")[0], parts, axes)
+    return figure if axes is None else None
+
+
+@overload
+def front(tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: None = None) -> Figure: ...
+@overload
+def front(tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: DrawnAxes) -> None: ...
+def front(
+    tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: AxesChoice = None
+) -> Figure | None:
+    """Front of two objectives, with the start.
+
+    Parameters
+    ----------
+    tree
+        Of ``easeoff.optimize`` with ``form="pareto"``.
+    others
+        Points (n, 2) of both objectives that other methods found, by the name in the legend.
+    axes
+        An Axes; a page of its own if left out. With it nothing is returned.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` has no front, or ``axes`` is not one.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> easeoff.plot.front(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: tree: the result has no group 'front': 'easeoff optimize --form pareto' makes it
+    """
+    require_result(tree, "loaded", "front", "optimal_settings")
+    with drawing(axes):
+        from ..charts.front_chart import draw_front
+
+        figure = draw_front(tree, others or {}, axes)
     return figure if axes is None else None

@@ -41,8 +41,8 @@ def write_pictures(
     Parameters
     ----------
     result
-        Of ``analyze``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or ``study.wear``, or
-        what ``read_result`` and ``study.sweep.read_sweep`` read.
+        Of ``analyze``, ``modify``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or
+        ``study.wear``, or what ``read_result`` and ``study.sweep.read_sweep`` read.
     folder
         The folder; made if it does not exist.
     names

@@ -16,7 +16,7 @@ from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
 from ...plot.tooth_view import ToothView, fine_grid
-from ..optimization_report import assembly_rows, assembly_title, terms
+from ..modification_report import assembly_rows, assembly_title, terms
 from .cycle_charts import chart
 from .flank_raster import RASTER, gear_raster
 from .packed_array import packed

@@ -17,7 +17,7 @@ from ...sweep.sweep_file import MARK
 from .report_layout import require_groups, require_layout
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
-ACCEPTED = "'easeoff run', 'optimize', 'wear' or 'vh'"
+ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
 
 
 @dataclass(frozen=True)

@@ -52,9 +52,9 @@ def write_report(
     Parameters
     ----------
     results
-        One or up to six results of ``analyze``, ``optimize`` or ``read_result``; by the name that the report gives
-        them, or in a sequence, of which the report takes flank or title. Of one of load cases, those of the greatest
-        pressure have pictures, and all are in a table. V-H checks of ``study.vh_check`` and histories of
+        One or up to six results of ``analyze``, ``modify``, ``optimize`` or ``read_result``; by the name that the
+        report gives them, or in a sequence, of which the report takes flank or title. Of one of load cases, those of
+        the greatest pressure have pictures, and all are in a table. V-H checks of ``study.vh_check`` and histories of
         ``study.wear`` may be among them, or alone.
     path
         File to write, replaced if it exists; missing folders are made.

@@ -153,5 +153,5 @@ def require_groups(name: str, tree: xr.DataTree) -> None:
     if faults:
         raise InputError(
             f"{name} {DAMAGED}: {'; '.join(faults[:FAULT_COUNT_LIMIT])}; make it anew with 'easeoff run' or "
-            "'easeoff optimize'"
+            "'easeoff modify'"
         )

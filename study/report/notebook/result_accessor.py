@@ -135,7 +135,7 @@ def _pictures() -> dict[str, Callable[..., Any]]:
 class ResultAccessor:
     """What one does with a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
 
-    Every method raises ``InputError`` if the tree is no result of ``analyze``, ``optimize``,
+    Every method raises ``InputError`` if the tree is no result of ``analyze``, ``modify``, ``optimize``,
     ``study.analyze_load_cases`` or ``read_result``.
 
     Parameters
@@ -259,7 +259,7 @@ class ResultAccessor:
         found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
         if not known or found == [f"no group {name}" for name in VARIABLES]:
             name = f"tree = {str(tree.name or tree.path)!r}"
-            raise InputError(f"{name}: must be a result of easeoff.analyze, easeoff.optimize or easeoff.read_result")
+            raise InputError(f"{name}: must be a result of easeoff.analyze, modify, optimize or easeoff.read_result")
         if found:
             raise InputError(f"tree: damaged or changed: {'; '.join(found[:FAULT_COUNT_LIMIT])}")
         return tree

@@ -1,4 +1,4 @@
-"""Optimization report: terms of the modification, loads before and after, and warnings, as text."""
+"""Modification report: terms of the modification, loads before and after, and warnings, as text."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ ROWS = (
 )
 
 
-def optimization_report(tree: xr.DataTree) -> str:
+def modification_report(tree: xr.DataTree) -> str:
     """Report of an optimal modification.
 
     Parameters
     ----------
     tree
-        A result of ``optimize``.
+        A result of ``modify``.
     """
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
     extent = np.abs(surface["modification"].values).max()

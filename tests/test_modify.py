@@ -13,7 +13,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
-from easeoff import InputError, optimize
+from easeoff import InputError, modify
 from easeoff.cases import Case, read_case
 from easeoff.contact import Status
 from easeoff.contact.modification.modified_contact import ModifiedContact
@@ -34,8 +34,8 @@ def coarse_case() -> Case:
 
 
 @cache
-def optimized(objective: str = "peak_load", **options: Any) -> xr.DataTree:
-    return optimize(coarse_case(), objective=objective, order=2, **options)
+def modified(objective: str = "peak_load", **options: Any) -> xr.DataTree:
+    return modify(coarse_case(), objective=objective, order=2, **options)
 
 
 def line_load(tree: xr.DataTree) -> Any:
@@ -45,7 +45,7 @@ def line_load(tree: xr.DataTree) -> Any:
 @pytest.mark.parametrize("objective", ["peak_load", "peak_pressure", "even_load"])
 @pytest.mark.quick(1)
 def test_figures_are_those_of_ordinary_analyses_on_lines_alone(objective: str) -> None:
-    tree = optimized(objective)
+    tree = modified(objective)
     assert tree.attrs["edge_contact"] == tree["optimization"].attrs["edge_contact"] == 0
     record = tree["optimization"].isel(assembly=0)
     fresh = easeoff.analyze(coarse_case(), modification=recorded_modification(tree), edge_contact=False)
@@ -67,7 +67,7 @@ def test_figures_are_those_of_ordinary_analyses_on_lines_alone(objective: str) -
     [("peak_load", "max_line_load"), ("peak_pressure", "max_pressure"), ("even_load", "load_norm")],
 )
 def test_every_torque_gains_and_no_edge_loses(objective: str, name: str) -> None:
-    record = optimized(objective)["optimization"].to_dataset()
+    record = modified(objective)["optimization"].to_dataset()
     before, after = record.sel(stage="before"), record.sel(stage="after")
     gain = (after[name] / before[name]).max().item()
     assert gain < 0.97
@@ -82,16 +82,16 @@ def test_every_torque_gains_and_no_edge_loses(objective: str, name: str) -> None
 
 @pytest.mark.thorough
 def test_limit_of_transmission_error_is_kept_and_costs_load() -> None:
-    free = optimized()["optimization"].sel(stage="after")
+    free = modified()["optimization"].sel(stage="after")
     limit = 0.85 * free["peak_to_peak"].max().item()
-    tight = optimized(transmission_error=limit)["optimization"].sel(stage="after")
+    tight = modified(transmission_error=limit)["optimization"].sel(stage="after")
     assert np.all(tight["peak_to_peak"] <= limit)
     assert tight["max_line_load"].sum() > free["max_line_load"].sum()
 
 
 @pytest.mark.thorough
 def test_further_assembly_counts_as_much_as_the_own_one() -> None:
-    tree = optimized(misalignments=(AWAY,))
+    tree = modified(misalignments=(AWAY,))
     record = tree["optimization"].to_dataset()
     assert record["offset_error"].values[1] == 0.05
     found = recorded_modification(tree)
@@ -100,8 +100,8 @@ def test_further_assembly_counts_as_much_as_the_own_one() -> None:
     worst = record["max_line_load"].max("assembly")
     assert np.all(worst.sel(stage="after") < worst.sel(stage="before"))
     # The one found for the own assembly alone does worse in the worst of both.
-    alone = easeoff.analyze(coarse_case(), misalignment=AWAY, modification=recorded_modification(optimized()))
-    ratio = np.maximum(line_load(alone), line_load(optimized())) / worst.sel(stage="before").values
+    alone = easeoff.analyze(coarse_case(), misalignment=AWAY, modification=recorded_modification(modified()))
+    ratio = np.maximum(line_load(alone), line_load(modified())) / worst.sel(stage="before").values
     assert (worst.sel(stage="after") / worst.sel(stage="before")).max() <= ratio.max() + 1e-3
 
 
@@ -126,9 +126,9 @@ def test_slopes_of_the_gear_are_differences_of_its_analyses() -> None:
 
 
 def test_result_is_a_result(tmp_path: Path) -> None:
-    easeoff.write_result(optimized(), tmp_path / "best.nc")
+    easeoff.write_result(modified(), tmp_path / "best.nc")
     tree = easeoff.read_result(tmp_path / "best.nc")
-    assert recorded_modification(tree) == recorded_modification(optimized())
+    assert recorded_modification(tree) == recorded_modification(modified())
     for group in ("modification", "optimization"):
         for variable in tree[group].variables.values():
             assert "long_name" in variable.attrs
@@ -138,7 +138,7 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     from easeoff.cases import write_case
 
     write_case(coarse_case(), tmp_path / "case.toml", "A coarse case.")
-    arguments = ["optimize", str(tmp_path / "case.toml"), "-o", str(tmp_path / "best.nc"), "--torque", "250"]
+    arguments = ["modify", str(tmp_path / "case.toml"), "-o", str(tmp_path / "best.nc"), "--torque", "250"]
     arguments += ["--order", "2", "--end-load", "inf", "--misalignment", "E=0.02", "--fitted-case"]
     outcome = CliRunner().invoke(main, [*arguments, str(tmp_path / "fitted.toml")])
     assert outcome.exit_code == 0, outcome.output
@@ -171,4 +171,4 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
 )
 def test_mistakes_are_named(options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        optimize(coarse_case(), **options)
+        modify(coarse_case(), **options)

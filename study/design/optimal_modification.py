@@ -45,8 +45,8 @@ LARGEST_MODIFICATION_MINIMUM, LARGEST_MODIFICATION_LIMIT = 1e-4, 1000.0  # [um]
 TRANSMISSION_ERROR_MINIMUM = 1e-3  # [urad]
 
 
-@shows_progress("optimisation", "programme")
-def optimize(
+@shows_progress("modification", "programme")
+def modify(
     case: Case | str | Path,
     *,
     flank: FlankName = "drive",
@@ -119,7 +119,7 @@ def optimize(
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> tree = optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> tree = modify(case, torques=[200.0], order=2, programmes=1)
     >>> before, after = tree["optimization/max_line_load"].values.ravel()
     >>> bool(after <= before)
     True

@@ -1,0 +1,135 @@
+"""Front of two objectives by convex programmes and by NSGA-II: the same pair, settings, limits and analysis.
+
+Usage: python benchmarks/genetic_front.py [CASE] [TORQUE] [POINTS] [POPULATION] [GENERATIONS]
+
+Prints both fronts, the analyses that each took, their hypervolumes over the start, and after how many analyses the
+genetic search reached shares of the first. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh
+positions, 15 segments a line.
+"""
+
+from __future__ import annotations
+
+import os
+
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[variable] = "1"  # before numpy is imported
+
+import sys
+import time
+from typing import Any
+
+import easeoff
+import numpy as np
+from easeoff.cases.schema.case_schema import Case
+from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study.optimization.free_setting import SettingSpace, free_settings
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+OBJECTIVES = ("peak_to_peak", "max_pressure")
+COARSE = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 15, "profile_nodes": 11}
+#: Ratio to the start of settings that cannot be analysed.
+FAILED = 100.0
+SHARES = (0.5, 0.9, 0.95, 1.0)
+
+
+def coarse_case(name: str, torque: float) -> Case:
+    """A shipped case with coarse contact at one torque."""
+    case = easeoff.read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update={**COARSE, "torques": (torque,)})})
+
+
+class Evaluator:
+    """Both objectives of settings, by an analysis with held teeth."""
+
+    def __init__(self, case: Case) -> None:
+        self.state = CaseInMesh.of(case)
+        self.space = SettingSpace(case, free_settings(case, ["drive"]))
+        self.torques = list(case.contact.torques)
+        self.start = self.values(self.space.start)
+
+    def values(self, settings: Array) -> Array:
+        """Peak to peak [urad] and greatest pressure [MPa]."""
+        state = self.state.recut(self.space.case_at(settings))
+        loaded, _ = state.cycle.loaded(self.torques, edge_contact=state.case.contact.edge_contact)
+        return np.array([loaded[name].item() for name in OBJECTIVES])
+
+    def ratios(self, settings: Array) -> Array:
+        """The same over the start."""
+        try:
+            found = self.values(settings) / self.start
+        except easeoff.EaseoffError:
+            return np.full(2, FAILED)
+        return np.where(np.isfinite(found), found, FAILED)
+
+
+def genetic(
+    evaluator: Evaluator, low: Array, high: Array, population: int, generations: int
+) -> tuple[Array, list[tuple[int, Array]]]:
+    """The front of NSGA-II, and that of every generation with the analyses so far."""
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.problem import ElementwiseProblem
+    from pymoo.optimize import minimize
+
+    class Problem(ElementwiseProblem):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__(n_var=low.size, n_obj=2, xl=low, xu=high)
+
+        def _evaluate(self, x: Array, out: dict[str, Any], *_args: Any, **_kwargs: Any) -> None:
+            out["F"] = evaluator.ratios(x)
+
+    found = minimize(Problem(), NSGA2(pop_size=population), ("n_gen", generations), seed=1, save_history=True)
+    history = [(int(one.evaluator.n_eval), np.asarray(one.opt.get("F"))) for one in found.history]
+    return np.asarray(found.F), history
+
+
+def hypervolume(ratios: Array) -> float:
+    """Area that a front dominates below the start."""
+    area, best = 0.0, 1.0
+    for first, second in ratios[np.argsort(ratios[:, 0])]:
+        if first < 1.0 and second < best:
+            area += (1.0 - first) * (best - second)
+            best = second
+    return area
+
+
+def main() -> None:
+    """Run both and print."""
+    given = sys.argv[1:]
+    name, torque = given[0] if given else "nasa-12x36", float(given[1]) if len(given) > 1 else 150.0
+    points, population, generations = (
+        int(given[n]) if len(given) > n else usual for n, usual in ((2, 7), (3, 40), (4, 50))
+    )
+    case = coarse_case(name, torque)
+    before = time.process_time()
+    tree = easeoff.optimize(case, OBJECTIVES, form="pareto", points=points)
+    used = time.process_time() - before
+    front, record = tree["front"].to_dataset(), tree["optimal_settings"].to_dataset()
+    evaluator = Evaluator(case)
+    before = time.process_time()
+    for _ in range(5):
+        evaluator.values(evaluator.space.start)
+    each = (time.process_time() - before) / 5.0
+    area = hypervolume(front["front_ratio"].values)
+    print(f"{name}, {torque:g} N m, {record.sizes['setting']} settings; start {evaluator.start.round(2).tolist()}")
+    print(f"one analysis takes {each:.3f} s")
+    print(
+        f"convex programmes: {record.attrs['analyses']} analyses with derivatives, {used / each:.0f} times one analysis"
+    )
+    print(np.array2string(front["front_value"].values, precision=2))
+    print(f"hypervolume {area:.4f}", flush=True)
+    before = time.process_time()
+    ratios, history = genetic(
+        evaluator, record["setting_low"].values, record["setting_high"].values, population, generations
+    )
+    print(f"NSGA-II: {history[-1][0]} analyses, {(time.process_time() - before) / each:.0f} times one analysis")
+    print(np.array2string(ratios[np.argsort(ratios[:, 1])] * evaluator.start, precision=2))
+    print(f"hypervolume {hypervolume(ratios):.4f}")
+    for share in SHARES:
+        reached = next((count for count, found in history if hypervolume(found) >= share * area), None)
+        print(f"{100.0 * share:.0f} % of the first after {'more' if reached is None else reached} analyses")
+
+
+if __name__ == "__main__":
+    main()

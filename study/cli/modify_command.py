@@ -1,0 +1,139 @@
+"""Command that modifies the ease-off of a case."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .command import Command
+from .exit_codes import EXIT_UNCERTIFIED
+from .options.analysis_options import chosen_case, show_stage, supports_option
+from .options.shared_options import (
+    DEFLECTION_FILE,
+    MISALIGNMENT,
+    allow_outside_option,
+    echo,
+    flank_option,
+    force_option,
+    misalignment,
+    next_commands,
+    output_option,
+    torques,
+)
+from .terminal.terminal_bar import terminal_bar, working
+from .terminal.word_completion import case_names, solver_names
+
+
+def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
+    return [misalignment(ctx, param, text) for text in texts]
+
+
+@click.command(cls=Command)
+@click.argument("case", shell_complete=case_names)
+@allow_outside_option
+@output_option("netCDF file to write.")
+@flank_option
+@click.option(
+    "--torque",
+    "torques",
+    callback=torques,
+    metavar="T1,T2,...",
+    show_default="from the case",
+    help="Torques at the pinion in N m, all of equal weight.",
+)
+@click.option(
+    "--misalignment",
+    "misalignments",
+    callback=_misalignments,
+    multiple=True,
+    metavar=MISALIGNMENT,
+    help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "
+    "repeated.",
+)
+@supports_option
+@click.option(
+    "--objective",
+    type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
+    default="peak_load",
+    show_default=True,
+    help="Quantity to minimise.",
+)
+@click.option(
+    "--order", type=click.IntRange(2, 4), metavar="N", default=3, show_default=True, help="Greatest order of the terms."
+)
+@click.option(
+    "--transmission-error",
+    type=float,
+    metavar="URAD",
+    show_default="no limit",
+    help="Limit of the loaded transmission error, peak to peak, in urad.",
+)
+@click.option(
+    "--end-load",
+    type=float,
+    metavar="N/MM",
+    show_default="that of the present ease-off",
+    help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
+)
+@click.option(
+    "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
+)
+@click.option(
+    "--solver",
+    metavar="NAME",
+    default="auto",
+    show_default=True,
+    shell_complete=solver_names,
+    help="Contact solver; MODULE:FUNCTION for your own.",
+)
+@click.option(
+    "--fitted-case",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Case file to write, with pinion settings fitted to the modified ease-off.",
+)
+@force_option
+def modify(
+    case: str, output: Path, fitted_case: Path | None, force: bool, supports: str | None, **options: Any
+) -> None:
+    """Modify the ease-off of CASE so that its loads are small or even.
+
+    The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
+    without tooth edges.
+    """
+    from ...cases import write_case
+    from ...cases.writing import require_replaceable
+    from ...core.writing.output_file import check_writable
+    from ..design.fitted_settings import fit_modification, recorded_modification
+    from ..design.optimal_modification import modify as modified
+    from ..report.modification_report import modification_report
+    from ..report.summary.result_summary import uncertified
+    from ..result import write_result
+
+    check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
+    if fitted_case is not None:
+        check_writable(fitted_case, case, *([] if supports is None else [supports]), suffix=".toml")
+        require_replaceable(fitted_case, force)
+    checked = chosen_case(case, supports)
+    bar: Any
+    with terminal_bar(desc="convex programmes", unit="programme") as bar:
+        tree = modified(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
+    write_result(tree, output)
+    echo(modification_report(tree))
+    echo(f"\nwrote {output}")
+    if fitted_case is not None:
+        with working("fitting the pinion's settings"):
+            fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
+        write_case(
+            fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
+        )
+        echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
+    fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
+    next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
+    failures = uncertified(tree)
+    if failures:
+        echo("\n".join(failures), err=True)
+        sys.exit(EXIT_UNCERTIFIED)

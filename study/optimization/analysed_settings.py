@@ -1,0 +1,194 @@
+"""Analysed settings: the contact on every side and in every assembly, with derivatives by the free settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.schema.case_schema import Case
+from ...core.errors import EaseoffError
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName
+from ..analysis.setting_derivatives import SIDES, contact_derivatives
+from ..case_in_mesh import CaseInMesh, prepared_pair
+from .aim import Judgement, Load, Reading
+from .composite import Composite
+from .contact_quantity import ContactQuantity
+from .ease_off_form import EaseOffForm
+from .free_setting import SettingSpace
+from .step_programme import LocalModel
+from .trust_region import Merit
+
+Array = NDArray[np.float64]
+Readings = Mapping[tuple[FlankName, int], Reading]
+
+#: Corrections of a step, and the least effect of a combination of settings, over the greatest, that takes part.
+CORRECTION_COUNT, CORRECTED_PART = 2, 0.02
+
+
+@dataclass(eq=False)
+class Workshop:
+    """What analyses settings: teeth are those of one case and held, flanks are cut anew.
+
+    Parameters
+    ----------
+    space
+        Free settings.
+    torques
+        At the pinion [N m].
+    assemblies
+        All assemblies; the first is the case's own.
+    states
+        By side the pair whose teeth are held.
+    units
+        Change of each setting (n) that changes the ease-off by one micrometre at most.
+    analyses
+        Number of analyses so far, each with derivatives; counted in this list of one, which copies share.
+    """
+
+    space: SettingSpace
+    torques: tuple[float, ...]
+    assemblies: tuple[Misalignment, ...]
+    states: Mapping[FlankName, CaseInMesh]
+    units: Array
+    analyses: list[int] = field(default_factory=lambda: [0])
+
+    def readings(self, case: Case) -> dict[tuple[FlankName, int], Reading]:
+        """Analyses of a case with held teeth. Raises as ``contact_derivatives``."""
+        found: dict[tuple[FlankName, int], Reading] = {}
+        for flank, held in self.states.items():
+            state = held.recut(case)
+            for number, misalignment in enumerate(self.assemblies):
+                at_home = misalignment == state.pair.assembly.misalignment
+                own = state if at_home else state.misaligned(misalignment)
+                found[flank, number] = self._reading(own, flank)
+        return found
+
+    def with_teeth(self, states: Mapping[FlankName, CaseInMesh]) -> Workshop:
+        """The same with other teeth; the count of analyses is shared."""
+        return replace(self, states=states)
+
+    def _reading(self, state: CaseInMesh, flank: FlankName) -> Reading:
+        keys = sorted({key for one in self.space.free for key in one.moves if _acts(key, flank)})
+        tree = contact_derivatives(state, keys or ["E"], list(self.torques))
+        self.analyses[0] += 1
+        values, by_key = tree["values"].to_dataset(), tree["derivatives"].to_dataset()
+        columns = np.zeros((len(self.space.free), by_key.sizes["setting"]))
+        names = by_key["setting"].values.tolist()
+        for row, (one, unit) in enumerate(zip(self.space.free, self.units, strict=True)):
+            for key, factor in one.moves.items():
+                if key in names:
+                    columns[row, names.index(key)] += factor * unit
+        return Reading(values, _times(by_key, columns), bool(tree.attrs["edge_contact"]))
+
+
+def in_units(reading: Reading, units: Array) -> Reading:
+    """A reading with derivatives by settings in other units, of so much (n) of the present ones each."""
+    return replace(reading, slopes=_times(reading.slopes, np.diag(units)))
+
+
+def _acts(key: str, flank: FlankName) -> bool:
+    member, side, *_ = key.split(".")
+    return SIDES[flank][member] == side
+
+
+def _times(slopes: xr.Dataset, columns: Array) -> xr.Dataset:
+    """Derivatives by the free settings from those by keys."""
+    data = {}
+    for name, variable in slopes.data_vars.items():
+        own = variable.transpose(..., "setting")
+        data[name] = (own.dims, np.nan_to_num(own.values) @ columns.T)
+    return xr.Dataset(data)
+
+
+@dataclass(frozen=True, eq=False)
+class AnalysedSettings:
+    """Settings with their analyses, a ``Point`` of the search.
+
+    Parameters
+    ----------
+    values
+        The settings (n) in the units of the case file.
+    settings
+        Their changes from the start, in micrometres of ease-off.
+    readings
+        By side and assembly.
+    start
+        The same of the settings at the start.
+    judgement
+        What judges them.
+    workshop
+        That analysed them.
+    """
+
+    values: Array
+    settings: Array
+    readings: Readings
+    start: Readings
+    judgement: Judgement
+    workshop: Workshop
+
+    def read(self, quantity: ContactQuantity, load: Load, radius: float = 0.0) -> Composite:
+        """A quantity at a load."""
+        key = load.flank, load.assembly
+        own = self.readings[key]
+        return quantity.composite(own.values, own.slopes, load.torque, self.start[key].values, radius)
+
+    @cached_property
+    def merit(self) -> Merit:
+        """What they reach."""
+        return self.judgement.merit(self.read)
+
+    def judged_by(self, judgement: Judgement) -> AnalysedSettings:
+        """The same analyses under another judgement."""
+        return replace(self, judgement=judgement)
+
+    @cached_property
+    def forms(self) -> dict[FlankName, EaseOffForm]:
+        """Ease-off in the case's own assembly by side."""
+        return {flank: EaseOffForm.of(self.readings[flank, 0]) for flank in self.workshop.states}
+
+    def moved(self, step: Array) -> AnalysedSettings | None:
+        """Other settings (n), analysed, with the ease-off that a step gives to first order; ``None`` if that fails."""
+        workshop = self.workshop
+        try:
+            settings = self.settings + step
+            for _ in range(CORRECTION_COUNT):
+                case = workshop.space.case_at(self._values(settings))
+                settings = self._bounded(settings + self._correction(case, step))
+            values = self._values(settings)
+            readings = workshop.readings(workshop.space.case_at(values))
+        except EaseoffError:
+            return None
+        return replace(self, values=values, settings=settings, readings=readings)
+
+    def _values(self, settings: Array) -> Array:
+        return np.asarray(self.workshop.space.start + self.workshop.units * settings)
+
+    def _bounded(self, settings: Array) -> Array:
+        space, units = self.workshop.space, self.workshop.units
+        low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
+        return np.clip(settings, (low - space.start) / units, (high - space.start) / units)
+
+    def _correction(self, case: Case, step: Array) -> Array:
+        """Change of the settings (n) that takes the ease-off of a case to the one that a step promises."""
+        left, slopes = [], []
+        for flank, form in self.forms.items():
+            left.append(form.promised(step) - form.measured(prepared_pair(case, flank, self.workshop.assemblies[0])))
+            slopes.append(form.slopes)
+        error = np.nan_to_num(np.concatenate(left))
+        return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
+
+    def model(self, radius: float) -> LocalModel:
+        """Model near them, within a trust region [um]."""
+        ratios, limits = self.judgement.composites(partial(self.read, radius=radius))
+        free, units = self.workshop.space.free, self.workshop.units
+        low = np.array([one.low for one in free])
+        high = np.array([one.high for one in free])
+        reach = np.concatenate([form.slopes for form in self.forms.values()])
+        return LocalModel(ratios, limits, reach, (low - self.values) / units, (high - self.values) / units)

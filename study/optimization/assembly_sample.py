@@ -1,0 +1,83 @@
+"""Assemblies that a search protects: the case's own, given ones, and samples of distributed errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from ...cases.deflections import Deflections
+from ...core.errors import InputError
+from ...core.suggestion import suggestion
+from ...geometry.pair.assembly import Misalignment
+from ..sweep.distribution import Distribution, sample_values
+
+#: Fields of ``Misalignment`` by the names of assembly errors.
+ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
+
+
+def sampled_assemblies(
+    own: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
+) -> list[Misalignment]:
+    """Assemblies with errors drawn from distributions, the others being those of one assembly.
+
+    Parameters
+    ----------
+    own
+        The assembly without the distributed errors.
+    distributions
+        By ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself.
+    count
+        Number of samples; ``None`` if nothing is distributed.
+    seed
+        As of ``sweep``.
+
+    Raises
+    ------
+    InputError
+        If an error is unknown, or samples are given without distributions or the other way round.
+
+    Examples
+    --------
+    >>> found = sampled_assemblies(Misalignment(gear_axial=0.1), {"E": "uniform(-0.02, 0.02)"}, 4)
+    >>> len(found), found[0].gear_axial, max(abs(one.offset) for one in found) < 0.02
+    (4, 0.1, True)
+    """
+    chosen: dict[str, Distribution] = {}
+    for name, given in distributions.items():
+        if name not in ERROR_FIELDS:
+            raise InputError(
+                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
+            )
+        chosen[name] = given if isinstance(given, Distribution) else Distribution.parsed(given)
+    if bool(chosen) != (count is not None):
+        raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
+    if count is None:
+        return []
+    values = sample_values(chosen, count, seed=seed)
+    found = []
+    for number in range(count):
+        errors = {ERROR_FIELDS[name]: float(drawn[number]) for name, drawn in values.items()}
+        if "shaft_angle" in errors:
+            errors["shaft_angle"] = math.radians(errors["shaft_angle"])
+        found.append(replace(own, **errors))
+    return found
+
+
+def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
+    """Assemblies, refused where they depend on the torque.
+
+    Raises
+    ------
+    InputError
+        If one depends on the torque.
+    """
+    found = []
+    for one in given:
+        if isinstance(one, Deflections):
+            raise InputError(
+                "misalignment: must be the same at all torques for a search of settings; give the assembly of the "
+                "torque that matters"
+            )
+        found.append(one)
+    return found

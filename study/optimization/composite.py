@@ -1,0 +1,71 @@
+"""Convex functions of affine rows: what an analysis yields as its outputs change with the settings to first order.
+
+A peak to peak is the range of the transmission errors of all mesh positions, a greatest pressure the greatest of the
+pressures of all segments, a harmonic the norm of its two parts. Made affine is what stands inside, not the function:
+the model keeps the corners that a derivative of the whole would cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.checks import one_of
+
+Array = NDArray[np.float64]
+Kind = Literal["affine", "greatest", "range", "norm"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True, eq=False)
+class Composite:
+    """Function of affine rows.
+
+    Parameters
+    ----------
+    kind
+        ``affine``: the only row; ``greatest``: the greatest row; ``range``: the greatest less the least; ``norm``: the
+        root of the sum of squares.
+    level
+        Rows (m) at the present settings.
+    slope
+        Derivatives (m, n) by the settings.
+
+    Examples
+    --------
+    >>> found = Composite("range", np.array([1.0, 4.0]), np.array([[0.0], [1.0]]))
+    >>> found.value(), found.value(np.array([-2.0]))
+    (3.0, 1.0)
+    """
+
+    kind: Kind
+    level: Array
+    slope: Array
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, KINDS)
+
+    def value(self, step: Array | None = None) -> float:
+        """Value after a step (n) of the settings; at the present ones without."""
+        rows = self.level if step is None else self.level + self.slope @ step
+        if self.kind == "norm":
+            return float(np.sqrt(np.sum(rows**2)))
+        return float(rows.max() - rows.min()) if self.kind == "range" else float(rows.max())
+
+    def scaled(self, factor: float, added: float = 0.0) -> Composite:
+        """The same times a positive factor; of an affine one also with a number added, and of either sign."""
+        return replace(self, level=factor * self.level + added, slope=factor * self.slope)
+
+    def per(self, units: Array) -> Composite:
+        """The same with its settings (n) in other units, of so much of the present ones each."""
+        return replace(self, slope=self.slope * units)
+
+    def expression(self, cvxpy: Any, level: Any, slope: Any, step: Any) -> Any:
+        """The same in words of CVXPY, of rows and derivatives that may be parameters."""
+        rows = level + slope @ step
+        if self.kind == "norm":
+            return cvxpy.norm(rows)
+        return cvxpy.max(rows) - cvxpy.min(rows) if self.kind == "range" else cvxpy.max(rows)

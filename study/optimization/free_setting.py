@@ -1,0 +1,286 @@
+"""Free settings of a search: which ones, how far and in which steps, and the case that has them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...cases.conversion import gear_pair
+from ...cases.recording import flank_settings
+from ...cases.schema.case_schema import Case
+from ...core.checks import shown
+from ...core.errors import InputError
+from ...core.suggestion import suggestion
+from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, setting_step
+from ...geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
+from ...geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
+from ...geometry.deviation.machine_set_up import shares_set_up
+from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.pair.pair_setting import PairSetting, is_angle
+from ..analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
+from ..sweep.swept_quantity import swept_quantity
+
+Array = NDArray[np.float64]
+
+CENTRE, BASE = "machine_center_to_crossing_point", "sliding_base"
+#: Settings that are set and written as one over what is fitted, or that turn the tooth and nothing else.
+NOT_FREE = ("blade_spheric_radius",)
+
+
+@dataclass(frozen=True)
+class FreeSetting:
+    """One setting that a search moves, in the units of the case file.
+
+    Parameters
+    ----------
+    name
+        Key in the case; with ``*`` for the flank where both share it.
+    moves
+        Keys that it moves, and by how much for one unit of it.
+    units
+        Its unit.
+    start
+        Its value in the case.
+    step
+        Resolution of the machine.
+    low, high
+        Limits.
+    """
+
+    name: str
+    moves: Mapping[str, float]
+    units: str
+    start: float
+    step: float
+    low: float = -math.inf
+    high: float = math.inf
+
+
+def free_settings(
+    case: Case, flanks: Sequence[FlankName], patterns: Sequence[str] | None = None
+) -> tuple[FreeSetting, ...]:
+    """Settings that a search moves, still without limits.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    flanks
+        That are analysed.
+    patterns
+        Keys of the case with ``*`` and ``?`` for anything, such as ``pinion.*.machine.*``. If left out, the machine
+        settings that the set-up of the pinion uses: with tilt and modified roll where it has them. Without tilt the
+        sliding base then follows the machine centre, so that the root stays on its cone.
+
+    Raises
+    ------
+    InputError
+        If a pattern names no setting that can be moved.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("nasa-12x36")
+    >>> [one.name for one in free_settings(case, ["drive"], ["pinion.*.radial_distance"])]
+    ['pinion.concave.machine.radial_distance']
+    """
+    pairs = {flank: gear_pair(case, flank) for flank in flanks}
+    keys = {key: flank for flank, pair in pairs.items() for key in _movable(pair, flank)}
+    known = _together(pairs, keys)
+    if patterns is None:
+        usual = tuple(_usual(pairs, known))
+        if not usual:
+            raise InputError("free = None: must name settings, as the pinion has none that its set-up moves")
+        return usual
+    found: dict[str, FreeSetting] = {}
+    for pattern in patterns:
+        names = [name for name, one in known.items() if any(fnmatchcase(key, pattern) for key in (name, *one.moves))]
+        if not names:
+            raise InputError(
+                f"free = {shown(pattern)}: must be the key of a machine or cutter setting of the flanks in mesh, such "
+                f"as {next(iter(known))}, or a pattern with *{suggestion(pattern, known)}"
+            )
+        found |= {name: known[name] for name in names}
+    return tuple(found.values())
+
+
+def _movable(pair: GearPair, flank: FlankName) -> list[str]:
+    names = derivative_settings(pair, flank)
+    return [name for name in names if "." in name and name.rpartition(".")[2] not in (*NOT_FREE, "cradle_angle")]
+
+
+def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]) -> dict[str, FreeSetting]:
+    """Settings by name: the machine settings of both flanks are one setting where they share a set-up."""
+    found: dict[str, FreeSetting] = {}
+    for key, flank in keys.items():
+        name, moves = key, {key: 1.0}
+        member, side, table, short = key.split(".")
+        pair = pairs[flank]
+        if table == "machine" and shares_set_up(pair.pinion if member == "pinion" else pair.gear):
+            other = "convex" if side == "concave" else "concave"
+            name, moves = f"{member}.*.{table}.{short}", {key: 1.0, f"{member}.{other}.{table}.{short}": 1.0}
+        setting = PairSetting("pinion" if member == "pinion" else "gear", internal_name(key))
+        factor = math.degrees(1.0) if is_angle(setting) else 1.0
+        step = setting_step(setting.name)
+        start = factor * setting.value(pair)
+        found.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start, step.step))
+    return found
+
+
+def _usual(pairs: Mapping[FlankName, GearPair], known: Mapping[str, FreeSetting]) -> list[FreeSetting]:
+    found: dict[str, FreeSetting] = {}
+    for flank, pair in pairs.items():
+        surface = pair.pinion.loaded.designed
+        tilted = surface.settings.cutter_tilt != 0.0
+        names = [*MACHINE_SETTINGS, *(TILT_SETTINGS if tilted else ())]
+        names += [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) != 0.0]
+        for one in known.values():
+            member, _, table, short = one.name.split(".")
+            on_flank = f"pinion.{SIDES[flank]['pinion']}.{table}.{short}" in one.moves
+            if member == "pinion" and table == "machine" and short in names and on_flank:
+                found[one.name] = one if tilted or short != CENTRE else _along_root(one, surface)
+    return list(found.values())
+
+
+def _along_root(one: FreeSetting, surface: GeneratingSurface) -> FreeSetting:
+    """The machine centre with the sliding base that keeps the tip plane of the cutter through the same apex."""
+    slope = -math.sin(surface.settings.machine_root_angle)
+    moves = {**one.moves, **{key.replace(CENTRE, BASE): slope for key in one.moves}}
+    return replace(one, moves=moves)
+
+
+def internal_name(key: str) -> str:
+    """Name in ``named_settings`` of a key of a case."""
+    short = key.rpartition(".")[2]
+    return CUTTER_KEYS.get(short, short)
+
+
+@dataclass(frozen=True)
+class SettingSpace:
+    """All free settings, and the cases that they make.
+
+    Parameters
+    ----------
+    case
+        The case to start from.
+    free
+        The settings.
+    resolution
+        Of the machine.
+    """
+
+    case: Case
+    free: tuple[FreeSetting, ...]
+    resolution: MachineResolution = USUAL_RESOLUTION
+
+    @property
+    def start(self) -> Array:
+        """Values in the case (n)."""
+        return np.array([one.start for one in self.free])
+
+    def case_at(self, values: Array, *, rounded: bool = False) -> Case:
+        """The case with other values (n) of the free settings; ``rounded`` to the resolution.
+
+        Raises
+        ------
+        InputError
+            If a setting is beyond what a case may hold.
+        """
+        steps: dict[str, float] = {}
+        for one, value in zip(self.free, values, strict=True):
+            for key, factor in one.moves.items():
+                steps[key] = steps.get(key, 0.0) + factor * (float(value) - one.start)
+        members: dict[str, dict[str, Any]] = {"pinion": {}, "gear": {}}
+        for member, changed in members.items():
+            table = getattr(self.case, member)
+            for side in ("concave", "convex"):
+                own = {key: step for key, step in steps.items() if key.startswith(f"{member}.{side}.")}
+                if own and getattr(table, side) is not None:
+                    surface = self._moved(member, side, own, rounded=rounded)
+                    changed[side] = _settings(surface, table.number_of_teeth, member, side)
+        update = {name: getattr(self.case, name).model_copy(update=changed) for name, changed in members.items()}
+        dropped: dict[str, Any] = {
+            flank: None for flank, sides in SIDES.items() for member in members if sides[member] in members[member]
+        }
+        return self.case.model_copy(update={**update, "target": self.case.target.model_copy(update=dropped)})
+
+    def _moved(self, member: str, side: str, steps: Mapping[str, float], *, rounded: bool) -> GeneratingSurface:
+        flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
+        pair = gear_pair(self.case, flank)
+        surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
+        values = {}
+        for key, step in steps.items():
+            name = internal_name(key)
+            setting = PairSetting("pinion" if member == "pinion" else "gear", name)
+            factor = math.radians(1.0) if is_angle(setting) else 1.0
+            value = get_setting(surface, name) + factor * step
+            values[name] = setting_step(name, self.resolution).rounded(value) if rounded else value
+        return with_settings(surface, values)
+
+    def values_of(self, case: Case) -> Array:
+        """Values (n) of the free settings in a case, in the units of the case file."""
+        found = []
+        for one in self.free:
+            member, side, _, _ = next(iter(one.moves)).split(".")
+            flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
+            setting = PairSetting("pinion" if member == "pinion" else "gear", internal_name(next(iter(one.moves))))
+            factor = math.degrees(1.0) if is_angle(setting) else 1.0
+            found.append(factor * setting.value(gear_pair(case, flank)))
+        return np.array(found)
+
+
+def _settings(surface: GeneratingSurface, teeth: int, member: str, side: str) -> Any:
+    try:
+        return flank_settings(surface, teeth)
+    except ValueError as error:  # a setting beyond what a case may hold
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        raise InputError(f"{member}.{side}: settings that no case may hold: {'; '.join(lines[1:3])}") from error
+
+
+def with_limits(
+    free: Sequence[FreeSetting], units: Array, reach: float, limits: Mapping[str, tuple[float, float]]
+) -> tuple[FreeSetting, ...]:
+    """Free settings with their limits.
+
+    Parameters
+    ----------
+    free
+        The settings (n).
+    units
+        Change of each (n) that changes the ease-off by one micrometre at most.
+    reach
+        Largest change of the ease-off by one setting alone [um], where no limits are given.
+    limits
+        Least and greatest value by name or pattern.
+
+    Raises
+    ------
+    InputError
+        If limits are of no free setting, or leave its present value out.
+    """
+    found = {
+        one.name: replace(one, low=one.start - reach * u, high=one.start + reach * u)
+        for one, u in zip(free, units, strict=True)
+    }
+    for pattern, (low, high) in limits.items():
+        names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in (one.name, *one.moves))]
+        if not names:
+            raise InputError(
+                f"limit_setting = {shown(pattern)}: must be one of the free settings {', '.join(found)}"
+                f"{suggestion(pattern, found)}"
+            )
+        for name in names:
+            if not low <= found[name].start <= high or not low < high:
+                raise InputError(
+                    f"limit_setting {name} = {low:g}:{high:g}: must be two numbers that rise, with the present value "
+                    f"{found[name].start:g} [{found[name].units}] between them"
+                )
+            found[name] = replace(found[name], low=low, high=high)
+    return tuple(found.values())

@@ -1,0 +1,274 @@
+"""The best machine settings of a case for objectives and limits, rounded and analysed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.deflection_table import MisalignmentSource, misalignment_of
+from ...cases.schema.case_schema import Case
+from ...cases.writing import case_toml
+from ...core.attributes import labelled
+from ...core.checks import number, one_of, positive, whole
+from ...core.errors import InputError
+from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName
+from ..analysis.case_analysis import analyze
+from ..analysis.contact_analysis import case_torques
+from ..analysis.shown_progress import shows_progress, told
+from ..case_in_mesh import CaseInMesh, checked_case
+from ..sweep.distribution import Distribution
+from .aim import Aim, Judgement, Objective
+from .analysed_settings import AnalysedSettings, Workshop
+from .assembly_sample import constant_assemblies, sampled_assemblies
+from .contact_quantity import ContactQuantity, QuantityLimit
+from .free_setting import SettingSpace, free_settings, with_limits
+from .front import best_of, front
+from .search_record import front_points, front_record, require_same_search, search_record
+from .setting_search import Outcome, SettingSearch, first_workshop
+from .step_programme import FORMS, Form
+
+Array = NDArray[np.float64]
+Flanks = Literal["drive", "coast", "both"]
+
+STEP_LIMIT, POINT_LIMIT = 1000, 1000
+USUAL_OBJECTIVES = ("peak_to_peak", "max_pressure")
+
+
+@shows_progress("optimisation", "programme")
+def optimize(
+    case: Case | str | Path,
+    minimize: Sequence[str] = USUAL_OBJECTIVES,
+    *,
+    limits: Sequence[str] = (),
+    form: Form = "worst",
+    weights: Sequence[float] | None = None,
+    points: int = 9,
+    flank: Flanks = "drive",
+    torques: float | Sequence[float] | None = None,
+    misalignments: Sequence[MisalignmentSource] = (),
+    spread: Mapping[str, Distribution | str] | None = None,
+    samples: int | None = None,
+    seed: int = 0,
+    free: Sequence[str] | None = None,
+    limit_settings: Mapping[str, tuple[float, float]] | None = None,
+    move: float = 100.0,
+    resolution: MachineResolution | None = None,
+    steps: int = 30,
+    resume: xr.DataTree | None = None,
+    progress: Callable[[], None] | bool | None = None,
+    stage: Callable[[str], None] | None = None,
+) -> xr.DataTree:
+    """Search for the machine settings of a case that are best under load, and analyse the case with them.
+
+    Convex programmes in a trust region propose the steps, certified analyses with exact derivatives judge them. What is
+    found is a local optimum, rounded to the resolution of the machine and analysed rounded. See `Optimal settings
+    <../engineer/guides/optimal_settings.html>`_.
+
+    Parameters
+    ----------
+    case
+        A checked case, or what ``read_case`` takes.
+    minimize
+        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``contact_quantity.NAMES``; with
+        ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
+    limits
+        Of the same quantities: ``max_pressure@250<=1500``.
+    form
+        ``worst``: the greatest ratio to the start over objectives, torques and assemblies; ``weighted``: the weighted
+        sum of the means of the ratios; ``pareto``: the front of two objectives.
+    weights
+        Of the objectives; one each if left out.
+    points
+        Of a front.
+    flank
+        ``drive``, ``coast`` or ``both``.
+    torques
+        Torques at the pinion [N m]; the case's own if left out.
+    misalignments
+        Further assemblies, see ``analyze``; each must be the same at all torques.
+    spread
+        Distributions of the assembly errors ``E``, ``P``, ``G``, ``Sigma`` [mm, degree], as in ``sweep``.
+    samples, seed
+        Of the assemblies drawn from them.
+    free
+        Keys of the settings that move, or patterns; see ``free_settings``.
+    limit_settings
+        Least and greatest value of settings by key or pattern [mm, degree].
+    move
+        Limit of the others: by how much one alone may change the ease-off [um].
+    resolution
+        Of the machine; the usual one if left out.
+    steps
+        The most programmes for one optimum.
+    resume
+        A result to go on from: of the same case, objectives, limits and free settings.
+    progress
+        ``True`` for a line that shows it; or a function, called after every programme.
+    stage
+        Called with the name of what takes long before it begins.
+
+    Returns
+    -------
+    xr.DataTree
+        The analysis of the case with the settings found, with the groups ``optimal_settings`` (settings, objectives,
+        limits and what they cost, programmes, assemblies) and, of a front, ``front``. The attribute ``case`` has the
+        case with the settings.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, or the case has what derivatives do not cover.
+    GeometryError
+        If the pair cannot be analysed as it is, or with the settings found.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> tree = optimize(case, ["peak_to_peak"], torques=[100.0], steps=1)
+    >>> bool(tree["optimal_settings/objective_ratio"].item() <= 1.0)
+    True
+    """
+    checked = checked_case(case)
+    one_of("form", form, FORMS)
+    sides: tuple[FlankName, ...] = (
+        get_args(FlankName) if one_of("flank", flank, get_args(Flanks)) == "both" else (flank,)
+    )  # type: ignore[assignment]
+    whole("steps", steps, 1, STEP_LIMIT)
+    number("move", move, "um", above=0.0, most=1000.0)
+    load = case_torques(checked, torques)
+    assemblies, drawn = _assemblies(checked, sides[0], misalignments, dict(spread or {}), samples, seed)
+    aim = Aim(
+        _objectives(minimize, weights),
+        tuple(limit for text in limits for limit in QuantityLimit.parsed(text)),
+        form,
+        tuple(load.tolist()),
+        sides,
+        len(assemblies),
+    )
+    if form == "pareto":
+        whole("points", points, 2, POINT_LIMIT)
+        if len(aim.objectives) != 2:
+            raise InputError(f"minimize = {list(minimize)}: must be two quantities for the front of form = 'pareto'")
+    losses = any(one.name == "mean_power_loss" for one in aim.quantities)
+    searched = checked if losses else checked.model_copy(update={"friction": None})
+    space = SettingSpace(searched, free_settings(checked, sides, free), resolution or USUAL_RESOLUTION)
+    states = {side: CaseInMesh.of(searched, flank=side, stage=stage) for side in sides}
+    if stage is not None:
+        stage("search")
+    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)))
+    workshop, readings = first_workshop(rough)
+    bounded = with_limits(space.free, workshop.units, move, limit_settings or {})
+    workshop = replace(workshop, space=replace(space, free=bounded))
+    searching = SettingSearch(workshop, readings, steps=steps, progress=told(progress), stage=stage)
+    judgement = Judgement(aim, _references(searching, aim))
+    start = searching.begun(judgement)
+    known, values = [], None
+    if resume is not None:
+        require_same_search(resume, _names(start, aim))
+        known = front_points(resume) if form == "pareto" else []
+        values = resume["optimal_settings/setting_found"].values
+    if form == "pareto":
+        found = front(searching, judgement, points, known)
+        chosen = best_of(found)
+        outcome = found[chosen].outcome or searching.settled(judgement, found[chosen].values, steps=0)
+        done = [step for one in found if one.outcome is not None for step in one.outcome.steps]
+        record = search_record(start, outcome, judgement, done)
+        front_group = front_record(found, record, chosen)
+    else:
+        outcome = searching.settled(judgement, values)
+        record = search_record(start, outcome, judgement, outcome.steps)
+        front_group = None
+    if drawn:
+        record = record.merge(_fresh_samples(outcome, judgement, spread or {}, samples, seed))
+    record.attrs |= {
+        "analyses": workshop.analyses[0],
+        "largest_move_um": move,
+        "seed": seed,
+        "spread": ", ".join(
+            f"{name}~{given if isinstance(given, str) else given.text}" for name, given in (spread or {}).items()
+        ),
+    }
+    best = outcome.case.model_copy(update={"friction": checked.friction})
+    tree = analyze(best, flank=sides[0], torques=list(aim.torques))
+    tree["optimal_settings"] = xr.DataTree(record)
+    if front_group is not None:
+        tree["front"] = xr.DataTree(front_group)
+    tree.attrs["case"] = case_toml(best)
+    return tree
+
+
+def _objectives(minimize: Sequence[str], weights: Sequence[float] | None) -> tuple[Objective, ...]:
+    if isinstance(minimize, str):
+        raise InputError(f"minimize = {minimize!r}: must be a list of quantities, such as ['peak_to_peak']")
+    own = [1.0] * len(minimize) if weights is None else [positive("weight", weight) for weight in weights]
+    if len(own) != len(minimize):
+        raise InputError(f"weights = {own}: must be as many as objectives, {len(minimize)}")
+    return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(minimize, own, strict=True))
+
+
+def _assemblies(
+    case: Case,
+    flank: FlankName,
+    misalignments: Sequence[MisalignmentSource],
+    spread: Mapping[str, Distribution | str],
+    samples: int | None,
+    seed: int,
+) -> tuple[list[Misalignment], int]:
+    """All assemblies, the case's own first, and how many of them were drawn."""
+    from ...cases.conversion import misalignment as case_misalignment
+
+    own = constant_assemblies([case_misalignment(case.misalignment)])[0]
+    given = constant_assemblies([misalignment_of(one) for one in misalignments])
+    drawn = sampled_assemblies(own, spread, samples, seed)
+    return [own, *given, *drawn], len(drawn)
+
+
+def _references(searching: SettingSearch, aim: Aim) -> list[Array]:
+    begun = searching.begun(Judgement(aim, ()))
+    return aim.references(begun.read)
+
+
+def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
+    """Names that a search to be resumed must share."""
+    free = start.workshop.space.free
+    return xr.Dataset(
+        {"setting_start": ("setting", [one.start for one in free])},
+        coords={
+            "setting": ("setting", [one.name for one in free]),
+            "objective": ("objective", [one.quantity.text for one in aim.objectives]),
+            "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
+        },
+    )
+
+
+def _fresh_samples(
+    outcome: Outcome, judgement: Judgement, spread: Mapping[str, Distribution | str], samples: int | None, seed: int
+) -> xr.Dataset:
+    """What the settings do in assemblies drawn anew, which the search did not know."""
+    point = outcome.point
+    drawn = sampled_assemblies(point.workshop.assemblies[0], spread, samples, seed + 1)
+    workshop = replace(point.workshop, assemblies=tuple(drawn))
+    # The ease-off is compared with that of the start in the case's own assembly.
+    start = {(flank, number): point.start[flank, 0] for flank in workshop.states for number in range(len(drawn))}
+    fresh = replace(point, readings=workshop.readings(outcome.case), start=start, workshop=workshop)
+    ratios, limited = replace(judgement, aim=replace(judgement.aim, assemblies=len(drawn))).by_assembly(fresh.read)
+    return labelled(
+        xr.Dataset(
+            {
+                "sample_ratio": (("objective", "sample"), ratios),
+                "sample_limited": (("quantity_limit", "sample"), limited),
+            },
+            coords={"sample": np.arange(len(drawn))},
+        )
+    )

@@ -1,0 +1,206 @@
+"""Convex programme of one step: objectives and limits as composites, the step within a trust region.
+
+Limits may be passed at a price, so that the programme always has an answer. It is compiled once for rows of one shape;
+rows, derivatives, bounds and trust region are its parameters.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .composite import Composite
+
+Array = NDArray[np.float64]
+Form = Literal["weighted", "worst", "pareto"]
+FORMS: tuple[Form, ...] = get_args(Form)
+
+#: Price of passing a limit, per share of it, in units of the objective, which is about one at the start.
+VIOLATION_PRICE = 10.0
+#: Share of a limit by which a programme stays below it, for what is lost by linearising and rounding.
+LIMIT_MARGIN = 2e-3
+#: Largest change of the ease-off by one setting alone, over the largest one by all together.
+SINGLE_REACH = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class LocalModel:
+    """Model of objectives and limits near the present settings.
+
+    Parameters
+    ----------
+    objectives
+        By objective the composites of all its loads, each over its reference.
+    limits
+        By limit the composites of all its loads, each over its limit: one where it is reached.
+    reach
+        Change of the ease-off at points of the flanks (s, n) by the settings [um].
+    low, high
+        Least and greatest step (n).
+    """
+
+    objectives: tuple[tuple[Composite, ...], ...]
+    limits: tuple[tuple[Composite, ...], ...]
+    reach: Array
+    low: Array
+    high: Array
+
+    @property
+    def size(self) -> int:
+        """Number of settings."""
+        return self.low.size
+
+    @property
+    def shape(self) -> tuple[Any, ...]:
+        """What a compiled programme depends on."""
+        groups = (self.objectives, self.limits)
+        return (*([[(c.kind, c.level.size) for c in one] for one in group] for group in groups), self.reach.shape)
+
+
+def judged_objective(values: Sequence[Array], weights: Array, form: Form) -> float:
+    """Objective of the ratios of each objective's loads.
+
+    Parameters
+    ----------
+    values
+        By objective its values over their references, of all loads.
+    weights
+        Of the objectives.
+    form
+        ``weighted``: sum of the weighted means over the loads; else the greatest of all, times their weights.
+    """
+    if form == "weighted":
+        return float(sum(w * np.mean(v) for w, v in zip(weights, values, strict=True)))
+    return float(max(w * np.max(v) for w, v in zip(weights, values, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class StepAnswer:
+    """Answer of a programme.
+
+    Parameters
+    ----------
+    status
+        In the words of CVXPY.
+    step
+        Of the settings (n); NaN if there is none.
+    objective, violation
+        That the programme predicts.
+    multipliers
+        Of the limits: how much the objective falls if a limit is raised by its own size.
+    low_multipliers, high_multipliers
+        Of the bounds of the settings (n): how much it falls if a bound is moved out by one.
+    """
+
+    status: str
+    step: Array
+    objective: float
+    violation: float
+    multipliers: Array
+    low_multipliers: Array
+    high_multipliers: Array
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a step."""
+        return bool(np.isfinite(self.step).all())
+
+    @property
+    def merit(self) -> float:
+        """Objective with the price of the violation."""
+        return self.objective + VIOLATION_PRICE * self.violation
+
+
+class StepProgramme:
+    """Programme for models of one shape.
+
+    Parameters
+    ----------
+    model
+        A model of that shape.
+    weights
+        Of the objectives.
+    form
+        See ``judged_objective``.
+    """
+
+    def __init__(self, model: LocalModel, weights: Array, form: Form) -> None:
+        import cvxpy as untyped
+
+        cvxpy: Any = untyped
+        self._cvxpy = cvxpy
+        size = model.size
+        self._step = cvxpy.Variable(size)
+        self._violation = cvxpy.Variable(len(model.limits), nonneg=True) if model.limits else None
+        self._parameters: list[tuple[Any, Any]] = []
+        conditions, terms = [], []
+        worst = cvxpy.Variable()
+        for weight, composites in zip(weights, model.objectives, strict=True):
+            functions = [weight * self._function(composite) for composite in composites]
+            terms += [function / len(functions) for function in functions]
+            conditions += [function <= worst for function in functions] if form != "weighted" else []
+        self._goal = cvxpy.sum(cvxpy.hstack(terms)) if form == "weighted" else worst
+        self._kept = [
+            [self._function(composite) <= 1.0 - LIMIT_MARGIN + self._violation[number] for composite in composites]
+            for number, composites in enumerate(model.limits)
+        ]
+        self._reach = cvxpy.Parameter(model.reach.shape)
+        self._low, self._high = cvxpy.Parameter(size), cvxpy.Parameter(size)
+        self._above, self._below = self._step >= self._low, self._step <= self._high
+        conditions += [one for kept in self._kept for one in kept]
+        conditions += [cvxpy.abs(self._reach @ self._step) <= 1.0, cvxpy.abs(self._step) <= SINGLE_REACH]
+        conditions += [self._above, self._below]
+        price = 0.0 if self._violation is None else VIOLATION_PRICE * cvxpy.sum(self._violation)
+        self._problem = cvxpy.Problem(cvxpy.Minimize(self._goal + price), conditions)
+
+    def _function(self, composite: Composite) -> Any:
+        level = self._cvxpy.Parameter(composite.level.size)
+        slope = self._cvxpy.Parameter(composite.slope.shape)
+        self._parameters.append((level, slope))
+        return composite.expression(self._cvxpy, level, slope, self._step)
+
+    def solve(self, model: LocalModel, radius: float) -> StepAnswer:
+        """Solve the programme of a model within a trust region.
+
+        Parameters
+        ----------
+        model
+            Of the shape of the first.
+        radius
+            Largest change of the ease-off [um].
+        """
+        # In units of the radius, all numbers are of order one.
+        composites = [c for group in (model.objectives, model.limits) for one in group for c in one]
+        for composite, (level, slope) in zip(composites, self._parameters, strict=True):
+            level.value, slope.value = composite.level, radius * composite.slope
+        self._reach.value = model.reach
+        self._low.value, self._high.value = model.low / radius, model.high / radius
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                self._problem.solve(solver="CLARABEL")
+            except self._cvxpy.error.SolverError as error:
+                return _no_answer(str(error), model)
+        if self._step.value is None:
+            return _no_answer(str(self._problem.status), model)
+        violation = 0.0 if self._violation is None else float(np.sum(self._violation.value))
+        multipliers = [float(sum(np.sum(one.dual_value) for one in kept)) for kept in self._kept]
+        return StepAnswer(
+            str(self._problem.status),
+            radius * np.asarray(self._step.value, dtype=np.float64),
+            float(self._goal.value),
+            violation,
+            np.array(multipliers),
+            np.asarray(self._above.dual_value) / radius,
+            np.asarray(self._below.dual_value) / radius,
+        )
+
+
+def _no_answer(status: str, model: LocalModel) -> StepAnswer:
+    none, limits = np.full(model.size, np.nan), np.full(len(model.limits), np.nan)
+    return StepAnswer(status, none, np.nan, np.nan, limits, none, none)

@@ -1,0 +1,183 @@
+"""Search by convex programmes in a trust region: steps are taken if fresh analyses confirm what was predicted.
+
+What is judged is the merit: the objective, and the violation of the limits at a price that makes passing them never
+pay (an exact penalty). Fletcher, Practical Methods of Optimization (1987), section 14.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .step_programme import VIOLATION_PRICE, LocalModel, StepAnswer, StepProgramme
+
+Array = NDArray[np.float64]
+
+#: Least ratios of the gain to the predicted one for a step to be taken, and for a larger trust region after it.
+TAKEN_GAIN_RATIO, FAIR_GAIN_RATIO, GOOD_GAIN_RATIO = 0.05, 0.25, 0.75
+#: Of the first programme, and below which a search ends [um].
+FIRST_RADIUS, RADIUS_MINIMUM, RADIUS_LIMIT = 3.0, 0.02, 40.0
+#: A predicted gain below this, in proportion within a smaller trust region than the first, ends the search.
+GAIN_TOLERANCE = 1e-3
+#: Programmes that may mend a step which did not gain, and the ratio of their trust regions; not one that lost more.
+MENDING_LIMIT, MENDING_RADIUS_RATIO, HOPELESS_LOSS = 1, 0.35, 0.3
+
+
+@dataclass(frozen=True)
+class Merit:
+    """What settings reach.
+
+    Parameters
+    ----------
+    objective
+        In relation to the start.
+    violation
+        Sum over the limits of the share by which each is passed.
+    """
+
+    objective: float
+    violation: float
+
+    @property
+    def total(self) -> float:
+        """Objective with the price of the violation."""
+        return self.objective + VIOLATION_PRICE * self.violation
+
+
+class Point(Protocol):
+    """Analysed settings."""
+
+    @property
+    def settings(self) -> Array:
+        """The settings (n), in units that change the ease-off by one micrometre at most."""
+
+    @property
+    def merit(self) -> Merit:
+        """What they reach."""
+
+    def model(self, radius: float) -> LocalModel:
+        """Model near them, within a trust region [um]."""
+
+    def moved(self, step: Array) -> Point | None:
+        """Other settings after a step (n), analysed; ``None`` if they have no certified analysis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One programme and its outcome.
+
+    Parameters
+    ----------
+    radius
+        Of the trust region [um].
+    answer
+        Of the programme.
+    settings
+        That were analysed (n), or should have been.
+    fresh
+        What they reach; NaN without a certified analysis.
+    accepted
+        Whether the search went on from there.
+    mending
+        Whether it began at the step before, to mend that one, and not at the best settings so far.
+    """
+
+    radius: float
+    answer: StepAnswer
+    settings: Array
+    fresh: Merit
+    accepted: bool
+    mending: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Result of a search.
+
+    Parameters
+    ----------
+    point
+        The best settings, analysed.
+    steps
+        All programmes.
+    converged
+        Whether the last programme had nothing left to gain.
+    last
+        Answer of the last programme at the best settings, with its multipliers.
+    radius
+        Of the trust region at the end [um].
+    """
+
+    point: Any
+    steps: tuple[Step, ...]
+    converged: bool
+    last: StepAnswer
+    radius: float
+
+
+def search(
+    start: Any,
+    programme: Callable[[LocalModel], StepProgramme],
+    *,
+    steps: int = 30,
+    radius: float = FIRST_RADIUS,
+    progress: Callable[[], None] | None = None,
+) -> Search:
+    """Improve settings until no programme predicts a gain.
+
+    Parameters
+    ----------
+    start
+        ``Point`` to begin from.
+    programme
+        Compiled programme for a model.
+    steps
+        The most programmes.
+    radius
+        Of the first trust region [um].
+    progress
+        Called after every programme.
+
+    Returns
+    -------
+    Search
+        Of no higher merit than the start; a local optimum at best.
+    """
+    best, done = start, list[Step]()
+    converged = False
+    while True:
+        model = best.model(radius)
+        answer = programme(model).solve(model, radius)
+        predicted = best.merit.total - answer.merit
+        converged = answer.solved and predicted < GAIN_TOLERANCE * min(1.0, radius / FIRST_RADIUS)
+        if converged or len(done) >= steps or radius < RADIUS_MINIMUM:
+            return Search(best, tuple(done), converged, answer, radius)
+        here = best
+        for mending in range(1 + MENDING_LIMIT):
+            span = radius * MENDING_RADIUS_RATIO**mending
+            if mending:
+                model = here.model(span)
+                answer = programme(model).solve(model, span)
+            found = here.moved(answer.step) if answer.solved else None
+            wanted = here.settings + answer.step if found is None else found.settings
+            fresh = Merit(np.nan, np.nan) if found is None else found.merit
+            came_true = (best.merit.total - fresh.total) / predicted
+            accepted = bool(came_true > TAKEN_GAIN_RATIO)
+            done.append(Step(span, answer, wanted, fresh, accepted, mending > 0))
+            if progress is not None:
+                progress()
+            if found is None or accepted or fresh.total > best.merit.total + HOPELESS_LOSS:
+                break
+            here = found
+        if accepted:
+            best = found
+        if not accepted:
+            radius *= 0.35
+        elif came_true < FAIR_GAIN_RATIO:
+            radius *= 0.6
+        elif came_true > GOOD_GAIN_RATIO and not done[-1].mending:
+            radius = min(2.0 * radius, RADIUS_LIMIT)

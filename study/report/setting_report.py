@@ -1,0 +1,100 @@
+"""Report of optimal settings: settings, objectives and limits before and after, multipliers, front, as text."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from tabulate import tabulate
+
+#: Least multiplier that is shown: a smaller one is rounding.
+MULTIPLIER_MINIMUM = 1e-6
+
+
+def setting_report(tree: xr.DataTree) -> str:
+    """Report of a search for settings.
+
+    Parameters
+    ----------
+    tree
+        A result of ``optimize``.
+    """
+    record = tree["optimal_settings"].to_dataset()
+    parts = ["Settings", _settings(record), f"Objectives, form {record.attrs['form']}", _objectives(record)]
+    if record.sizes["quantity_limit"]:
+        parts += ["Limits", _limits(record)]
+    if "front" in tree.children:
+        parts += [f"Front; the result holds point {tree['front'].attrs['chosen_point']}", _front(tree)]
+    return "\n\n".join([*parts, *_notes(record)])
+
+
+def _settings(record: xr.Dataset) -> str:
+    rows = []
+    for number, name in enumerate(record["setting"].values.tolist()):
+        one = record.isel(setting=number)
+        low, value, high = (float(one[f"setting_{key}"]) for key in ("low", "value", "high"))
+        start, unit = float(one["setting_start"]), str(one["setting_units"].item())
+        reach = abs(value - start) * float(one["ease_off_per_setting"])
+        at = "at its limit" if min(value - low, high - value) < 1e-3 * (high - low) else ""
+        rows.append((name, unit, f"{start:.6g}", f"{value:.7g}", f"{value - start:+.4g}", f"{reach:.0f}", at))
+    headers = ("setting", "unit", "before", "after", "change", "alone [um]", "")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", *["right"] * 4, "left"))
+
+
+def _objectives(record: xr.Dataset) -> str:
+    rows = [
+        (name, _number(one["objective_start"]), _number(one["objective_value"]), f"{float(one['objective_ratio']):.3f}")
+        for number, name in enumerate(record["objective"].values.tolist())
+        for one in (record.isel(objective=number),)
+    ]
+    headers = ("greatest", "before", "after", "worst ratio")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+
+
+def _limits(record: xr.Dataset) -> str:
+    rows = []
+    for number, name in enumerate(record["quantity_limit"].values.tolist()):
+        one = record.isel(quantity_limit=number)
+        cost = float(one["limit_multiplier"])
+        told = f"{cost:.3g}" if cost > MULTIPLIER_MINIMUM else "-"
+        rows.append((name, _number(one["limited_start"]), _number(one["limited_value"]), told))
+    headers = ("limit", "before", "after", "gain per unit wider")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+
+
+def _front(tree: xr.DataTree) -> str:
+    front = tree["front"].to_dataset()
+    names = front["objective"].values.tolist()
+    rows = [
+        (str(point), *(_number(value) for value in front["front_value"].values[point]))
+        for point in range(front.sizes["point"])
+    ]
+    return tabulate(rows, headers=("point", *names), disable_numparse=True, colalign=("right", "right", "right"))
+
+
+def _notes(record: xr.Dataset) -> list[str]:
+    attributes = record.attrs
+    found = [f"{attributes['analyses']} analyses with derivatives, {record.sizes['programme']} programmes"]
+    if attributes["violation"] > 0.0:
+        found.append(
+            f"Warning: limits are passed by {100.0 * attributes['violation']:.2g} % in all: widen limits, free more "
+            "settings, or allow more --move"
+        )
+    found.append(
+        "A local optimum: nothing nearby is better"
+        if attributes["converged"]
+        else "Note: the search has not converged; go on with --resume, or allow more --steps"
+    )
+    if not attributes["edge_contact"]:
+        found.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
+    if "sample_ratio" in record:
+        worst = np.max(record["sample_ratio"].values)
+        known = np.max(record["ratio_by_assembly"].values)
+        found.append(
+            f"In {record.sizes['sample']} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the search "
+            f"{known:.3f}"
+        )
+    return found
+
+
+def _number(value: object) -> str:
+    return f"{float(np.asarray(value)):.5g}"

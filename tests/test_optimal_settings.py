@@ -1,0 +1,292 @@
+"""Search for machine settings: the model against analyses, limits, multipliers, assemblies, fronts, and the command."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff import Case, InputError, optimize
+from easeoff.cases import parse_case, write_case
+from easeoff.geometry import Misalignment
+from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study.cli import main
+from easeoff.study.optimization.aim import Aim, Judgement, Objective
+from easeoff.study.optimization.analysed_settings import AnalysedSettings, Workshop
+from easeoff.study.optimization.assembly_sample import sampled_assemblies
+from easeoff.study.optimization.contact_quantity import ContactQuantity, QuantityLimit
+from easeoff.study.optimization.free_setting import SettingSpace, free_settings, with_limits
+from easeoff.study.optimization.setting_search import SettingSearch, first_workshop
+
+RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
+TWO = [RADIAL, ROLL]
+TORQUE = 150.0
+
+
+@cache
+def coarse_case() -> Case:
+    case = easeoff.read_case("nasa-12x36")
+    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    return case.model_copy(update={"contact": case.contact.model_copy(update={**coarse, "torques": (TORQUE,)})})
+
+
+def quick(minimize: list[str], **options: Any) -> xr.DataTree:
+    return optimize(coarse_case(), minimize, free=TWO, **options)
+
+
+@cache
+def begun(*quantities: str) -> AnalysedSettings:
+    case = coarse_case()
+    space = SettingSpace(case, free_settings(case, ["drive"], TWO))
+    state = CaseInMesh.of(case)
+    own = state.pair.assembly.misalignment
+    rough = Workshop(space, (TORQUE,), (own,), {"drive": state}, np.ones(2))
+    workshop, readings = first_workshop(rough)
+    bounded = replace(space, free=with_limits(space.free, workshop.units, 100.0, {}))
+    searching = SettingSearch(replace(workshop, space=bounded), readings, steps=1)
+    aim = Aim(
+        tuple(Objective(ContactQuantity.parsed(text)) for text in quantities), (), "worst", (TORQUE,), ("drive",), 1
+    )
+    references = aim.references(searching.begun(Judgement(aim, ())).read)
+    return searching.begun(Judgement(aim, references))
+
+
+def test_the_model_is_tangent_to_analyses() -> None:
+    """Halving a step divides what the model misses by four, until contact changes are met."""
+    quantities = ("peak_to_peak", "harmonic_1", "max_pressure", "load_centre_lengthwise", "ease_off_change")
+    start = begun(*quantities)
+    model = start.model(1.0)
+    assert model.objectives[0][0].value() == pytest.approx(1.0)
+    for group in model.objectives[:4]:
+        missed = []
+        for size in (4e-3, 2e-3):
+            step = size * np.array([1.0, -0.5])
+            there = start.moved(step)
+            assert there is not None
+            # The step is corrected so that the ease-off comes out as promised.
+            number = model.objectives.index(group)
+            fresh = there.model(1.0).objectives[number][0].value()
+            missed.append(abs(fresh - group[0].value(there.settings - start.settings)))
+        assert missed[1] < 0.4 * missed[0] + 1e-9
+
+
+def test_values_are_those_of_an_analysis() -> None:
+    start = begun("peak_to_peak", "max_pressure", "harmonic_2")
+    _, values, _ = start.judgement.worst(start.read)
+    tree = easeoff.analyze(coarse_case())
+    loaded = tree["loaded"].to_dataset()
+    known = [loaded["peak_to_peak"].item(), loaded["max_pressure"].item(), loaded["harmonic"].sel(order=2).item()]
+    assert values == pytest.approx(known, rel=1e-9)
+
+
+@pytest.mark.thorough
+def test_two_settings_reach_the_best_of_a_grid() -> None:
+    start = begun("peak_to_peak")
+    tree = quick(
+        ["peak_to_peak"], limit_settings={"*.radial_distance": (74.7, 75.1), "*.ratio_of_roll": (3.238, 3.247)}
+    )
+    record = tree["optimal_settings"].to_dataset()
+    assert record.attrs["converged"] == 1
+    best = np.inf
+    for radial in np.linspace(74.7, 75.1, 9):
+        for roll in np.linspace(3.238, 3.247, 9):
+            case = start.workshop.space.case_at(np.array([radial, roll]))
+            best = min(best, easeoff.analyze(case)["loaded/peak_to_peak"].item())
+    assert record["objective_value"].item() <= 1.02 * best
+
+
+@cache
+def limited(bound: float) -> xr.Dataset:
+    tree = quick(["max_pressure"], limits=[f"ease_off_change<={bound:g}"])
+    return tree["optimal_settings"].to_dataset()
+
+
+@pytest.mark.thorough
+def test_limits_are_kept_and_a_multiplier_is_what_a_moved_limit_gains() -> None:
+    here, less, more = (limited(bound) for bound in (8.0, 7.0, 9.0))
+    for record, bound in ((here, 8.0), (less, 7.0), (more, 9.0)):
+        assert record["limited_value"].item() <= bound
+        assert record.attrs["violation"] == 0.0
+    gain = 0.5 * (less["objective_ratio"].item() - more["objective_ratio"].item())
+    assert here["limit_multiplier"].item() == pytest.approx(gain, rel=0.3)
+
+
+@pytest.mark.thorough
+def test_the_worst_of_all_assemblies_is_what_the_result_says() -> None:
+    away = Misalignment(offset=0.05)
+    tree = quick(["max_pressure"], misalignments=[away], steps=4)
+    record = tree["optimal_settings"].to_dataset()
+    found = parse_case(tree.attrs["case"])
+    pressures = [
+        [easeoff.analyze(case, misalignment=one)["loaded/max_pressure"].item() for one in (None, away)]
+        for case in (coarse_case(), found)
+    ]
+    before, after = (max(row) for row in pressures)
+    assert record["objective_start"].item() == pytest.approx(before, rel=1e-9)
+    assert record["objective_value"].item() == pytest.approx(after, rel=1e-6)
+    assert record["ratio_by_assembly"].values.ravel() == pytest.approx(np.array(pressures[1]) / before, rel=1e-6)
+    assert after < before
+
+
+@cache
+def pareto() -> xr.DataTree:
+    return quick(["peak_to_peak", "max_pressure"], form="pareto", points=3, steps=6)
+
+
+@pytest.mark.thorough
+def test_every_point_of_a_front_is_what_an_analysis_of_its_settings_says() -> None:
+    front, record = pareto()["front"].to_dataset(), pareto()["optimal_settings"].to_dataset()
+    space = begun("peak_to_peak").workshop.space
+    for point in range(front.sizes["point"]):
+        one = front.isel(point=point)
+        loaded = easeoff.analyze(space.case_at(one["front_setting"].values, rounded=True))["loaded"].to_dataset()
+        known = [loaded["peak_to_peak"].item(), loaded["max_pressure"].item()]
+        assert one["front_value"].values == pytest.approx(known, rel=1e-6)
+        assert one["front_ratio"].values == pytest.approx(known / record["objective_start"].values, rel=1e-6)
+    ratios = front["front_ratio"].values
+    assert np.all(np.diff(ratios[:, 1]) > 0.0)
+    assert ratios[-1, 0] == ratios[:, 0].min()
+    assert len(easeoff.plot.front(pareto(), others={"genetic": ratios}).axes) == 1
+
+
+@pytest.mark.thorough
+def test_a_front_resumes_with_the_points_that_are_there(tmp_path: Path) -> None:
+    easeoff.write_result(pareto(), tmp_path / "front.nc")
+    earlier = easeoff.read_result(tmp_path / "front.nc")
+    tree = quick(["peak_to_peak", "max_pressure"], form="pareto", points=4, steps=6, resume=earlier)
+    known = pareto()["front/front_setting"].values.tolist()
+    assert tree["front"].sizes["point"] == 4
+    assert all(row in tree["front/front_setting"].values.tolist() for row in known)
+    with pytest.raises(InputError, match="resume: its objectives are peak_to_peak, max_pressure: must be max_pressure"):
+        quick(["max_pressure"], resume=earlier)
+
+
+@pytest.mark.thorough
+def test_settings_are_rounded_and_analysed_rounded() -> None:
+    tree = quick(["max_pressure"], steps=2, spread={"E": "uniform(-0.01,0.01)"}, samples=2)
+    record = tree["optimal_settings"].to_dataset()
+    steps = record["setting_value"].values / np.array([1e-3, 1e-6])
+    assert steps == pytest.approx(np.round(steps), abs=1e-6)
+    found = parse_case(tree.attrs["case"])
+    assert found.pinion.concave is not None
+    assert found.pinion.concave.machine.radial_distance == record["setting_value"].sel(setting=RADIAL).item()
+    xr.testing.assert_allclose(easeoff.analyze(found)["loaded"].to_dataset(), tree["loaded"].to_dataset())
+    accepted = record["accepted"].values.astype(bool)
+    assert np.all(np.diff(record["fresh_objective"].values[accepted]) < 0.0)
+    assert record["sample_ratio"].shape == (1, 2)
+    assert record.sizes["assembly"] == 3
+
+
+def test_both_flanks_of_one_set_up_move_together() -> None:
+    case = easeoff.read_case("fm-11x41")
+    free = free_settings(case, ["drive", "coast"], ["gear.*.machine.radial_distance"])
+    assert [one.name for one in free] == ["gear.*.machine.radial_distance"]
+    moved = SettingSpace(case, free).case_at(np.array([free[0].start + 0.1]))
+    radial = [getattr(moved.gear, side).machine.radial_distance for side in ("concave", "convex")]
+    assert radial[0] == radial[1] == pytest.approx(free[0].start + 0.1)
+    assert moved.pinion == case.pinion
+
+
+def test_without_tilt_the_sliding_base_keeps_the_tip_plane_through_its_apex() -> None:
+    free = free_settings(coarse_case(), ["drive"])
+    names = [one.name for one in free]
+    assert "pinion.concave.machine.cutter_tilt" not in names
+    centre = names.index("pinion.concave.machine.machine_center_to_crossing_point")
+    values = np.array([one.start for one in free])
+    values[centre] += 1.0
+    machine = [
+        case.pinion.concave.machine for case in (coarse_case(), SettingSpace(coarse_case(), free).case_at(values))
+    ]
+    angle = np.radians(machine[0].machine_root_angle)
+    apex = [one.machine_center_to_crossing_point + one.sliding_base / np.sin(angle) for one in machine]
+    assert apex[1] == pytest.approx(apex[0], abs=1e-9)
+
+
+def test_samples_are_drawn_about_the_own_assembly_and_repeat() -> None:
+    own = Misalignment(0.1, 0.2, 0.3, 0.0)
+    first, again, other = (sampled_assemblies(own, {"Sigma": "normal(0,0.1)"}, 4, seed) for seed in (3, 3, 4))
+    assert first == again != other
+    assert {(one.offset, one.pinion_axial, one.gear_axial) for one in first} == {(0.1, 0.2, 0.3)}
+    assert max(abs(one.shaft_angle) for one in first) < np.radians(0.5)
+
+
+def test_limits_and_quantities_are_read_as_they_are_written() -> None:
+    band = QuantityLimit.parsed("load_centre_lengthwise@150 = 0.5+-0.05")
+    assert [one.text for one in band] == ["load_centre_lengthwise@150<=0.55", "load_centre_lengthwise@150>=0.45"]
+    assert ContactQuantity.parsed("coast.harmonic_3@50").text == "coast.harmonic_3@50"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"minimize": ["peak"]}, "quantity = 'peak': must be one of peak_to_peak, harmonic_1"),
+        ({"minimize": []}, "must name a quantity at least"),
+        ({"minimize": ["max_pressure@99"]}, "must be at one of the torques 150"),
+        ({"minimize": ["coast.max_pressure"]}, "must be of the flanks that are analysed, drive"),
+        ({"minimize": ["ease_off_change@150"]}, "must be without torque"),
+        ({"limits": ["max_pressure<1500"]}, "limit = 'max_pressure<1500': must be QUANTITY<=VALUE"),
+        ({"limits": ["max_pressure>=1500"]}, "must be an upper limit"),
+        ({"limits": ["max_pressure<=-1"]}, "limit of max_pressure = -1: must be"),
+        ({"form": "best"}, "form = 'best': must be one of"),
+        ({"form": "pareto", "minimize": ["max_pressure"]}, "must be two quantities"),
+        ({"form": "pareto", "points": 1}, "points = 1: must be a whole number from 2"),
+        ({"weights": [1.0]}, "weights = .*: must be as many as objectives, 2"),
+        ({"free": ["pinion.concave.machine.radial_distanse"]}, "radial_distance"),
+        ({"limit_settings": {"*.cutter_tilt": (0.0, 1.0)}}, "must be one of the free settings"),
+        ({"limit_settings": {"*.radial_distance": (1.0, 2.0)}}, "with the present value 74.87"),
+        ({"samples": 3}, "samples = 3: must go with a distribution"),
+        ({"spread": {"Q": "normal(0,1)"}, "samples": 3}, "must be of one of E, P, G, Sigma"),
+        ({"steps": 0}, "steps = 0: must be a whole number"),
+        ({"flank": "left"}, "flank = 'left': must be"),
+        ({"minimize": ["pinion_root_stress"]}, "model = 'fe'"),
+        ({"minimize": ["mean_power_loss"]}, r"a speed in \[friction\]"),
+        ({"resume": xr.DataTree()}, "resume: must be a result of 'easeoff optimize'"),
+    ],
+)
+def test_mistakes_are_told(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        optimize(coarse_case(), **{"minimize": ["peak_to_peak", "max_pressure"], **options})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--minimize", "peak"], "quantity = 'peak': must be one of"),
+        (["--spread", "E=0.1"], "must be E, P, G or Sigma with a distribution"),
+        (["--limit-setting", "x"], "must be KEY=LOW:HIGH"),
+        (["--weight", "a"], "must be numbers separated by commas"),
+        (["--case", "best.nc"], "best.nc"),
+        (["--resume", "none.nc"], "none.nc"),
+    ],
+)
+def test_the_command_tells_mistakes_and_writes_nothing(
+    arguments: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(main, ["optimize", "nasa-12x36", "-o", "out.nc", *arguments])
+    assert answer.exit_code == 2
+    assert said in answer.output
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.thorough
+def test_the_command_writes_result_and_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_case(coarse_case(), tmp_path / "case.toml", "coarse")
+    arguments = ["optimize", "case.toml", "-o", "out.nc", "--minimize", "max_pressure", "--free", "*.radial_distance"]
+    answer = CliRunner().invoke(main, [*arguments, "--steps", "2", "--case", "best.toml"])
+    assert answer.exit_code == 0, answer.output
+    assert "worst ratio" in answer.output
+    record = easeoff.read_result("out.nc")["optimal_settings"].to_dataset()
+    best = easeoff.read_case("best.toml")
+    assert best.pinion.concave is not None
+    assert best.pinion.concave.machine.radial_distance == record["setting_value"].item()
+    answer = CliRunner().invoke(main, [*arguments, "--steps", "1", "--resume", "out.nc"])
+    assert answer.exit_code == 0, answer.output
