@@ -77,7 +77,7 @@ def _curves(axes: Axes, results: Mapping[str, xr.DataTree], torque: float) -> No
     for (name, tree), colour in zip(results.items(), COLOURS, strict=False):
         loaded = tree["loaded"].to_dataset().sel(torque=torque)
         error = loaded["transmission_error"].values
-        axes.plot(*two_cycles(loaded["mesh_position"].values, error - error.mean()), color=colour, label=name)
+        axes.plot(*two_cycles(error - error.mean()), color=colour, label=name)
     title(axes, "transmission error", f"{torque:g} N m")
     _named(axes, "mesh cycles", "about its mean [µrad]")
 

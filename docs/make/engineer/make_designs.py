@@ -29,13 +29,13 @@ PICTURES = IMAGES / "designs"
 PAGES = {"milled_axle": "axle", "hobbed_axle": "hobbed", "aerospace_pair": "aero"}
 RESULTS = {"drive": "drive", "coast": "coast", "best-drive": "drive, optimised", "best-coast": "coast, optimised"}
 NOMINAL = 200.0  # [N m]
-COMMANDS = re.compile(r"^```(?:sh)?\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
+BLOCKS = re.compile(r"^```(\w*)\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
 
 
 def commands(page: str) -> Iterator[list[str]]:
     """Arguments of the commands of a page, in its order."""
-    for block in COMMANDS.findall(page):
-        for line in block.replace("\\\n", " ").splitlines():
+    for language, block in BLOCKS.findall(page):
+        for line in block.replace("\\\n", " ").splitlines() if language in ("", "sh") else ():
             words = shlex.split(line, comments=True)
             if words[:1] == ["easeoff"]:
                 yield words[1:]
@@ -95,7 +95,7 @@ def sheet_block(folder: Path, stem: str) -> str:
 
 def verification_table(folder: Path, stem: str) -> str:
     """How many rows of the verification are within their limits, and the rows nearest to them or beyond."""
-    table = xr.open_dataset(folder / f"{stem}-verify.nc", engine="h5netcdf").load()
+    table = xr.open_dataset(folder / f"{stem}-verify.nc", engine="netcdf4").load()
     rows = table.isel(comparison=np.flatnonzero(table["comparison_status"].values != RowStatus.NOT_APPLICABLE))
     outside = rows["comparison_status"].values == RowStatus.OUTSIDE
     chosen = [*np.flatnonzero(outside), *(n for n in _telling(rows) if not outside[n])]
