@@ -20,6 +20,7 @@ READING_ORDER = {
             "tutorials/strength_and_efficiency",
             "tutorials/shafts_and_bearings",
         ],
+        "Designs": ["designs/milled_axle", "designs/hobbed_axle", "designs/aerospace_pair"],
         "Guides": [
             "guides/report",
             "guides/load_cases",
