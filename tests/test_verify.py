@@ -31,6 +31,7 @@ from easeoff.study import key_numbers
 from easeoff.study.cli import main
 from easeoff.verification import (
     FlankContact,
+    SurfaceCells,
     Verification,
     VerificationRow,
     case_verification,
@@ -355,14 +356,12 @@ def test_refinements_follow_the_model_of_the_teeth() -> None:
 # --- contact without the split
 
 
-def solved(rotation: float, shares: list[float], load: float) -> tuple[Any, list[FlankContact], list[Any]]:
-    """An analysis of one position, and a contact without the split with 200 urad, 70 and 30 %, 100 N/mm."""
+def solved(rotation: float, shares: list[float]) -> tuple[Any, list[FlankContact]]:
+    """An analysis of one position, and a contact without the split with 200 urad, 70 and 30 %."""
     loaded = xr.Dataset(
         {
             "transmission_error": ("mesh_position", [rotation]),
             "load_share": (("mesh_position", "pair"), [shares]),
-            "force": (("mesh_position", "segment"), [[2.0 * load, 1.0]]),
-            "length": (("mesh_position", "segment"), [[2.0, 1.0]]),
         },
         coords={"pair": [0, 1]},
     )
@@ -370,17 +369,55 @@ def solved(rotation: float, shares: list[float], load: float) -> tuple[Any, list
     class Contact(FlankContact):
         load_share = np.array([0.7, 0.3])
 
-    stations = [type("Stations", (), {"line_load": np.array([100.0, 60.0])})()]
-    return loaded, [Contact(2e-4, [0, 1], [], [])], stations
+    return loaded, [Contact(2e-4, [0, 1], [], [])]
 
 
 def test_differences_from_the_contact_without_the_split() -> None:
-    loaded, contacts, stations = solved(206.0, [0.72, 0.28], 105.0)
+    loaded, contacts = solved(206.0, [0.72, 0.28])
     assert unsplit_rows.rotation_differences(loaded, contacts) == [pytest.approx(0.03)]
     assert max(unsplit_rows.share_differences(loaded, contacts)) == pytest.approx(0.02)
-    assert unsplit_rows.line_load_difference(loaded, stations) == pytest.approx(0.05)
     other = replace(contacts[0], pairs=[0, 2])
     assert max(np.abs(unsplit_rows.share_differences(loaded, [other]))) == pytest.approx(0.3)
+
+
+def test_line_load_is_compared_over_the_same_stretch(pair: VerifiedPair) -> None:
+    """Segments of 105 N/mm against cells of 100 N/mm on one line, however either is divided."""
+    points = np.stack([np.linspace(0.4, 0.6, 41), np.full(41, 0.5)])
+    position = pair.flanks.splines("position", points)
+    along = np.diff(position, axis=1)
+    length = np.linalg.norm(along, axis=0)
+    direction = (along / length).mean(axis=1)
+    direction /= np.linalg.norm(direction)
+    length = along.T @ direction
+    middle = 0.5 * (points[:, 1:] + points[:, :-1])
+    place = pair.flanks.splines("position", middle)
+    loaded = xr.Dataset(
+        {
+            "force": (("mesh_position", "segment"), [105.0 * length]),
+            "length": (("mesh_position", "segment"), [length]),
+            "half_width": (("mesh_position", "segment"), [np.full(40, 0.3)]),
+            "tooth": (("mesh_position", "segment"), [np.zeros(40)]),
+            "lengthwise": (("mesh_position", "segment"), [middle[0]]),
+            "profile": (("mesh_position", "segment"), [middle[1]]),
+        }
+    )
+    two = np.repeat(np.arange(40), 2)  # two cells side by side across the line
+    none = np.zeros((2, 80))
+    cells = SurfaceCells(
+        two,
+        two,
+        np.tile(direction, (80, 1)),
+        np.tile(direction, (80, 1)),
+        np.stack([length[two], np.full(80, 0.1)], axis=1),
+        place[:, two].T,
+        none,
+        none,
+        none[0],
+        np.ones(80),
+    )
+    contact = FlankContact(2e-4, [0], [cells], [50.0 * length[two]])
+    found = unsplit_rows.line_load_difference(loaded, [contact], pair.flanks.splines)
+    assert found == pytest.approx(0.05, abs=2e-3)
 
 
 @pytest.mark.thorough

@@ -17,7 +17,7 @@ from .surface_contact import solve_surface_contact, surface_contact_compliance
 
 Array = NDArray[Any]
 CELLS_PER_HALF_WIDTH = 8
-CELL_LENGTH_FACTOR = 4.8  # [mm], length of the cells along the line times their number in a half-width
+CELL_LENGTH_FACTOR = 2.4  # [mm], length of the cells along the line times their number in a half-width
 FIRST_BAND_RATIO, BAND_RATIO_LIMIT = 1.6, 8.0  # half of the band with cells over the half-width
 LINE_EXTENSION = 2.0  # [mm], of the band beyond the ends of a line
 ROTATION_LIMIT = 0.1  # [rad]; flanks without cells at this rotation cannot touch
