@@ -113,7 +113,7 @@ class BearingTable(Table):
         "likewise, of moments [N mm]; none if left out", "N mm/rad", default=None
     )
     radial_displacement: Curve | None = number("instead: pairs of load [N] and displacement", "mm", default=None)
-    axial_displacement: Curve | None = number("instead: likewise", "mm", default=None)
+    axial_displacement: Curve | None = number("instead: pairs of load [N] and displacement", "mm", default=None)
     tilting_displacement: Curve | None = number("instead: pairs of moment [N mm] and angle", "rad", default=None)
 
     @model_validator(mode="after")

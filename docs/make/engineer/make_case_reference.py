@@ -9,6 +9,7 @@ import re
 import sys
 from collections.abc import Iterator
 
+from alike_rows import in_few_rows, joined
 from annotated_types import MinLen
 from folders import REFERENCE
 from pydantic import BaseModel
@@ -76,9 +77,9 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[blank_design]`", BlankDesignTable
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
-    yield "### `[pinion.concave.machine]`, and so on for every flank", cutting_table.Machine
-    yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", cutting_table.Motions
-    yield "### `[pinion.concave.cutter]`, and so on for every flank", cutting_table.Cutter
+    yield "### `[pinion.concave.machine]` of every flank", cutting_table.Machine
+    yield "### `[pinion.concave.machine.motions]` of every generated flank", cutting_table.Motions
+    yield "### `[pinion.concave.cutter]` of every flank", cutting_table.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
     yield "### `[misalignment]`", MisalignmentTable
     yield "### `[[misalignment.deflections]]`", DeflectionRow
@@ -97,14 +98,17 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
 
 
 def keys(table: type[BaseModel]) -> str:
-    """One row a key that is no table itself; a meaning that is the key itself is left out."""
-    rows = ["| key | meaning | allowed | default |", "| --- | --- | --- | --- |"]
+    """Rows of the keys that are no tables themselves, of those that are alike one; a meaning that is the key is left out."""
+    found: list[tuple[str, str, str, str]] = []
     for name, field in table.model_fields.items():
-        if sub_table(field.annotation):
-            continue
-        meaning, unit = described(name, field)
-        said = "" if meaning == name.replace("_", " ") else meaning
-        rows.append(f"| `{name}`{unit and f' [{unit}]'} | {said} | {allowed(name, field)} | {default(field)} |")
+        if not sub_table(field.annotation):
+            meaning, unit = described(name, field)
+            said = "" if meaning == name.replace("_", " ") else meaning
+            found.append((f"`{name}`", said, unit and f" [{unit}]", f"{allowed(name, field)} | {default(field)}"))
+    rows = ["| key | meaning | allowed | default |", "| --- | --- | --- | --- |"]
+    for group in in_few_rows(found, meaning=lambda row: row[1], alike=lambda row: row[2:]):
+        names, said = ", ".join(row[0] for row in group), joined([row[1] for row in group])
+        rows.append(f"| {names}{group[0][2]} | {said} | {group[0][3]} |")
     return "\n".join(rows)
 
 

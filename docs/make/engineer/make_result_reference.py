@@ -12,6 +12,7 @@ import sys
 from collections.abc import Hashable, Mapping
 
 import xarray as xr
+from alike_rows import in_few_rows, joined
 from folders import REFERENCE
 
 import easeoff
@@ -22,6 +23,7 @@ from easeoff.study import result_summary
 
 PAGE = REFERENCE / "results.md"
 CHOSEN = ("setting", "objective", "quantity_limit")  # texts that depend on what was asked for
+CERTIFICATE = "[certificate](../../researcher/contact_problems.md#what-the-certificate-proves)"
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
@@ -51,25 +53,40 @@ def result_tables(tree: xr.DataTree) -> str:
     heads: dict[str, list[str]] = {}
     for head, variables in tables.items():
         heads.setdefault(described(variables), []).append(head)
-    return "\n\n".join(f"### {', '.join(names)}\n\n{made}" for made, names in heads.items())
+    return codes_once("\n\n".join(f"### {', '.join(names)}\n\n{made}" for made, names in heads.items()))
 
 
 def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
-    """Rows of variables behind a row with the dimensions that they have; one row for both places on the flank."""
+    """Rows of variables behind a row with the dimensions that they have; one row for those that are alike."""
     found: dict[str, list[tuple[str, str, str]]] = {}
     for name, variable in variables.items():
         dimensions = ", ".join(map(str, variable.dims))
         over = "" if variable.dims == (name,) else f"over {dimensions}" if dimensions else "single values"
-        row = (f"`{name}`", unit(variable), meaning(name, variable))
-        before = found.setdefault(over, [])
-        if before and before[-1] == tuple(cell.replace("profile", "lengthwise") for cell in row):
-            first, _, said = before.pop()
-            row = (f"{first}, {row[0]}", row[1], said.replace("lengthwise", "lengthwise, profile"))
-        before.append(row)
+        said = meaning(name, variable)
+        entry = CERTIFICATE if said.startswith("certificate: ") else said
+        found.setdefault(over, []).append((f"`{name}`", unit(variable), entry))
     rows = ["| variable | meaning |", "| --- | --- |"]
     for over, each in found.items():
-        rows += [f"| *{over}* | |"] * bool(over) + [f"| {names}{its_unit} | {said} |" for names, its_unit, said in each]
+        rows += [f"| *{over}* | |"] * bool(over)
+        for group in in_few_rows(each, meaning=lambda row: row[2], alike=lambda row: row[1]):
+            names, said = ", ".join(row[0] for row in group), joined([row[2] for row in group])
+            rows.append(f"| {names}{group[0][1]} | {said} |")
     return "\n".join(rows)
+
+
+def codes_once(tables: str) -> str:
+    """The tables with each list of codes where it comes first; then the name of the variable and the group there."""
+    first: dict[str, str] = {}
+    lines, head = [], ""
+    for line in tables.splitlines():
+        head = line.removeprefix("### ").split(", ")[-1] if line.startswith("### ") else head
+        row = re.fullmatch(r"\| `(\w+)` \| ([^:|]*): (-?\d+ `[^|]*`) \|", line)
+        if row and row[3] in first:
+            line = f"| `{row[1]}` | {row[2]}: codes of {first[row[3]]} |"
+        elif row:
+            first[row[3]] = f"`{row[1]}` in {head}"
+        lines.append(line)
+    return "\n".join(lines)
 
 
 def unit(variable: xr.DataArray) -> str:
@@ -94,9 +111,11 @@ def meaning(name: Hashable, variable: xr.DataArray) -> str:
 
 
 def summary() -> str:
-    """What ``easeoff show`` prints of the page's first example, but for notes and the rounding that is its residual."""
+    """What ``easeoff show`` prints of the page's first example under load, but for the rounding that is its residual."""
     printed, *_ = result_summary(easeoff.analyze("nasa-12x36", torques=[150.0])).partition("\n\nNote: ")
-    lines = (line for line in printed.splitlines() if not line.startswith("worst residual"))
+    head, _, rest = printed.partition("\n\nWithout load\n")
+    loaded = f"{head}\n\n...\n\nUnder load{rest.partition(chr(10) + 'Under load')[2]}"
+    lines = (line for line in loaded.splitlines() if not line.startswith("worst residual"))
     return "\n".join(["```text", *lines, "```"])
 
 

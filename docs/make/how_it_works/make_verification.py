@@ -22,6 +22,15 @@ from easeoff.verification import RowStatus, Verification, VerificationRow, verif
 HERE = Path(__file__).parent
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 UNSPLIT = "without the split"
+FINER = ("grid of the flank", "segments of a line", "mesh positions", "fineness of the teeth")
+GROUPS = (
+    "unloaded transmission error",
+    "transmission error",
+    "greatest pressure",
+    "greatest pressure, at a line's end",
+    "shares, ratios and places",
+    "other numbers",
+)
 UNSPLIT_CASES = ("fh-12x41-45", "fm-11x41", "nasa-12x36")
 UNSPLIT_START, UNSPLIT_END = "<!-- without the split -->\n", "\n<!-- end -->"
 
@@ -59,28 +68,36 @@ def worse(rows: list[VerificationRow]) -> VerificationRow:
     return max(rows, key=lambda row: (row.applicable, row.status == RowStatus.OUTSIDE, row.difference))
 
 
-def table(found: dict[str, list[Verification]], *, unsplit: bool = False) -> str:
-    """A row a quantity, with the worst of the verifications of each column."""
+def greatest(found: dict[str, list[Verification]], *, unsplit: bool = False) -> dict[str, dict[str, VerificationRow]]:
+    """Worst row of each quantity among the verifications of each column."""
     columns: dict[str, dict[str, VerificationRow]] = {}
-    every: list[dict[str, VerificationRow]] = []
     for name, verifications in found.items():
         sides = [shown(one.rows, unsplit=unsplit) for one in verifications]
-        every += sides
         quantities = dict.fromkeys(key for side in sides for key in side)
         columns[name] = {key: worse([side[key] for side in sides if key in side]) for key in quantities}
-    first: dict[str, VerificationRow] = {}
-    for rows in columns.values():
-        for key, row in rows.items():
-            if key not in first or not first[key].applicable:
-                first[key] = row
+    return columns
+
+
+def table(found: dict[str, list[Verification]], *, unsplit: bool = False) -> str:
+    """A row a quantity but those of convergence, with the worst of the verifications of each column."""
+    columns = greatest(found, unsplit=unsplit)
+    every = [shown(one.rows, unsplit=unsplit) for verifications in found.values() for one in verifications]
     lines = []
-    for key, row in first.items():
-        rows_of = [side[key] for side in every if key in side and side[key].applicable]
-        limits = [one.limit for one in rows_of]
-        limit = "" if not limits else " to ".join(dict.fromkeys(f"{v:.2g}" for v in (min(limits), max(limits))))
-        unit = "" if row.unit == "1" else row.unit
-        lines.append([key, *(cell(rows.get(key)) for rows in columns.values()), limit, unit])
-    return tabulate(lines, ["quantity", *columns, "limit", "unit"], "github", disable_numparse=True)
+    for key in dict.fromkeys(key for rows in columns.values() for key in rows):
+        known = [side[key] for side in every if key in side and side[key].applicable]
+        if key.split(": ")[0] in FINER:
+            continue
+        unit = f" [{known[0].unit}]" if known and known[0].unit != "1" else ""
+        limit = [f"{known[0].limit:.2g}" if known else ""] * unsplit  # of the others the page gives it above
+        lines.append([f"{key}{unit}", *(cell(rows.get(key)) for rows in columns.values()), *limit])
+    return tabulate(lines, ["quantity", *columns, *["limit"] * unsplit], "github", disable_numparse=True)
+
+
+def convergence_table(found: list[Verification]) -> str:
+    """A row for what is finer, a column for a group of numbers."""
+    rows = greatest({"": found})[""]
+    lines = [[finer, *(cell(rows.get(f"{finer}: {group}")) for group in GROUPS)] for finer in FINER]
+    return tabulate(lines, ["finer", *GROUPS], "github", disable_numparse=True)
 
 
 def kept_unsplit(page: str) -> str:
@@ -104,6 +121,7 @@ def main() -> None:
     page = (HERE / "verification.md.in").read_text(encoding="utf-8")
     parts = {
         "cases": table({"greatest": [*itertools.chain(*found.values())]}),
+        "convergence": convergence_table([*itertools.chain(*found.values())]),
         "unsplit": f"{UNSPLIT_START}{solved}{UNSPLIT_END}",
     }
     for name, text in parts.items():

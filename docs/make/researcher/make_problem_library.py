@@ -1,4 +1,4 @@
-"""Write the tables of ``problem_library.md`` from the description of the library and its reference answers.
+"""Write the tables and lists of ``problem_library.md`` from the description of the library and its reference answers.
 
 ``python docs/make problem_library`` updates the page; with ``--print`` it only prints the tables; with ``--answers``
 it first makes every problem and proves its reference answer anew, which takes minutes and belongs to a new version of
@@ -35,32 +35,29 @@ def kind_table() -> str:
 
 
 def part_table() -> str:
-    """One row a file."""
-    answers, rows = reference_answers(), []
+    """One line a file."""
+    answers, lines = reference_answers(), []
     for part in PARTS:
         chosen = [entry for entry in entries() if entry.part == part]
-        sizes = _range(answers[entry.name].size for entry in chosen)
-        rows.append([f"`{part}.nc`", str(len(chosen)), sizes])
-    return _table(["file", "problems", "*n*"], rows)
+        lines.append(f"- `{part}.nc`: {len(chosen)} problems, *n* {_range(answers[entry.name].size for entry in chosen)}")
+    return "\n".join(lines)
 
 
 def change_table() -> str:
-    """One row a change."""
-    rows = []
-    for change, function in CHANGES.items():
-        rows.append([f"`{change}`", (function.__doc__ or "").split("\n")[0]])
-    return _table(["change", "what it does"], rows)
+    """One line a change."""
+    said = {change: (function.__doc__ or "").split("\n")[0].removesuffix(".") for change, function in CHANGES.items()}
+    return "\n".join(f"- `{change}`: {text[:1].lower() + text[1:]}" for change, text in said.items())
 
 
 def proof_table() -> str:
-    """One row a method that proves answers."""
-    every, rows = reference_answers().values(), []
+    """One line a method that proves answers."""
+    every, lines = reference_answers().values(), []
     for method in ("refined", "lemke"):
         found = {a.name: getattr(a, f"{method}_difference") for a in every}
         known = {name: value for name, value in found.items() if math.isfinite(value)}
         worst = max(known, key=lambda name: known[name])
-        rows.append([method, str(len(known)), f"{known[worst]:.0e}, `{worst}`"])
-    return _table(["method", "problems", "largest difference from the native rotation"], rows)
+        lines.append(f"- {method}, {len(known)} problems: {known[worst]:.0e}, `{worst}`")
+    return "\n".join(lines)
 
 
 def _range(numbers: Iterable[int]) -> str:
