@@ -34,8 +34,9 @@ def in_few_rows(rows: Iterable[Row], meaning: Callable[[Row], str], alike: Calla
     """Rows in groups of neighbours whose other cells agree and whose meanings can be joined."""
     groups: list[list[Row]] = []
     for row in rows:
-        if groups and alike(groups[-1][0]) == alike(row) and joined([meaning(r) for r in (*groups[-1], row)]) is not None:
-            groups[-1].append(row)
+        last = groups[-1] if groups else []
+        if last and alike(last[0]) == alike(row) and joined([meaning(each) for each in (*last, row)]) is not None:
+            last.append(row)
         else:
             groups.append([row])
     return groups

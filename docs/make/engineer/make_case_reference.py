@@ -98,7 +98,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
 
 
 def keys(table: type[BaseModel]) -> str:
-    """Rows of the keys that are no tables themselves, of those that are alike one; a meaning that is the key is left out."""
+    """Rows of the keys that are no tables, of those that are alike one; a meaning that is the key is left out."""
     found: list[tuple[str, str, str, str]] = []
     for name, field in table.model_fields.items():
         if not sub_table(field.annotation):

@@ -111,7 +111,7 @@ def meaning(name: Hashable, variable: xr.DataArray) -> str:
 
 
 def summary() -> str:
-    """What ``easeoff show`` prints of the page's first example under load, but for the rounding that is its residual."""
+    """What ``easeoff show`` prints of the page's first example, but without load, notes and the residual."""
     printed, *_ = result_summary(easeoff.analyze("nasa-12x36", torques=[150.0])).partition("\n\nNote: ")
     head, _, rest = printed.partition("\n\nWithout load\n")
     loaded = f"{head}\n\n...\n\nUnder load{rest.partition(chr(10) + 'Under load')[2]}"

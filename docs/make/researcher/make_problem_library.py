@@ -39,14 +39,19 @@ def part_table() -> str:
     answers, lines = reference_answers(), []
     for part in PARTS:
         chosen = [entry for entry in entries() if entry.part == part]
-        lines.append(f"- `{part}.nc`: {len(chosen)} problems, *n* {_range(answers[entry.name].size for entry in chosen)}")
+        lines.append(
+            f"- `{part}.nc`: {len(chosen)} problems, *n* {_range(answers[entry.name].size for entry in chosen)}"
+        )
     return "\n".join(lines)
 
 
 def change_table() -> str:
     """One line a change."""
-    said = {change: (function.__doc__ or "").split("\n")[0].removesuffix(".") for change, function in CHANGES.items()}
-    return "\n".join(f"- `{change}`: {text[:1].lower() + text[1:]}" for change, text in said.items())
+    lines = []
+    for change, function in CHANGES.items():
+        said = (function.__doc__ or "").split("\n")[0].removesuffix(".")
+        lines.append(f"- `{change}`: {said[:1].lower()}{said[1:]}")
+    return "\n".join(lines)
 
 
 def proof_table() -> str:
