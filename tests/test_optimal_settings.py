@@ -14,13 +14,15 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff import Case, InputError, optimize
-from easeoff.cases import parse_case, write_case
+from easeoff.cases import gear_pair, parse_case, write_case
 from easeoff.geometry import Misalignment
+from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
 from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
 from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
+from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, usual_root_line_change
 from easeoff.study.design.optimization.contact_quantity import ContactQuantity, QuantityLimit
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
@@ -114,10 +116,42 @@ def limited(bound: float) -> xr.Dataset:
 def test_limits_are_kept_and_a_multiplier_is_what_a_moved_limit_gains() -> None:
     here, less, more = (limited(bound) for bound in (8.0, 7.0, 9.0))
     for record, bound in ((here, 8.0), (less, 7.0), (more, 9.0)):
-        assert record["limited_value"].item() <= bound
+        assert record["limited_value"].values[0] <= bound
         assert record.attrs["violation"] == 0.0
     gain = 0.5 * (less["objective_ratio"].item() - more["objective_ratio"].item())
-    assert here["limit_multiplier"].item() == pytest.approx(gain, rel=0.3)
+    assert here["limit_multiplier"].values[0] == pytest.approx(gain, rel=0.3)
+
+
+def test_distances_of_blade_tips_change_as_their_derivatives_say() -> None:
+    """Halving a step divides what the derivative misses by four."""
+    pair = gear_pair(easeoff.read_case("fm-11x41"), "drive")
+    tilt = PairSetting("pinion", "cutter_tilt")
+    gap, change = blade_tip_gaps(pair, [("tilt", tilt)])
+    missed = []
+    for step in (2e-3, 1e-3):
+        there, _ = blade_tip_gaps(tilt.moved(pair, step), [])
+        missed.append(np.abs(there - gap - np.degrees(step) * change[..., 0]).sel(member="pinion").max().item())
+    assert 0.2 * missed[0] < missed[1] < 0.3 * missed[0]
+    assert np.abs(change.sel(member="gear")).max() == 0.0
+
+
+@pytest.mark.thorough
+def test_a_tilted_cutter_keeps_to_its_root_line_unless_told_otherwise() -> None:
+    case = easeoff.read_case("fm-11x41")
+    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse), "friction": None})
+    pair = gear_pair(case, "drive")
+    start, _ = blade_tip_gaps(pair, [])
+    changes = []
+    for limits in ([], ["root_line_change<=9"]):
+        tree = optimize(case, ["peak_to_peak"], torques=[200.0], limits=limits, steps=4)
+        found, _ = blade_tip_gaps(gear_pair(parse_case(tree.attrs["case"]), "drive"), [])
+        changes.append(float(np.abs(found - start).max()))
+        record = tree["optimal_settings"].to_dataset()
+        assert record["quantity_limit"].item().startswith("root_line_change<=")
+        assert record["limited_value"].item() == pytest.approx(changes[-1], rel=1e-9)
+        assert record["objective_ratio"].item() < 0.9
+    assert changes[0] <= usual_root_line_change([pair]) < changes[1]
 
 
 @pytest.mark.thorough

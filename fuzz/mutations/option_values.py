@@ -179,7 +179,8 @@ OPTIONS: dict[str, Options] = {
     "optimize": {
         "--minimize": ("peak_to_peak", "max_pressure", "harmonic_1", "coast.max_pressure", "max_pressure@100",
             "max_pressure@", "peak", "", "harmonic_0", "max_pressure@1e9", "x.peak_to_peak"),
-        "--limit": ("max_pressure<=2000", "peak_to_peak@100<=50", "ease_off_change<=20", "max_pressure>=1",
+        "--limit": ("max_pressure<=2000", "peak_to_peak@100<=50", "ease_off_change<=20", "root_line_change<=0.05",
+            "max_pressure>=1",
             "max_pressure<1", "max_pressure<=-1", "max_pressure<=nan", "x<=1", "", "peak_to_peak=5"),
         "--form": ("worst", "weighted", "pareto", "best", ""),
         "--weight": ("1", "1,2", "0", "-1", "x", "nan", ""),

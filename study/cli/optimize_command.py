@@ -82,7 +82,8 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     metavar="QUANTITY",
     show_default="peak_to_peak and max_pressure",
     help="peak_to_peak, harmonic_1, harmonic_2, ..., max_pressure, unloaded_peak_to_peak, pinion_root_stress, "
-    "gear_root_stress, mean_power_loss, load_centre_lengthwise, load_extent_lengthwise (and profile), ease_off_change; "
+    "gear_root_stress, mean_power_loss, load_centre_lengthwise, load_extent_lengthwise (and profile), ease_off_change, "
+    "root_line_change; "
     "with @TORQUE at one torque alone, with drive. or coast. before it on one side. May be repeated.",
 )
 @click.option(
@@ -90,7 +91,8 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     "limits",
     multiple=True,
     metavar="'QUANTITY<=VALUE'",
-    help="Limit of a quantity in urad, MPa, W or um, such as 'max_pressure@250<=1500'. May be repeated.",
+    help="Limit of a quantity in urad, MPa, W, um or mm, such as 'max_pressure@250<=1500'. May be repeated; the "
+    "root line is kept within 1 % of the flank's height unless limited.",
 )
 @click.option(
     "--form",

@@ -17,10 +17,11 @@ from ....geometry.pair.gear_pair import FlankName
 from ...analysis.setting_derivatives import SIDES, contact_derivatives
 from ...case_in_mesh import CaseInMesh, prepared_pair
 from .aim import Judgement, Load, Reading
+from .blade_tip_gap import BladeTips, blade_tip_gaps
 from .composite import Composite
 from .contact_quantity import ContactQuantity
 from .ease_off_form import EaseOffForm
-from .free_setting import SettingSpace
+from .free_setting import SettingSpace, pair_setting
 from .step_programme import LocalModel
 from .trust_region import Merit
 
@@ -78,6 +79,9 @@ class Workshop:
         tree = contact_derivatives(state, keys or ["E"], list(self.torques))
         self.analyses[0] += 1
         values, by_key = tree["values"].to_dataset(), tree["derivatives"].to_dataset()
+        values["blade_tip_gap"], by_key["blade_tip_gap"] = blade_tip_gaps(
+            state.pair, [(key, pair_setting(key)) for key in keys]
+        )
         columns = np.zeros((len(self.space.free), by_key.sizes["setting"]))
         names = by_key["setting"].values.tolist()
         for row, (one, unit) in enumerate(zip(self.space.free, self.units, strict=True)):
@@ -176,11 +180,13 @@ class AnalysedSettings:
         return np.clip(settings, (low - space.start) / units, (high - space.start) / units)
 
     def _correction(self, case: Case, step: Array) -> Array:
-        """Change of the settings (n) that takes the ease-off of a case to the one that a step promises."""
+        """Change of the settings (n) that takes ease-off and root line of a case to those that a step promises."""
         left, slopes = [], []
         for flank, form in self.forms.items():
-            left.append(form.promised(step) - form.measured(prepared_pair(case, flank, self.workshop.assemblies[0])))
-            slopes.append(form.slopes)
+            tips = BladeTips.of(self.readings[flank, 0])
+            pair = prepared_pair(case, flank, self.workshop.assemblies[0])
+            left += [form.promised(step) - form.measured(pair), tips.promised(step) - tips.measured(pair)]
+            slopes += [form.slopes, tips.slopes]
         error = np.nan_to_num(np.concatenate(left))
         return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
 

@@ -82,6 +82,13 @@ KINDS: dict[str, QuantityKind] = {
     "ease_off_change": QuantityKind(
         "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off", over_torque=False
     ),
+    "root_line_change": QuantityKind(
+        "mm",
+        "greatest change of the distance of blade tips from root cones",
+        "greatest",
+        "blade_tip_gap",
+        over_torque=False,
+    ),
 }
 #: What a case needs for variables that not every analysis has.
 NEEDED = {
@@ -168,8 +175,8 @@ class ContactQuantity:
         Parameters
         ----------
         values, slopes
-            Of ``contact_derivatives``, the derivatives by the settings (n) in units that change the ease-off by one
-            micrometre at most; without them the value alone counts.
+            Of ``contact_derivatives``, with ``blade_tip_gap``; the derivatives by the settings (n) in units that change
+            the ease-off by one micrometre at most; without them the value alone counts.
         torque
             Number of the torque.
         start
@@ -183,6 +190,9 @@ class ContactQuantity:
             arm = ordered(start, "lever_arm", "lengthwise", "profile").ravel()
             change = level - _rows(meaning, start, None, torque)[0]
             level, slope = _both_signs(turned(change[:, None], arm)[:, 0], turned(slope, arm))
+            level, slope = _likely_greatest(level, slope, radius)
+        elif self.name == "root_line_change":
+            level, slope = _both_signs(level - _rows(meaning, start, None, torque)[0], slope)
             level, slope = _likely_greatest(level, slope, radius)
         elif meaning.kind == "norm":
             order = int(self.name.rpartition("_")[2])

@@ -133,7 +133,7 @@ def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]
         if table == "machine" and shares_set_up(pair.pinion if member == "pinion" else pair.gear):
             other = "convex" if side == "concave" else "concave"
             name, moves = f"{member}.*.{table}.{short}", {key: 1.0, f"{member}.{other}.{table}.{short}": 1.0}
-        setting = PairSetting("pinion" if member == "pinion" else "gear", internal_name(key))
+        setting = pair_setting(key)
         factor = math.degrees(1.0) if is_angle(setting) else 1.0
         start = factor * setting.value(pair)
         found.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start))
@@ -166,6 +166,11 @@ def internal_name(key: str) -> str:
     """Name in ``named_settings`` of a key of a case."""
     short = key.rpartition(".")[2]
     return CUTTER_KEYS.get(short, short)
+
+
+def pair_setting(key: str) -> PairSetting:
+    """Setting of a pair that a key of a case is."""
+    return PairSetting("pinion" if key.startswith("pinion.") else "gear", internal_name(key))
 
 
 @dataclass(frozen=True)
@@ -240,8 +245,7 @@ class SettingSpace:
         values = {}
         for key, step in steps.items():
             name = internal_name(key)
-            setting = PairSetting("pinion" if member == "pinion" else "gear", name)
-            factor = math.radians(1.0) if is_angle(setting) else 1.0
+            factor = math.radians(1.0) if is_angle(pair_setting(key)) else 1.0
             value = get_setting(surface, name) + factor * step
             values[name] = setting_step(name, self.resolution).rounded(value) if rounded else value
         return with_settings(surface, values)
@@ -252,7 +256,7 @@ class SettingSpace:
         for one in self.free:
             member, side, _, _ = next(iter(one.moves)).split(".")
             flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
-            setting = PairSetting("pinion" if member == "pinion" else "gear", internal_name(next(iter(one.moves))))
+            setting = pair_setting(next(iter(one.moves)))
             factor = math.degrees(1.0) if is_angle(setting) else 1.0
             found.append(factor * setting.value(gear_pair(case, flank)))
         return np.array(found)

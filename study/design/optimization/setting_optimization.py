@@ -20,15 +20,16 @@ from ....core.checks import number, one_of, positive, whole
 from ....core.errors import InputError
 from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
-from ....geometry.pair.gear_pair import FlankName
+from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
 from ...analysis.shown_progress import shows_progress, told
-from ...case_in_mesh import CaseInMesh, checked_case
+from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...sweep.distribution import Distribution
 from .aim import Aim, Judgement, Objective, Reference
 from .analysed_settings import AnalysedSettings, Workshop
 from .assembly_sample import constant_assemblies, sampled_assemblies
+from .blade_tip_gap import usual_root_line_change
 from .contact_quantity import ContactQuantity, QuantityLimit
 from .free_setting import SettingSpace, free_settings, with_limits
 from .front import best_of, front
@@ -81,7 +82,8 @@ def optimize(
         Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``contact_quantity.NAMES``; with
         ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
     limits
-        Of the same quantities: ``max_pressure@250<=1500``.
+        Of the same quantities: ``max_pressure@250<=1500``. If ``root_line_change`` is not among them, it is limited to
+        one percent of the height of the lower flank.
     form
         ``worst``: the greatest ratio to the start over objectives, torques and assemblies; ``weighted``: the weighted
         sum of the means of the ratios; ``pareto``: the front of two objectives.
@@ -149,9 +151,10 @@ def optimize(
     number("move", move, "um", above=0.0, most=1000.0)
     load = case_torques(checked, torques)
     assemblies, drawn = _assemblies(checked, sides[0], misalignments, dict(spread or {}), samples, seed)
+    pairs = [prepared_pair(checked, side, assemblies[0]) for side in sides]
     aim = Aim(
         _objectives(minimize, weights),
-        tuple(limit for text in limits for limit in QuantityLimit.parsed(text)),
+        _limits(limits, pairs),
         form,
         tuple(load.tolist()),
         sides,
@@ -216,6 +219,14 @@ def _objectives(minimize: Sequence[str], weights: Sequence[float] | None) -> tup
     if len(own) != len(minimize):
         raise InputError(f"weights = {own}: must be as many as objectives, {len(minimize)}")
     return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(minimize, own, strict=True))
+
+
+def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLimit, ...]:
+    """Limits that are given; the usual one of the root line, unless one is given."""
+    given = tuple(limit for text in texts for limit in QuantityLimit.parsed(text))
+    if any(limit.quantity.name == "root_line_change" for limit in given):
+        return given
+    return (*given, QuantityLimit(ContactQuantity("root_line_change"), usual_root_line_change(pairs)))
 
 
 def _assemblies(

@@ -1,0 +1,112 @@
+"""Distance of the blades' tips from the root cones at toe, middle and heel, with derivatives by settings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ....core.ordered_values import ordered
+from ....geometry.design.root_line import RootLine
+from ....geometry.pair.gear_pair import GearPair
+from ....geometry.pair.pair_setting import PairSetting, is_angle
+from .aim import Reading
+
+Array = NDArray[np.float64]
+
+#: Change of the root line that a search may make unless told otherwise, over the height of the flank.
+USUAL_CHANGE_RATIO = 0.01
+DIMENSIONS = ("member", "root_place")
+PLACES = ("toe", "middle", "heel")
+#: Weight of the distances in a correction [um/mm]: a tenth of that of the ease-off.
+TIP_WEIGHT = 100.0
+
+
+def blade_tip_gaps(pair: GearPair, settings: Sequence[tuple[str, PairSetting]]) -> tuple[xr.DataArray, xr.DataArray]:
+    """Distances of the blades' tips above the root cones of the loaded flanks [mm], negative where they cut deeper.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    settings
+        Machine and cutter settings (n) with their names.
+
+    Returns
+    -------
+    tuple
+        The distances (member, root_place), NaN where the flank ends before; and their derivatives over ``setting`` as
+        well, per mm or degree.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> chosen = [("base", PairSetting("pinion", "sliding_base"))]
+    >>> gaps, change = blade_tip_gaps(gear_pair(read_case("nasa-12x36")), chosen)
+    >>> gaps.dims, change.sel(member="pinion", root_place="middle").values.round(2).tolist()
+    (('member', 'root_place'), [1.0])
+    """
+    gaps = np.zeros((2, len(PLACES)))
+    change = np.zeros((2, len(PLACES), len(settings)))
+    for row, (name, member) in enumerate((("pinion", pair.pinion), ("gear", pair.gear))):
+        surface = member.loaded.designed
+        gaps[row], line = RootLine.of(surface, member.section).gap(surface)
+        for column, (_, setting) in enumerate(settings):
+            if setting.of == name:
+                step = setting.scale
+                moved = [setting.moved(pair, sign * step) for sign in (-1.0, 1.0)]
+                behind, ahead = ((one.pinion if name == "pinion" else one.gear).loaded.designed for one in moved)
+                factor = math.radians(1.0) if is_angle(setting) else 1.0
+                change[row, :, column] = factor * line.change(surface, behind, ahead) / (2.0 * step)
+    places = {"member": ["pinion", "gear"], "root_place": list(PLACES)}
+    return (
+        xr.DataArray(gaps, coords=places, dims=DIMENSIONS),
+        xr.DataArray(
+            change, coords={**places, "setting": [name for name, _ in settings]}, dims=(*DIMENSIONS, "setting")
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class BladeTips:
+    """Distances of the blades' tips from the root cones in an analysis with derivatives, weighted.
+
+    Parameters
+    ----------
+    value
+        At their places (p), times ``TIP_WEIGHT``.
+    slopes
+        Their derivatives (p, n) by the settings.
+    """
+
+    value: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, reading: Reading) -> BladeTips:
+        """Those of an analysis."""
+        value = ordered(reading.values, "blade_tip_gap", *DIMENSIONS).ravel()
+        slopes = ordered(reading.slopes, "blade_tip_gap", *DIMENSIONS, "setting").reshape(value.size, -1)
+        return cls(TIP_WEIGHT * value, TIP_WEIGHT * slopes)
+
+    def promised(self, step: Array) -> Array:
+        """Distances (p) after a step (n) to first order."""
+        return np.asarray(self.value + self.slopes @ step)
+
+    def measured(self, pair: GearPair) -> Array:
+        """Distances (p) of another pair. Raises GeometryError if a cutter meets no tooth."""
+        return np.asarray(TIP_WEIGHT * blade_tip_gaps(pair, [])[0].values.ravel())
+
+
+def usual_root_line_change(pairs: Sequence[GearPair]) -> float:
+    """Limit of the change of the root line [mm]: a share of the lower flank's height in its middle."""
+    heights = []
+    for pair in pairs:
+        for member in (pair.pinion, pair.gear):
+            axial, radial = member.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
+            heights.append(math.hypot(axial[1] - axial[0], radial[1] - radial[0]))
+    return USUAL_CHANGE_RATIO * min(heights)
