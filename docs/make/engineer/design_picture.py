@@ -17,7 +17,7 @@ from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.page import BLUE, BODY_SIZE, GREEN, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
-from easeoff.study.plot.tooth_view import draw_flank, tooth_view
+from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
 from easeoff.study.plot.transmission_error_chart import two_cycles
 
 CHART_HEIGHT = 2.1  # [in]
@@ -45,7 +45,7 @@ def _ease_offs(grid: NDArray[Any], results: Mapping[str, xr.DataTree]) -> None:
     maps = [ease_off_map(view) for view in views]
     levels = contour_levels(np.concatenate([gap[inside] for _, gap, inside in maps]))
     for axes, name, view, values in zip(grid.flat, results, views, maps, strict=False):
-        draw_flank(axes, view, labels=(False, False))
+        _flank(axes, view)
         draw_map(axes, view, values, levels)
         title(axes, f"{name}: ease-off", "µm, on the gear flank")
     _hide(grid, len(results))
@@ -58,13 +58,19 @@ def _pressures(figure: SubFigure, grid: NDArray[Any], results: Mapping[str, xr.D
     shading = None
     for axes, (name, tree), surface in zip(grid.flat, results.items(), surfaces, strict=False):
         view = tooth_view(tree)
-        draw_flank(axes, view, labels=(False, False))
+        _flank(axes, view)
         shading = draw_surface(axes, view, surface, levels) or shading
         title(axes, f"{name}: pressure", f"{torque:g} N m, peak {surface.peak:.0f} MPa")
     _hide(grid, len(results))
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(grid.flat), shrink=0.8, pad=0.015, ticks=MaxNLocator(6))
         plain_bar(bar, "MPa")
+
+
+def _flank(axes: Axes, view: ToothView) -> None:
+    """Outline of a flank without scales."""
+    draw_flank(axes, view, labels=(False, False))
+    axes.tick_params(length=0)
 
 
 def _hide(grid: NDArray[Any], used: int) -> None:
