@@ -375,6 +375,12 @@ def test_help_imports_nothing_heavy() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+def test_help_names_commands_in_whole_sentences() -> None:
+    _, listed = call("--help").output.split("Commands:")
+    assert listed.count("\n") > 20
+    assert "..." not in listed
+
+
 def test_result_in_a_file_equals_the_result_in_memory(case: Path, tmp_path: Path) -> None:
     tree = easeoff.analyze(easeoff.read_case(case))
     easeoff.write_result(tree, tmp_path / "x.nc")

@@ -86,7 +86,9 @@ GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
     help="Result: mesh position, from 0 to 1 over a pinion pitch, one of those of the result.",
 )
 def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
-    """Export teeth of CASE as points, CAD surfaces or a mesh, or the contact of RESULT on its teeth.
+    """Export teeth or contact to other programs.
+
+    Of CASE the teeth, as points, CAD surfaces or a mesh; of RESULT the contact on its teeth.
 
     RESULT is a file of 'easeoff run'. Its .vtu file, for ParaView and other programs that read VTK, holds the teeth of
     both members in mesh position with ease-off, contact pattern and pressure, and a strip for every loaded segment with

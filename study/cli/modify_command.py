@@ -99,10 +99,10 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 def modify(
     case: str, output: Path, fitted_case: Path | None, force: bool, supports: str | None, **options: Any
 ) -> None:
-    """Modify the ease-off of CASE so that its loads are small or even.
+    """Search for the ease-off of CASE that is best under load.
 
-    The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
-    without tooth edges.
+    Loads or pressures become small or even. The result is a modification of low order: the addition to the ease-off.
+    The contact is that on lines alone, without tooth edges.
     """
     from ...cases import write_case
     from ...cases.writing import require_replaceable

@@ -171,7 +171,7 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
 @click.option("--resume", type=click.Path(path_type=Path), metavar="FILE", help="Result to go on from.")
 @force_option
 def optimize(case: str, output: Path, best_case: Path | None, resume: Path | None, force: bool, **options: Any) -> None:
-    """Search for the machine settings of CASE that are best under load.
+    """Search for the machine settings that are best under load.
 
     Convex programmes propose, certified analyses judge. The settings found are rounded to the machine's resolution and
     analysed rounded.

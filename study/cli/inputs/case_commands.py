@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 @click.command(cls=Command)
 def cases() -> None:
-    """List what is shipped: cases, designs, supports, lubricants and measured flanks.
+    """List shipped cases and other shipped files.
 
-    Each is given by its name, in place of a file.
+    Cases, designs, supports, lubricants and measured flanks. Each is given by its name, in place of a file.
     """
     from ....cases.reading import shipped_cases, shipped_designs, shipped_deviations, shipped_supports
     from ....friction import available_lubricants, lubricant
@@ -117,7 +117,7 @@ def design(
 @force_option
 @problem_format_options
 def convert(source: str, output: Path, force: bool, format: str | None, form: str | None) -> None:
-    """Convert INPUT: a case to a case file or a REXS file, contact problems to another format.
+    """Convert cases or contact problems to another format.
 
     INPUT is the name of a shipped case, a case file (.toml), a REXS file (.rexs, .xml), or a session script of
     Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed. Or it is a file of contact
