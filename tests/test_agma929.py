@@ -174,5 +174,6 @@ def test_rough_and_finish_members_have_narrower_blades_and_limits_of_their_own()
 
 @pytest.mark.parametrize("name", ["fillet_mutilation", "blade_flat"])
 def test_negative_allowances_are_refused(name: str) -> None:
+    changed: dict[str, Any] = {name: -0.1}
     with pytest.raises(InputError, match=rf"{name} = -0.1: must be"):
-        replace(proportions("C"), **{name: -0.1})
+        replace(proportions("C"), **changed)

@@ -240,7 +240,8 @@ def test_free_settings_of_the_page_are_those_of_the_code() -> None:
 def over_dimensions(page: str, group: str) -> dict[str, tuple[str, str]]:
     """Dimensions and unit of the variables in the table under the heading that names a group; pure numbers have 1."""
     heading = next(line for line in page.splitlines() if line.startswith("### ") and group in line[4:].split(", "))
-    found, over = {}, "own"
+    found: dict[str, tuple[str, str]] = {}
+    over = "own"
     for first, _ in rows(page, heading):
         if first.startswith("*"):
             over = first.strip("*").removeprefix("over ").removeprefix("single values")
