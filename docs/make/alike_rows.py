@@ -30,13 +30,16 @@ def joined(meanings: list[str]) -> str | None:
     return " ".join([*words[0][:before], ", ".join(map(" ".join, between)), *words[0][len(words[0]) - after :]])
 
 
-def in_few_rows(rows: Iterable[Row], meaning: Callable[[Row], str], alike: Callable[[Row], object]) -> list[list[Row]]:
-    """Rows in groups of neighbours whose other cells agree and whose meanings can be joined."""
-    groups: list[list[Row]] = []
+def in_few_rows(
+    rows: Iterable[Row], meaning: Callable[[Row], str], alike: Callable[[Row], object]
+) -> list[tuple[list[Row], str]]:
+    """Rows in groups of neighbours whose other cells agree and whose meanings can be joined, with the joined meaning."""
+    groups: list[tuple[list[Row], str]] = []
     for row in rows:
-        last = groups[-1] if groups else []
-        if last and alike(last[0]) == alike(row) and joined([meaning(each) for each in (*last, row)]) is not None:
-            last.append(row)
+        last = groups[-1][0] if groups else []
+        said = joined([meaning(each) for each in (*last, row)]) if last and alike(last[0]) == alike(row) else None
+        if said is None:
+            groups.append(([row], meaning(row)))
         else:
-            groups.append([row])
+            groups[-1] = ([*last, row], said)
     return groups

@@ -30,7 +30,7 @@ def draw(results: Mapping[str, xr.DataTree], torque: float) -> Figure:
     rows = -(-len(results) // 2)
     height = rows * ((WIDTH - 1.6) / 2.0 * max(view.aspect for view in views) + 0.3)
     figure = sheet(2 * height + CHART_HEIGHT)
-    parts = figure.subfigures(3, 1, height_ratios=[height, height, CHART_HEIGHT])
+    parts: Any = figure.subfigures(3, 1, height_ratios=[height, height, CHART_HEIGHT])
     _ease_offs(parts[0].subplots(rows, 2, squeeze=False), results)
     _pressures(parts[1], parts[1].subplots(rows, 2, squeeze=False), results, torque)
     left, right = parts[2].subplots(1, 2)

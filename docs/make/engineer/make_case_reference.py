@@ -9,7 +9,7 @@ import re
 import sys
 from collections.abc import Iterator
 
-from alike_rows import in_few_rows, joined
+from alike_rows import in_few_rows
 from annotated_types import MinLen
 from folders import REFERENCE
 from pydantic import BaseModel
@@ -106,8 +106,8 @@ def keys(table: type[BaseModel]) -> str:
             said = "" if meaning == name.replace("_", " ") else meaning
             found.append((f"`{name}`", said, unit and f" [{unit}]", f"{allowed(name, field)} | {default(field)}"))
     rows = ["| key | meaning | allowed | default |", "| --- | --- | --- | --- |"]
-    for group in in_few_rows(found, meaning=lambda row: row[1], alike=lambda row: row[2:]):
-        names, said = ", ".join(row[0] for row in group), joined([row[1] for row in group])
+    for group, said in in_few_rows(found, meaning=lambda row: row[1], alike=lambda row: row[2:]):
+        names = ", ".join(row[0] for row in group)
         rows.append(f"| {names}{group[0][2]} | {said} | {group[0][3]} |")
     return "\n".join(rows)
 

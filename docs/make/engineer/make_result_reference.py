@@ -12,7 +12,7 @@ import sys
 from collections.abc import Hashable, Mapping
 
 import xarray as xr
-from alike_rows import in_few_rows, joined
+from alike_rows import in_few_rows
 from folders import REFERENCE
 
 import easeoff
@@ -39,8 +39,15 @@ def coarse_analysis() -> xr.DataTree:
     plain = case.model_copy(update={"compliance": ComplianceTable()})
     best = easeoff.modify(plain, order=2, programmes=1)
     further = {name: best[name] for name in ("modification", "optimization")}
-    spread = {"spread": {"E": "uniform(-0.01,0.01)"}, "samples": 1}
-    front = easeoff.optimize(plain, form="pareto", points=2, steps=1, limits=["ease_off_change<=9"], **spread)
+    front = easeoff.optimize(
+        plain,
+        form="pareto",
+        points=2,
+        steps=1,
+        limits=["ease_off_change<=9"],
+        spread={"E": "uniform(-0.01,0.01)"},
+        samples=1,
+    )
     further |= {name: front[name] for name in ("optimal_settings", "front")}
     return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
 
@@ -68,8 +75,8 @@ def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
     rows = ["| variable | meaning |", "| --- | --- |"]
     for over, each in found.items():
         rows += [f"| *{over}* | |"] * bool(over)
-        for group in in_few_rows(each, meaning=lambda row: row[2], alike=lambda row: row[1]):
-            names, said = ", ".join(row[0] for row in group), joined([row[2] for row in group])
+        for group, said in in_few_rows(each, meaning=lambda row: row[2], alike=lambda row: row[1]):
+            names = ", ".join(row[0] for row in group)
             rows.append(f"| {names}{group[0][1]} | {said} |")
     return "\n".join(rows)
 
