@@ -33,7 +33,7 @@ def joined(meanings: list[str]) -> str | None:
 def in_few_rows(
     rows: Iterable[Row], meaning: Callable[[Row], str], alike: Callable[[Row], object]
 ) -> list[tuple[list[Row], str]]:
-    """Rows in groups of neighbours whose other cells agree and whose meanings can be joined, with the joined meaning."""
+    """Groups of neighbours whose other cells agree and whose meanings can be joined, with the joined meaning."""
     groups: list[tuple[list[Row], str]] = []
     for row in rows:
         last = groups[-1][0] if groups else []
