@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -40,15 +41,22 @@ class Reading:
 
     Parameters
     ----------
-    values, slopes
-        Of ``contact_derivatives``.
+    values
+        Of ``SolvedContact``.
     edge_contact
         Whether tooth edges could touch.
+    differentiated
+        Makes the derivatives.
     """
 
     values: xr.Dataset
-    slopes: xr.Dataset
     edge_contact: bool
+    differentiated: Callable[[], xr.Dataset]
+
+    @cached_property
+    def slopes(self) -> xr.Dataset:
+        """The derivatives, computed when they are asked for."""
+        return self.differentiated()
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETT
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ....geometry.pair.pair_setting import PairSetting, is_angle
-from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
+from ...analysis.named_setting import CUTTER_KEYS, SIDES, derivative_settings
 from ...sweep.swept_quantity import swept_quantity
 
 Array = NDArray[np.float64]

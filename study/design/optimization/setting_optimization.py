@@ -167,33 +167,33 @@ def optimize(
     states = {side: CaseInMesh.of(searched, flank=side, stage=stage) for side in sides}
     if stage is not None:
         stage("search")
-    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)))
+    unloaded = any(one.unloaded for one in aim.quantities)
+    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)), unloaded)
     workshop, readings = first_workshop(rough)
     bounded = with_limits(space.free, workshop.units, move, limit_settings or {})
     workshop = replace(workshop, space=replace(space, free=bounded))
     searching = SettingSearch(workshop, readings, steps=steps, progress=told(progress), stage=stage)
     judgement = Judgement(aim, _references(searching, aim))
     start = searching.begun(judgement)
-    known, values = [], None
     if resume is not None:
         require_same_search(resume, _names(start, aim))
-        known = front_points(resume) if form == "pareto" else []
-        values = np.asarray(resume["optimal_settings"].to_dataset()["setting_found"].values)
     if form == "pareto":
-        found = front(searching, judgement, points, known)
+        found = front(searching, judgement, points, [] if resume is None else front_points(resume))
         chosen = best_of(found)
-        outcome = found[chosen].outcome or searching.settled(judgement, found[chosen].values, steps=0)
+        outcome = found[chosen].resumed(searching, judgement)
         done = [step for one in found if one.outcome is not None for step in one.outcome.steps]
         record = search_record(start, outcome, judgement, done)
         front_group = front_record(found, record, chosen)
     else:
-        outcome = searching.settled(judgement, values)
+        outcome = searching.settled(judgement, None if resume is None else _resumed(searching, resume, judgement))
         record = search_record(start, outcome, judgement, outcome.steps)
         front_group = None
     if drawn:
         record = record.merge(_fresh_samples(outcome, judgement, spread or {}, samples, seed))
     record.attrs |= {
-        "analyses": workshop.analyses[0],
+        "analyses": workshop.effort.analyses,
+        "differentiated_analyses": workshop.effort.differentiated,
+        "teeth_built": workshop.effort.teeth,
         "largest_move_um": move,
         "seed": seed,
         "spread": ", ".join(
@@ -249,6 +249,11 @@ def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
             "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
         },
     )
+
+
+def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
+    """The settings of a result, analysed."""
+    return searching.anew(tree["optimal_settings/setting_value"].values, judgement, rounded=True)
 
 
 def _fresh_samples(
