@@ -79,7 +79,9 @@ def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
     return found
 
 
-def chosen_settings(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tuple[list[NamedSetting], list[str]]:
+def chosen_settings(
+    pair: GearPair, flank: FlankName, names: Sequence[str] | None
+) -> tuple[list[NamedSetting], list[str]]:
     """The settings to differentiate by, and the names asked for, in their order.
 
     Parameters

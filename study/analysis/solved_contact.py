@@ -80,7 +80,9 @@ class SolvedContact:
         if state.deflections is not None or case.supports is not None:
             raise InputError("derivatives need rigid supports: leave out [supports] and deflections over the torque")
         if state.deviations:
-            raise InputError("derivatives need flanks without measured deviations: take modification.TERM for small ones")
+            raise InputError(
+                "derivatives need flanks without measured deviations: take modification.TERM for small ones"
+            )
         if case.compliance.model == "shell":
             raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
         load = case_torques(case, torques)

@@ -295,8 +295,8 @@ def with_limits(
         names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in (one.name, *one.moves))]
         if not names:
             raise InputError(
-                f"limit_setting = {shown(pattern)}: must be one of the free settings {', '.join(found)}"
-                f"{suggestion(pattern, found)}"
+                f"limit_setting = {shown(pattern)}: must be the key of a free setting such as {next(iter(found))}, or "
+                f"a pattern with *{suggestion(pattern, found)}"
             )
         for name in names:
             if not low <= found[name].start <= high or not low < high:

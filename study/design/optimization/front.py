@@ -123,6 +123,7 @@ def front(
     """
     found = list(known)
     if len(found) < 2:
+        searching.name("ends of the front")
         first = searching.settled(alone(judgement, 0))
         second = searching.settled(alone(judgement, 1), first.point)
         found = undominated([front_point(one, judgement) for one in (second, first)])
@@ -135,6 +136,7 @@ def front(
         if len(found) >= count or not np.any(gaps > 0.0):
             break
         gap = int(np.argmax(gaps))
+        searching.name(f"point {len(found) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
         one = front_point(searching.settled(under, found[gap].analysed(searching, under)), judgement)
         if np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1)):

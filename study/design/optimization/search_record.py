@@ -177,18 +177,27 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
     return found
 
 
-def require_same_search(tree: xr.DataTree, record: xr.Dataset) -> None:
+def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
     """Refuse to resume from a result of another search.
+
+    Parameters
+    ----------
+    tree
+        The result.
+    record
+        Names and start of this search.
+    front
+        Whether points of a front are kept, which hold for the same objectives and limits alone.
 
     Raises
     ------
     InputError
-        If the result has none, or one with other settings, start, objectives or limits.
+        If the result has no search, or one with other settings or another start; of a front other objectives or limits.
     """
     if "optimal_settings" not in tree.children:
         raise InputError("resume: must be a result of 'easeoff optimize'")
     known = tree["optimal_settings"].to_dataset()
-    for name in ("setting", "objective", "quantity_limit"):
+    for name in ("setting", "objective", "quantity_limit") if front else ("setting",):
         own, wanted = known[name].values.tolist(), record[name].values.tolist()
         if own != wanted:
             raise InputError(

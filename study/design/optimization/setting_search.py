@@ -125,6 +125,13 @@ class SettingSearch:
         self._workshop, self._start, self._steps = workshop, start, steps
         self._progress, self._stage = progress, stage
         self._programmes: dict[str, StepProgramme] = {}
+        self._name = "search"
+
+    def name(self, name: str | None = None) -> None:
+        """Name the search for those who wait for it, or tell its name again."""
+        self._name = name or self._name
+        if self._stage is not None:
+            self._stage(self._name)
 
     def begun(self, judgement: Judgement) -> AnalysedSettings:
         """The start under a judgement."""
@@ -136,8 +143,7 @@ class SettingSearch:
         case = self._workshop.space.case_at(values, rounded=rounded)
         own = self._workshop.space.values_of(case) if rounded else values
         workshop = self._workshop.with_teeth(case, self._stage)
-        if self._stage is not None:
-            self._stage("search")
+        self.name()
         changes = (own - workshop.space.start) / workshop.units
         return AnalysedSettings(own, changes, workshop.readings(case), self._start, judgement, workshop)
 
