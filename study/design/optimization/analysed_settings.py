@@ -228,6 +228,14 @@ class AnalysedSettings:
         error = np.nan_to_num(np.concatenate(left))
         return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
 
+    @cached_property
+    def differentiable(self) -> bool:
+        """Whether there is a model: not where a contact line ends within the flank."""
+        try:
+            return all(reading.slopes.sizes for reading in self.readings.values())
+        except EaseoffError:
+            return False
+
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
         ratios, limits = self.judgement.composites(partial(self._modelled, radius))

@@ -125,7 +125,8 @@ def front(
     if len(found) < 2:
         searching.name("ends of the front")
         first = searching.settled(alone(judgement, 0))
-        second = searching.settled(alone(judgement, 1), first.point)
+        near = first.point if first.point.differentiable else None
+        second = searching.settled(alone(judgement, 1), near)
         found = undominated([front_point(one, judgement) for one in (second, first)])
     spent: list[float] = []
     for _ in range(ATTEMPT_COUNT * count):
@@ -138,8 +139,9 @@ def front(
         gap = int(np.argmax(gaps))
         searching.name(f"point {len(found) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
-        one = front_point(searching.settled(under, found[gap].analysed(searching, under)), judgement)
-        if np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1)):
+        neighbour = found[gap].analysed(searching, under)
+        one = front_point(searching.settled(under, neighbour), judgement) if neighbour.differentiable else None
+        if one is None or np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1)):
             spent.append(float(ceilings[gap]))  # nothing new there
         else:
             found = undominated([*found, one])

@@ -171,7 +171,8 @@ class SettingSearch:
             if outcomes and found.point is here:
                 break
             outcomes.append(self._rounded(found, judgement))
-            if outcomes[-1].rounding_loss <= GAIN_TOLERANCE or len(done) >= self._steps:
+            enough = outcomes[-1].rounding_loss <= GAIN_TOLERANCE or len(done) >= self._steps
+            if enough or not outcomes[-1].point.differentiable:
                 break
             here, radius = outcomes[-1].point, max(found.radius, LATER_RADIUS)
         best = min(outcomes, key=lambda one: one.point.merit.total)
