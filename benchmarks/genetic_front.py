@@ -1,10 +1,10 @@
 """Front of two objectives by convex programmes and by NSGA-II: the same pair, settings, limits and analysis.
 
-Usage: python benchmarks/genetic_front.py [CASE] [TORQUE] [POINTS] [POPULATION] [GENERATIONS] [PICTURE]
+Usage: python benchmarks/genetic_front.py [CASE] [--torque T] [--free PATTERN] [--points N] [--population N]
+[--generations N] [--picture FILE]
 
-Prints both fronts, the analyses that each took, their hypervolumes over the start, and after how many analyses the
-genetic search reached shares of the first; draws both fronts into a picture. Needs pymoo (the extra ``genetic``). The
-contact is coarse: 8 mesh positions, 15 segments a line.
+Prints both fronts, what each took, and their hypervolumes over the number of analyses; draws both into a
+picture. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh positions, 15 segments a line.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ import os
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
 
-import sys
+import argparse
 import time
 from typing import Any
 
 import easeoff
 import numpy as np
+import xarray as xr
 from easeoff.cases.schema.case_schema import Case
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
@@ -31,7 +32,7 @@ OBJECTIVES = ("peak_to_peak", "max_pressure")
 COARSE = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 15, "profile_nodes": 11}
 #: Ratio to the start of settings that cannot be analysed.
 FAILED = 100.0
-SHARES = (0.5, 0.9, 0.95, 1.0)
+SHARES = (0.5, 0.8, 0.9, 0.95, 1.0)
 
 
 def coarse_case(name: str, torque: float) -> Case:
@@ -43,9 +44,9 @@ def coarse_case(name: str, torque: float) -> Case:
 class Evaluator:
     """Both objectives of settings, by an analysis with held teeth."""
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, free: list[str] | None) -> None:
         self.state = CaseInMesh.of(case)
-        self.space = SettingSpace(case, free_settings(case, ["drive"]))
+        self.space = SettingSpace(case, free_settings(case, ["drive"], free))
         self.torques = list(case.contact.torques)
         self.start = self.values(self.space.start)
 
@@ -94,44 +95,69 @@ def hypervolume(ratios: Array) -> float:
     return area
 
 
+def growth(front: xr.Dataset) -> list[tuple[int, Array]]:
+    """Front of the convex programmes with the analyses so far, as ``genetic`` has it."""
+    counts, ratios = front["front_analyses"].values, front["front_ratio"].values
+    return [(int(count), ratios[counts <= count]) for count in np.unique(counts)]
+
+
+def reached(history: list[tuple[int, Array]], area: float) -> str:
+    """After how many analyses a hypervolume was reached."""
+    return str(next((count for count, found in history if hypervolume(found) >= area), "never"))
+
+
+def parsed() -> argparse.Namespace:
+    """What the command line asks for."""
+    parser = argparse.ArgumentParser(description="Front of two objectives by convex programmes and by NSGA-II.")
+    parser.add_argument("case", nargs="?", default="nasa-12x36")
+    parser.add_argument("--torque", type=float, default=150.0)
+    parser.add_argument("--free", action="append")
+    parser.add_argument("--points", type=int, default=5)
+    parser.add_argument("--population", type=int, default=30)
+    parser.add_argument("--generations", type=int, default=31)
+    parser.add_argument("--picture")
+    return parser.parse_args()
+
+
 def main() -> None:
     """Run both and print."""
-    given = sys.argv[1:]
-    name, torque = given[0] if given else "nasa-12x36", float(given[1]) if len(given) > 1 else 150.0
-    points, population, generations = (
-        int(given[n]) if len(given) > n else usual for n, usual in ((2, 7), (3, 40), (4, 50))
-    )
-    case = coarse_case(name, torque)
+    given = parsed()
+    case = coarse_case(given.case, given.torque)
     before = time.process_time()
-    tree = easeoff.optimize(case, OBJECTIVES, form="pareto", points=points)
+    tree = easeoff.optimize(case, OBJECTIVES, form="pareto", points=given.points, free=given.free)
     used = time.process_time() - before
     front, record = tree["front"].to_dataset(), tree["optimal_settings"].to_dataset()
-    evaluator = Evaluator(case)
+    evaluator = Evaluator(case, given.free)
     before = time.process_time()
     for _ in range(5):
         evaluator.values(evaluator.space.start)
     each = (time.process_time() - before) / 5.0
-    area = hypervolume(front["front_ratio"].values)
-    print(f"{name}, {torque:g} N m, {record.sizes['setting']} settings; start {evaluator.start.round(2).tolist()}")
+    own = growth(front)
+    area = hypervolume(own[-1][1])
+    start = evaluator.start.round(2).tolist()
+    print(f"{given.case}, {given.torque:g} N m, {record.sizes['setting']} settings; start {start}")
     print(f"one analysis takes {each:.3f} s")
-    print(
-        f"convex programmes: {record.attrs['analyses']} analyses with derivatives, {used / each:.0f} times one analysis"
-    )
+    counts = [record.attrs[name] for name in ("analyses", "differentiated_analyses", "teeth_built")]
+    print("convex programmes: {} analyses, {} with derivatives, teeth built {} times".format(*counts))
+    print(f"processor time of {used / each:.0f} analyses")
     print(np.array2string(front["front_value"].values, precision=2))
-    print(f"hypervolume {area:.4f}", flush=True)
+    for count, ratios in own:
+        print(f"after {count} analyses {len(ratios)} points, hypervolume {hypervolume(ratios):.4f}", flush=True)
     before = time.process_time()
     ratios, history = genetic(
-        evaluator, record["setting_low"].values, record["setting_high"].values, population, generations
+        evaluator, record["setting_low"].values, record["setting_high"].values, given.population, given.generations
     )
-    print(f"NSGA-II: {history[-1][0]} analyses, {(time.process_time() - before) / each:.0f} times one analysis")
+    print(f"NSGA-II: {history[-1][0]} analyses, processor time of {(time.process_time() - before) / each:.0f}")
     print(np.array2string(ratios[np.argsort(ratios[:, 1])] * evaluator.start, precision=2))
-    print(f"hypervolume {hypervolume(ratios):.4f}")
+    for count, found in history[:: max(1, len(history) // 12)]:
+        print(f"after {count} analyses hypervolume {hypervolume(found):.4f}")
+    print(f"at the end hypervolume {hypervolume(ratios):.4f}")
     for share in SHARES:
-        reached = next((count for count, found in history if hypervolume(found) >= share * area), None)
-        print(f"{100.0 * share:.0f} % of the first after {'more' if reached is None else reached} analyses")
-    if len(given) > 5:
+        part = f"{100.0 * share:.0f} % of the hypervolume {area:.4f}"
+        print(f"{part}: programmes after {reached(own, share * area)}, NSGA-II after {reached(history, share * area)}")
+    if given.picture is not None:
         others = {f"NSGA-II, {history[-1][0]} analyses": ratios * evaluator.start}
-        easeoff.plot.front(tree, others=others).savefig(given[5], dpi=100)
+        easeoff.plot.front(tree, others=others).savefig(given.picture, dpi=100)
 
 
 if __name__ == "__main__":

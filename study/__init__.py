@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from . import compare, library, plot, sweep
     from .analysis.contact_analysis import contact_analysis
     from .analysis.joined_analysis import Analysis
-    from .analysis.setting_derivatives import contact_derivatives, derivative_settings, derivatives
+    from .analysis.named_setting import derivative_settings
+    from .analysis.setting_derivatives import contact_derivatives, derivatives
     from .case_in_mesh import CaseInMesh
     from .design.case_design import design_case
     from .design.design_check import DesignReport
@@ -98,7 +99,7 @@ _MODULES = {
     "contact_analysis": ".analysis.contact_analysis",
     "contact_derivatives": ".analysis.setting_derivatives",
     "correct_case": ".deviations.case_correction",
-    "derivative_settings": ".analysis.setting_derivatives",
+    "derivative_settings": ".analysis.named_setting",
     "derivatives": ".analysis.setting_derivatives",
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",

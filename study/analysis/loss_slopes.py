@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.evaluation.derivatives.cycle_slopes import CycleSlopes
+from ...contact.mesh_cycle import MeshCycle
 from ...core.attributes import labelled
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def loss_slopes(
     from ...friction.efficiency import losses_dataset
 
     inputs = _FrictionInputs.of(found, loaded)
-    values = losses_dataset(inputs.contacts, operation, model)[0][list(OF_LOSS)]
+    values = loss_values(found.cycle, loaded, operation, model)
     columns: list[xr.Dataset] = []
     for number, step in enumerate(inputs.steps):
         ahead, behind = (
@@ -73,8 +74,21 @@ def loss_slopes(
         )
         columns.append((ahead - behind) / (2.0 * step))
     slopes = xr.concat(columns, "setting").transpose(..., "setting")
-    coords = {"torque": loaded["torque"]}
-    return labelled(values.assign_coords(coords)), slopes.assign_coords(coords)
+    return values, slopes.assign_coords({"torque": loaded["torque"]})
+
+
+def loss_values(cycle: MeshCycle, loaded: xr.Dataset, operation: Operation, model: FrictionModel) -> xr.Dataset:
+    """The values alone; arguments as of ``loss_slopes``."""
+    from ...friction.efficiency import losses_dataset
+
+    values = losses_dataset(_contacts(cycle, loaded), operation, model)[0][list(OF_LOSS)]
+    return labelled(values.assign_coords({"torque": loaded["torque"]}))
+
+
+def _contacts(cycle: MeshCycle, loaded: xr.Dataset) -> LoadedContacts:
+    from ...friction.loaded_contacts import loaded_contacts
+
+    return loaded_contacts(xr.DataTree.from_dict({"ease_off": cycle.geometry.ease_off, "loaded": loaded}))
 
 
 @dataclass(frozen=True)
@@ -104,9 +118,6 @@ class _FrictionInputs:
     @classmethod
     def of(cls, found: CycleSlopes, loaded: xr.Dataset) -> _FrictionInputs:
         """Of solved cases and their dataset."""
-        from ...friction.loaded_contacts import loaded_contacts
-
-        tree = xr.DataTree.from_dict({"ease_off": found.cycle.geometry.ease_off, "loaded": loaded})
         parts = []
         for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
             own = one.case.solution.force > 0.0
@@ -115,7 +126,7 @@ class _FrictionInputs:
         point, force, length, radius, place = zip(*parts, strict=True)
         return cls(
             found,
-            loaded_contacts(tree),
+            _contacts(found.cycle, loaded),
             np.concatenate(point, axis=1),
             np.concatenate(force),
             np.concatenate(length),

@@ -2,111 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
-from ...contact.evaluation.derivatives.cycle_slopes import CycleSlopes
-from ...contact.solvers import Status
-from ...core.attributes import labelled
-from ...core.checks import shown
-from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
-from ...core.suggestion import suggestion
-from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
-from ...geometry.pair.gear_pair import FlankName, GearPair
-from ...geometry.pair.modification import TERM_POWERS, Modification
-from ...geometry.pair.pair_setting import PairSetting, is_angle
+from ...geometry.pair.gear_pair import FlankName
+from ...geometry.pair.modification import Modification
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
-from ..sweep.swept_quantity import swept_quantity
-from .contact_analysis import case_torques
 from .friction_analysis import friction_settings, operation_of
+from .named_setting import chosen_settings
+from .solved_contact import SolvedContact
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant, Operation
     from ...friction.operation import Array, Numbers, Roughness
-
-#: Keys of the cutter in a case file, and the settings of the blade that they are.
-CUTTER_KEYS = {
-    "blade_point_radius": "point_radius",
-    "blade_pressure_angle": "pressure_angle",
-    "blade_rake_angle": "rake_angle",
-    "blade_hook_angle": "hook_angle",
-    "blade_spheric_radius": "blade_curvature",
-}
-ERRORS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
-SIDES = {"drive": {"pinion": "concave", "gear": "convex"}, "coast": {"pinion": "convex", "gear": "concave"}}
-
-
-@dataclass(frozen=True)
-class _Named:
-    """A setting under the name that sweeps have for it; ``factor`` takes its derivative to the unit of the name."""
-
-    name: str
-    setting: PairSetting
-    factor: float
-
-
-def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]:
-    """Names of all settings by which an analysis of a pair can be differentiated, as sweeps have them.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> names = derivative_settings(gear_pair(read_case("fm-11x41")))
-    >>> names[0], "gear.convex.machine.ratio_of_roll" in names, names[-1]
-    ('pinion.concave.machine.radial_distance', False, 'torque')
-    """
-    return [*(one.name for one in _settings(pair, flank)), "torque"]
-
-
-def _settings(pair: GearPair, flank: FlankName) -> list[_Named]:
-    found = []
-    for member, side in SIDES[flank].items():
-        surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
-        names = {f"machine.{name}": name for name in (*MACHINE_STEPS, *MODIFIED_ROLL_ORDERS)}
-        names |= {f"cutter.{key}": name for key, name in CUTTER_KEYS.items()}
-        for key, name in names.items():
-            setting = PairSetting("pinion" if member == "pinion" else "gear", name)
-            factor = math.radians(1.0) if is_angle(setting) else 1.0
-            if name == "blade_curvature":
-                radius = surface.blade.spheric_radius
-                if radius is None:
-                    continue  # a straight blade has no radius in the case
-                factor = -1.0 / radius**2
-            if setting.acts_on(pair):
-                found.append(_Named(f"{member}.{side}.{key}", setting, factor))
-    for name, error in ERRORS.items():
-        found.append(_Named(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0))
-    return found
-
-
-def _chosen(pair: GearPair, flank: FlankName, names: Sequence[str] | None) -> tuple[list[_Named], list[str]]:
-    """The settings to differentiate by, and the names asked for, in their order."""
-    known = {one.name: one for one in _settings(pair, flank)}
-    known |= {
-        f"modification.{term}": _Named(f"modification.{term}", PairSetting("modification", term), 1.0)
-        for term in TERM_POWERS
-    }
-    wanted = list(derivative_settings(pair, flank)) if names is None else list(names)
-    for name in wanted:
-        if name not in known and name != "torque":
-            raise InputError(
-                f"setting = {shown(name)}: must be a machine or cutter setting of the {flank} flanks such as "
-                f"{next(iter(known))}, E, P, G, Sigma, modification.TERM or torque"
-                f"{suggestion(name, [*known, 'torque'])}"
-            )
-    if not wanted or len(set(wanted)) != len(wanted):
-        raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")
-    # The torque comes with any other setting; alone it takes one along.
-    return [known[name] for name in wanted if name != "torque"] or [next(iter(known.values()))], wanted
 
 
 def derivatives(
@@ -205,46 +119,15 @@ def contact_derivatives(
     >>> tree["values/transmission_error"].dims
     ('torque', 'mesh_position')
     """
-    case, cycle = state.case, state.cycle
-    if state.deflections is not None or case.supports is not None:
-        raise InputError("derivatives need rigid supports: leave out [supports] and deflections over the torque")
-    if state.deviations:
-        raise InputError("derivatives need flanks without measured deviations: take modification.TERM for small ones")
-    if case.compliance.model == "shell":
-        raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
-    chosen, names = _chosen(state.pair, state.flank, settings)
-    load = case_torques(case, torques)
-    edges = case.contact.edge_contact if edge_contact is None else edge_contact
-    loaded, cases = cycle.loaded(load, edge_contact=edges)
-    if not all(one.solution.status == Status.CERTIFIED for one in cases):
-        raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-    with_roots = case.compliance.model == "fe" and all(tooth.root is not None for tooth in state.teeth or ())
-    roots = state.teeth if with_roots else None
-    found = CycleSlopes.of(cycle, [one.setting for one in chosen], cases)
-    values, slopes = found.datasets(loaded, roots)
-    operation = operation or operation_of(case.friction)
-    model, _ = friction_settings(case, operation, friction_model, None)
-    if operation is not None:
-        from ...friction import FrictionModel
-        from .loss_slopes import loss_slopes
-
-        of_loss = loss_slopes(found, loaded, operation, model or FrictionModel())
-        values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
-    order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
-    factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
-    changes = (slopes.isel(setting=order) * factors).assign_coords(
-        setting=("setting", names),
-        setting_units=("setting", [swept_quantity(name).units for name in names]),
-    )
+    given: dict[str, Any] = {"edge_contact": edge_contact, "operation": operation, "friction_model": friction_model}
+    chosen_settings(state.pair, state.flank, settings)  # refused before anything is solved
+    solved = SolvedContact.of(state, torques, **given)
+    values, changes = solved.differentiated(settings)
     attributes: dict[str, Any] = {
-        **case_attributes(case, "derivatives"),
+        **case_attributes(state.case, "derivatives"),
         **state.attributes,
-        "edge_contact": int(edges),
+        "edge_contact": int(solved.edge_contact),
         "friction_feedback": 0,
         "held": "elastic teeth and tooth bodies",
     }
-    changes = labelled(changes)
-    for variable in changes.data_vars.values():
-        variable.attrs["units"] += " per setting_units"
-        variable.attrs["long_name"] = f"derivative of: {variable.attrs['long_name']}"
     return xr.DataTree.from_dict({"/": xr.Dataset(attrs=attributes), "values": values, "derivatives": changes})

@@ -102,7 +102,7 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     help="The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
 )
 @click.option("--weight", "weights", callback=_weights, metavar="W1,W2,...", help="Weights of the objectives.")
-@click.option("--points", type=int, metavar="N", default=9, show_default=True, help="Points of the front.")
+@click.option("--points", type=int, metavar="N", show_default="9", help="Points of the front.")
 @click.option(
     "--flank",
     type=click.Choice(["drive", "coast", "both"]),

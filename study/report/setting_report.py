@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from tabulate import tabulate
 
 #: Least multiplier that is shown: a smaller one is rounding.
 MULTIPLIER_MINIMUM = 1e-6
+#: Share of a setting's range within which it is at the end of it.
+LIMIT_SHARE = 1e-3
 
 
 def setting_report(tree: xr.DataTree) -> str:
@@ -28,13 +31,13 @@ def setting_report(tree: xr.DataTree) -> str:
 
 
 def _settings(record: xr.Dataset) -> str:
-    rows = []
+    rows, held = [], _at_limit(record)
     for number, name in enumerate(record["setting"].values.tolist()):
         one = record.isel(setting=number)
-        low, value, high = (float(one[f"setting_{key}"]) for key in ("low", "value", "high"))
-        start, unit = float(one["setting_start"]), str(one["setting_units"].item())
+        start, value = float(one["setting_start"]), float(one["setting_value"])
+        unit = str(one["setting_units"].item())
         reach = abs(value - start) * float(one["ease_off_per_setting"])
-        at = "at its limit" if min(value - low, high - value) < 1e-3 * (high - low) else ""
+        at = "at its limit" if held[number] else ""
         rows.append((name, unit, f"{start:.6g}", f"{value:.7g}", f"{value - start:+.4g}", f"{reach:.0f}", at))
     headers = ("setting", "unit", "before", "after", "change", "alone [um]", "")
     return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", *["right"] * 4, "left"))
@@ -73,12 +76,26 @@ def _front(tree: xr.DataTree) -> str:
 
 def _notes(record: xr.Dataset) -> list[str]:
     attributes = record.attrs
-    found = [f"{attributes['analyses']} analyses with derivatives, {record.sizes['programme']} programmes"]
+    found = []
+    if attributes["form"] == "weighted":
+        whole = float(record["objective_weight"].sum())
+        found.append(f"Weighted sum of mean ratios: {attributes['objective_total']:.4g}, at the start {whole:.4g}")
+    found += [
+        f"Rounded: the ease-off changes by up to {attributes['rounding_change_um']:.2g} um, the objective by "
+        f"{attributes['rounding_loss']:+.1g}",
+        f"{attributes['analyses']} analyses, {attributes['differentiated_analyses']} of them with derivatives; "
+        f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times",
+    ]
     if attributes["violation"] > 0.0:
         found.append(
             f"Warning: limits are passed by {100.0 * attributes['violation']:.2g} % in all: widen limits, free more "
             "settings, or allow more --move"
         )
+    elif not record["accepted"].values.any():
+        found.append("Nothing better than the start was found")
+    held = [str(name) for name in record["setting"].values[_at_limit(record)]]
+    if held:
+        found.append(f"Note: at the end of its range is {', '.join(held)}; --move or --limit-setting gives it more")
     found.append(
         "A local optimum: nothing nearby is better"
         if attributes["converged"]
@@ -94,6 +111,12 @@ def _notes(record: xr.Dataset) -> list[str]:
             f"{known:.3f}"
         )
     return found
+
+
+def _at_limit(record: xr.Dataset) -> NDArray[np.bool_]:
+    """Which settings (n) are at the end of their range."""
+    low, value, high = (record[f"setting_{name}"].values for name in ("low", "value", "high"))
+    return np.asarray(np.minimum(value - low, high - value) < LIMIT_SHARE * (high - low))
 
 
 def _number(value: object) -> str:

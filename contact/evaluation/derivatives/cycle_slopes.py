@@ -30,7 +30,7 @@ from .loaded_slopes import CaseSlopes, case_slopes
 from .root_stress_slopes import OF_ROOTS, root_stress_slopes
 from .rotation_slopes import unloaded_numbers
 from .segment_slopes import EdgePieces, SegmentSlopes
-from .unloaded_slopes import unloaded_slopes
+from .unloaded_slopes import UnloadedSlopes, unloaded_slopes
 
 Array = NDArray[Any]
 
@@ -93,32 +93,57 @@ class CycleSlopes:
         return cls(cycle, tuple(settings), nodes, directions, found)
 
     def datasets(
-        self, loaded: xr.Dataset, roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None
+        self,
+        loaded: xr.Dataset,
+        roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+        *,
+        unloaded: bool = True,
     ) -> tuple[xr.Dataset, xr.Dataset]:
-        """Values and derivatives; arguments and returns as of ``cycle_slopes``."""
-        cycle, told = self.cycle, self.cycle.geometry.ease_off
-        spot = load_spot(loaded)
-        values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
+        """Values and derivatives; arguments and returns as of ``cycle_slopes``, without load only if asked."""
+        cycle, cases = self.cycle, [one.case for one in self.cases]
+        errors = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes) if unloaded else None
+        values = cycle_values(cycle, loaded, cases, roots, errors)
         data: dict[str, Any] = {}
         for name, (dims, change) in ease_off_slopes(cycle, self.nodes).items():
             data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
         data |= load_variables(loaded, self.cases)
-        unloaded = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes)
-        for parts in (unloaded_numbers(unloaded), (spot, load_spot_slopes(spot, self.cases))):
-            values |= parts[0]
-            data |= parts[1]
-        pair = cycle.geometry.pair
-        values["tooth_thickness"] = (("member",), mean_thicknesses(pair))
-        by_setting = thickness_slopes(pair, self.settings)
+        data |= load_spot_slopes(load_spot(loaded), self.cases)
+        data |= {} if errors is None else unloaded_numbers(errors)[1]
+        by_setting = thickness_slopes(cycle.geometry.pair, self.settings)
         data["tooth_thickness"] = (("member", "setting"), np.pad(by_setting, ((0, 0), (0, 1))))
-        coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
-        coords["member"] = list(MEMBERS)
-        coords |= {name: told[name] for name in _GRID}
         if roots is not None:
-            stress = root_stress(cycle.fields, roots, [one.case for one in self.cases], loaded)
-            values |= {name: stress[name] for name in OF_ROOTS}
-            data |= root_stress_slopes(self.directions, roots, self.cases, stress)
-        return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False)), xr.Dataset(data, coords=coords)
+            data |= root_stress_slopes(self.directions, roots, self.cases, values)
+        return values, xr.Dataset(data, coords=values.coords)
+
+
+def cycle_values(
+    cycle: MeshCycle,
+    loaded: xr.Dataset,
+    cases: Sequence[LoadedCase],
+    roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+    unloaded: UnloadedSlopes | None = None,
+) -> xr.Dataset:
+    """Values of the variables that ``cycle_slopes`` differentiates.
+
+    Parameters
+    ----------
+    cycle, loaded, cases, roots
+        As of ``cycle_slopes``.
+    unloaded
+        From ``unloaded_slopes``; ``None`` to leave the unloaded transmission error out.
+    """
+    told = cycle.geometry.ease_off
+    values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
+    values |= load_spot(loaded)
+    values |= {} if unloaded is None else unloaded_numbers(unloaded)[0]
+    values["tooth_thickness"] = (("member",), mean_thicknesses(cycle.geometry.pair))
+    coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
+    coords["member"] = list(MEMBERS)
+    coords |= {name: told[name] for name in _GRID}
+    if roots is not None:
+        stress = root_stress(cycle.fields, roots, cases, loaded)
+        values |= {name: stress[name] for name in OF_ROOTS}
+    return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False))
 
 
 def cycle_slopes(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -40,15 +41,22 @@ class Reading:
 
     Parameters
     ----------
-    values, slopes
-        Of ``contact_derivatives``.
+    values
+        Of ``SolvedContact``.
     edge_contact
         Whether tooth edges could touch.
+    differentiated
+        Makes the derivatives.
     """
 
     values: xr.Dataset
-    slopes: xr.Dataset
     edge_contact: bool
+    differentiated: Callable[[], xr.Dataset]
+
+    @cached_property
+    def slopes(self) -> xr.Dataset:
+        """The derivatives, computed when they are asked for."""
+        return self.differentiated()
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,13 @@ class Aim:
     def __post_init__(self) -> None:
         if not self.objectives:
             raise InputError("minimize = []: must name a quantity at least, such as peak_to_peak")
+        for kind, texts in (
+            ("minimize", [one.quantity.text for one in self.objectives]),
+            ("limit", [limit.text.partition("=")[0] for limit in self.limits]),
+        ):
+            twice = next((text for number, text in enumerate(texts) if text in texts[:number]), None)
+            if twice is not None:
+                raise InputError(f"{kind} = {shown(twice.rstrip('<>'))}: must be there once")
         for quantity in self.quantities:
             if quantity.torque is not None and quantity.torque not in self.torques:
                 told = ", ".join(f"{torque:g}" for torque in self.torques)

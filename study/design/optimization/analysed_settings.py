@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -14,10 +14,11 @@ from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName
-from ...analysis.setting_derivatives import SIDES, contact_derivatives
+from ...analysis.named_setting import SIDES
+from ...analysis.solved_contact import SolvedContact
 from ...case_in_mesh import CaseInMesh, prepared_pair
 from .aim import Judgement, Load, Reading
-from .blade_tip_gap import BladeTips, blade_tip_gaps
+from .blade_tip_gap import BladeTips, blade_tip_gaps, blade_tip_slopes
 from .composite import Composite
 from .contact_quantity import ContactQuantity
 from .ease_off_form import EaseOffForm
@@ -30,6 +31,25 @@ Readings = Mapping[tuple[FlankName, int], Reading]
 
 #: Corrections of a step, and the least effect of a combination of settings, over the greatest, that takes part.
 CORRECTION_COUNT, CORRECTED_PART = 2, 0.02
+
+
+@dataclass(eq=False)
+class Effort:
+    """What a search has cost so far.
+
+    Parameters
+    ----------
+    analyses
+        Number of analyses, of one side in one assembly each.
+    differentiated
+        How many of them were differentiated.
+    teeth
+        How often the elastic teeth of a side were built.
+    """
+
+    analyses: int = 0
+    differentiated: int = 0
+    teeth: int = 0
 
 
 @dataclass(eq=False)
@@ -48,8 +68,10 @@ class Workshop:
         By side the pair whose teeth are held.
     units
         Change of each setting (n) that changes the ease-off by one micrometre at most.
-    analyses
-        Number of analyses so far, each with derivatives; counted in this list of one, which copies share.
+    unloaded
+        Whether the unloaded transmission error counts.
+    effort
+        So far; copies share it.
     """
 
     space: SettingSpace
@@ -57,10 +79,11 @@ class Workshop:
     assemblies: tuple[Misalignment, ...]
     states: Mapping[FlankName, CaseInMesh]
     units: Array
-    analyses: list[int] = field(default_factory=lambda: [0])
+    unloaded: bool = True
+    effort: Effort = field(default_factory=Effort)
 
     def readings(self, case: Case) -> dict[tuple[FlankName, int], Reading]:
-        """Analyses of a case with held teeth. Raises as ``contact_derivatives``."""
+        """Analyses of a case with held teeth. Raises as ``SolvedContact.of``."""
         found: dict[tuple[FlankName, int], Reading] = {}
         for flank, held in self.states.items():
             state = held.recut(case)
@@ -70,30 +93,37 @@ class Workshop:
                 found[flank, number] = self._reading(own, flank)
         return found
 
-    def with_teeth(self, states: Mapping[FlankName, CaseInMesh]) -> Workshop:
-        """The same with other teeth; the count of analyses is shared."""
+    def with_teeth(self, case: Case, stage: Callable[[str], None] | None = None) -> Workshop:
+        """The same with the teeth of a case; the effort is shared. Raises as ``CaseInMesh.of``."""
+        states = {flank: CaseInMesh.of(case, flank=flank, stage=stage) for flank in self.states}
+        self.effort.teeth += len(states)
         return replace(self, states=states)
 
     def _reading(self, state: CaseInMesh, flank: FlankName) -> Reading:
+        solved = SolvedContact.of(state, list(self.torques))
+        self.effort.analyses += 1
+        changes = partial(self._differentiated, solved, flank)
+        values = solved.values(unloaded=self.unloaded).assign(blade_tip_gap=blade_tip_gaps(state.pair))
+        return Reading(values, solved.edge_contact, changes)
+
+    def _differentiated(self, solved: SolvedContact, flank: FlankName) -> xr.Dataset:
+        """Derivatives by the free settings."""
         keys = sorted({key for one in self.space.free for key in one.moves if _acts(key, flank)})
-        tree = contact_derivatives(state, keys or ["E"], list(self.torques))
-        self.analyses[0] += 1
-        values, by_key = tree["values"].to_dataset(), tree["derivatives"].to_dataset()
-        values["blade_tip_gap"], by_key["blade_tip_gap"] = blade_tip_gaps(
-            state.pair, [(key, pair_setting(key)) for key in keys]
-        )
+        _, by_key = solved.differentiated(keys or ["E"], unloaded=self.unloaded)
+        self.effort.differentiated += 1
+        by_key["blade_tip_gap"] = blade_tip_slopes(solved.state.pair, [(key, pair_setting(key)) for key in keys])
         columns = np.zeros((len(self.space.free), by_key.sizes["setting"]))
         names = by_key["setting"].values.tolist()
         for row, (one, unit) in enumerate(zip(self.space.free, self.units, strict=True)):
             for key, factor in one.moves.items():
                 if key in names:
                     columns[row, names.index(key)] += factor * unit
-        return Reading(values, _times(by_key, columns), bool(tree.attrs["edge_contact"]))
+        return _times(by_key, columns)
 
 
 def in_units(reading: Reading, units: Array) -> Reading:
     """A reading with derivatives by settings in other units, of so much (n) of the present ones each."""
-    return replace(reading, slopes=_times(reading.slopes, np.diag(units)))
+    return replace(reading, differentiated=lambda: _times(reading.slopes, np.diag(units)))
 
 
 def _acts(key: str, flank: FlankName) -> bool:
@@ -137,8 +167,13 @@ class AnalysedSettings:
     judgement: Judgement
     workshop: Workshop
 
-    def read(self, quantity: ContactQuantity, load: Load, radius: float = 0.0) -> Composite:
-        """A quantity at a load."""
+    def read(self, quantity: ContactQuantity, load: Load) -> Composite:
+        """Value of a quantity at a load."""
+        key = load.flank, load.assembly
+        return quantity.composite(self.readings[key].values, None, load.torque, self.start[key].values)
+
+    def _modelled(self, radius: float, quantity: ContactQuantity, load: Load) -> Composite:
+        """A quantity at a load as the settings change it."""
         key = load.flank, load.assembly
         own = self.readings[key]
         return quantity.composite(own.values, own.slopes, load.torque, self.start[key].values, radius)
@@ -156,6 +191,14 @@ class AnalysedSettings:
     def forms(self) -> dict[FlankName, EaseOffForm]:
         """Ease-off in the case's own assembly by side."""
         return {flank: EaseOffForm.of(self.readings[flank, 0]) for flank in self.workshop.states}
+
+    def ease_off_change(self, case: Case) -> float:
+        """Greatest change of the ease-off to that of another case, a rotation left out [um]."""
+        changes = [
+            form.measured(prepared_pair(case, flank, self.workshop.assemblies[0])) - form.promised(0.0 * self.settings)
+            for flank, form in self.forms.items()
+        ]
+        return float(np.nanmax(np.abs(np.concatenate(changes))))
 
     def moved(self, step: Array) -> AnalysedSettings | None:
         """Other settings (n), analysed, with the ease-off that a step gives to first order; ``None`` if that fails."""
@@ -190,9 +233,17 @@ class AnalysedSettings:
         error = np.nan_to_num(np.concatenate(left))
         return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
 
+    @cached_property
+    def differentiable(self) -> bool:
+        """Whether there is a model: not where a contact line ends within the flank."""
+        try:
+            return all(reading.slopes.sizes for reading in self.readings.values())
+        except EaseoffError:
+            return False
+
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
-        ratios, limits = self.judgement.composites(partial(self.read, radius=radius))
+        ratios, limits = self.judgement.composites(partial(self._modelled, radius))
         free, units = self.workshop.space.free, self.workshop.units
         low = np.array([one.low for one in free])
         high = np.array([one.high for one in free])

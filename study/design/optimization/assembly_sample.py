@@ -50,8 +50,10 @@ def sampled_assemblies(
                 f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
             )
         chosen[name] = given if isinstance(given, Distribution) else Distribution.parsed(given)
-    if bool(chosen) != (count is not None):
+    if count is not None and not chosen:
         raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
+    if count is None and chosen:
+        raise InputError(f"samples: must be given with the distribution of {', '.join(chosen)}, such as 8")
     if count is None:
         return []
     values = sample_values(chosen, count, seed=seed)

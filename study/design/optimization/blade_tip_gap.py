@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....core.ordered_values import ordered
 from ....geometry.design.root_line import RootLine
-from ....geometry.pair.gear_pair import GearPair
+from ....geometry.pair.gear_pair import GearPair, Member
 from ....geometry.pair.pair_setting import PairSetting, is_angle
 from .aim import Reading
 
@@ -21,54 +21,69 @@ Array = NDArray[np.float64]
 #: Change of the root line that a search may make unless told otherwise, over the height of the flank.
 USUAL_CHANGE_RATIO = 0.01
 DIMENSIONS = ("member", "root_place")
-PLACES = ("toe", "middle", "heel")
+MEMBERS, PLACES = ["pinion", "gear"], ["toe", "middle", "heel"]
 #: Weight of the distances in a correction [um/mm]: a tenth of that of the ease-off.
 TIP_WEIGHT = 100.0
 
 
-def blade_tip_gaps(pair: GearPair, settings: Sequence[tuple[str, PairSetting]]) -> tuple[xr.DataArray, xr.DataArray]:
+def blade_tip_gaps(pair: GearPair) -> xr.DataArray:
     """Distances of the blades' tips above the root cones of the loaded flanks [mm], negative where they cut deeper.
+
+    Returns
+    -------
+    xr.DataArray
+        The distances (member, root_place), NaN where the flank ends before.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> blade_tip_gaps(gear_pair(read_case("nasa-12x36"))).dims
+    ('member', 'root_place')
+    """
+    flanks = [(member.loaded.designed, member.section) for member in _both(pair)]
+    gaps = [RootLine.of(surface, section).gap(surface)[0] for surface, section in flanks]
+    return xr.DataArray(gaps, {"member": MEMBERS, "root_place": PLACES}, DIMENSIONS)
+
+
+def blade_tip_slopes(pair: GearPair, settings: Sequence[tuple[str, PairSetting]]) -> xr.DataArray:
+    """Derivatives of the distances by machine and cutter settings.
 
     Parameters
     ----------
     pair
         The pair.
     settings
-        Machine and cutter settings (n) with their names.
+        The settings (n) with their names.
 
     Returns
     -------
-    tuple
-        The distances (member, root_place), NaN where the flank ends before; and their derivatives over ``setting`` as
-        well, per mm or degree.
+    xr.DataArray
+        The derivatives (member, root_place, setting) per mm or degree.
 
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
     >>> chosen = [("base", PairSetting("pinion", "sliding_base"))]
-    >>> gaps, change = blade_tip_gaps(gear_pair(read_case("nasa-12x36")), chosen)
-    >>> gaps.dims, change.sel(member="pinion", root_place="middle").values.round(2).tolist()
-    (('member', 'root_place'), [1.0])
+    >>> change = blade_tip_slopes(gear_pair(read_case("nasa-12x36")), chosen)
+    >>> change.sel(member="pinion", root_place="middle").values.round(2).tolist()
+    [1.0]
     """
-    gaps = np.zeros((2, len(PLACES)))
-    change = np.zeros((2, len(PLACES), len(settings)))
-    for row, (name, member) in enumerate((("pinion", pair.pinion), ("gear", pair.gear))):
+    change = np.zeros((len(MEMBERS), len(PLACES), len(settings)))
+    for row, (name, member) in enumerate(zip(MEMBERS, _both(pair), strict=True)):
         surface = member.loaded.designed
-        gaps[row], line = RootLine.of(surface, member.section).gap(surface)
+        _, line = RootLine.of(surface, member.section).gap(surface)
         for column, (_, setting) in enumerate(settings):
             if setting.of == name:
                 step = setting.scale
-                moved = [setting.moved(pair, sign * step) for sign in (-1.0, 1.0)]
-                behind, ahead = ((one.pinion if name == "pinion" else one.gear).loaded.designed for one in moved)
+                behind, ahead = (_both(setting.moved(pair, sign * step))[row].loaded.designed for sign in (-1.0, 1.0))
                 factor = math.radians(1.0) if is_angle(setting) else 1.0
                 change[row, :, column] = factor * line.change(surface, behind, ahead) / (2.0 * step)
-    places = {"member": ["pinion", "gear"], "root_place": list(PLACES)}
-    return (
-        xr.DataArray(gaps, coords=places, dims=DIMENSIONS),
-        xr.DataArray(
-            change, coords={**places, "setting": [name for name, _ in settings]}, dims=(*DIMENSIONS, "setting")
-        ),
-    )
+    over = {"member": MEMBERS, "root_place": PLACES, "setting": [name for name, _ in settings]}
+    return xr.DataArray(change, over, (*DIMENSIONS, "setting"))
+
+
+def _both(pair: GearPair) -> tuple[Member, Member]:
+    return pair.pinion, pair.gear
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,14 +114,14 @@ class BladeTips:
 
     def measured(self, pair: GearPair) -> Array:
         """Distances (p) of another pair. Raises GeometryError if a cutter meets no tooth."""
-        return np.asarray(TIP_WEIGHT * blade_tip_gaps(pair, [])[0].values.ravel())
+        return np.asarray(TIP_WEIGHT * blade_tip_gaps(pair).values.ravel())
 
 
 def usual_root_line_change(pairs: Sequence[GearPair]) -> float:
     """Limit of the change of the root line [mm]: a share of the lower flank's height in its middle."""
     heights = []
     for pair in pairs:
-        for member in (pair.pinion, pair.gear):
+        for member in _both(pair):
             axial, radial = member.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
             heights.append(math.hypot(axial[1] - axial[0], radial[1] - radial[0]))
     return USUAL_CHANGE_RATIO * min(heights)

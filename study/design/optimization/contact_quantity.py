@@ -39,7 +39,7 @@ class QuantityKind:
     kind
         Of the composite.
     variable
-        Of ``contact_derivatives`` whose values are its rows.
+        Of ``SolvedContact`` whose values are its rows.
     over_torque
         Whether the torque changes it.
     member
@@ -159,6 +159,11 @@ class ContactQuantity:
         return f"{'' if self.flank is None else f'{self.flank}.'}{self.name}{torque}"
 
     @property
+    def unloaded(self) -> bool:
+        """Whether it is of the unloaded transmission error."""
+        return self.name == "unloaded_peak_to_peak"
+
+    @property
     def meaning(self) -> QuantityKind:
         """What it is made of."""
         order = HARMONIC.fullmatch(self.name)
@@ -175,8 +180,8 @@ class ContactQuantity:
         Parameters
         ----------
         values, slopes
-            Of ``contact_derivatives``, with ``blade_tip_gap``; the derivatives by the settings (n) in units that change
-            the ease-off by one micrometre at most; without them the value alone counts.
+            Of ``SolvedContact``, with ``blade_tip_gap``; the derivatives by the settings (n) in units that change the
+            ease-off by one micrometre at most; without them the value alone counts.
         torque
             Number of the torque.
         start

@@ -24,7 +24,7 @@ from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETT
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ....geometry.pair.pair_setting import PairSetting, is_angle
-from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
+from ...analysis.named_setting import CUTTER_KEYS, SIDES, derivative_settings
 from ...sweep.swept_quantity import swept_quantity
 
 Array = NDArray[np.float64]
@@ -299,8 +299,8 @@ def with_limits(
         names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in (one.name, *one.moves))]
         if not names:
             raise InputError(
-                f"limit_setting = {shown(pattern)}: must be one of the free settings {', '.join(found)}"
-                f"{suggestion(pattern, found)}"
+                f"limit_setting = {shown(pattern)}: must be the key of a free setting such as {next(iter(found))}, or "
+                f"a pattern with *{suggestion(pattern, found)}"
             )
         for name in names:
             if not low <= found[name].start <= high or not low < high:

@@ -6,16 +6,21 @@ each time in the middle of the widest gap, from the neighbour that keeps the cei
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .aim import Judgement
-from .setting_search import Outcome, SettingSearch
+from .analysed_settings import AnalysedSettings
+from .setting_search import Outcome, Prices, SettingSearch
 
 Array = NDArray[np.float64]
+
+
+#: Attempts for each point that is wanted, and ratios that differ by less are the same.
+ATTEMPT_COUNT, SAME_RATIO = 2, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +37,18 @@ class FrontPoint:
         The same in their own units, the greatest of all loads (2).
     limited
         Quantities with a limit (k), the worst of all loads.
-    multiplier
-        How much the first objective's ratio falls if that of the second may rise by one; NaN at the ends.
+    prices
+        What limits cost there; the ceiling is that of the second objective.
     violation
         Sum over the limits of the share by which each is passed.
     ceiling
         Of the second objective's ratio; NaN at the ends.
+    converged
+        Whether the search had nothing left to gain.
+    rounding_change, rounding_loss
+        See ``Outcome``.
+    analyses
+        Number of all analyses when the point was found.
     outcome
         Of the search; ``None`` of a point that was read.
     """
@@ -47,10 +58,29 @@ class FrontPoint:
     ratio: Array
     objective: Array
     limited: Array
-    multiplier: float
+    prices: Prices
     violation: float
     ceiling: float
+    converged: bool
+    rounding_change: float
+    rounding_loss: float
+    analyses: int
     outcome: Outcome | None = None
+
+    def analysed(self, searching: SettingSearch, judgement: Judgement) -> AnalysedSettings:
+        """Its settings, analysed with their own teeth."""
+        if self.outcome is not None:
+            return self.outcome.point.judged_by(judgement)
+        return searching.anew(self.rounded, judgement, rounded=True)
+
+    def resumed(self, searching: SettingSearch, judgement: Judgement) -> Outcome:
+        """The outcome of its search, analysed again if the point was read."""
+        if self.outcome is not None:
+            return self.outcome
+        point = self.analysed(searching, judgement)
+        case = point.workshop.space.case_at(self.rounded, rounded=True)
+        effect = self.rounding_change, self.rounding_loss
+        return Outcome(self.values, self.rounded, case, point, (), self.converged, self.prices, *effect)
 
 
 def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
@@ -58,29 +88,27 @@ def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
     point = outcome.point.judged_by(judgement)
     ratio, objective, limited = judgement.worst(point.read)
     ((_, ceiling),) = outcome.point.judgement.ceilings
-    bounded = np.isfinite(ceiling)
-    multiplier = float(outcome.last.multipliers[-1]) / ceiling if bounded else np.nan
     return FrontPoint(
         outcome.values,
         outcome.rounded,
         ratio,
         objective,
         limited,
-        multiplier,
+        outcome.prices,
         judgement.merit(point.read).violation,
-        ceiling if bounded else np.nan,
+        ceiling if np.isfinite(ceiling) else np.nan,
+        outcome.converged,
+        outcome.rounding_change,
+        outcome.rounding_loss,
+        point.workshop.effort.analyses,
         outcome,
     )
 
 
 def front(
-    searching: SettingSearch,
-    judgement: Judgement,
-    count: int,
-    known: Sequence[FrontPoint] = (),
-    kept: Callable[[FrontPoint], None] | None = None,
+    searching: SettingSearch, judgement: Judgement, count: int, known: Sequence[FrontPoint] = ()
 ) -> list[FrontPoint]:
-    """Points of the front of two objectives, in the order of the second; without those that another one dominates.
+    """Points of the front of two objectives, in the order of the second; none of them dominates another one.
 
     Parameters
     ----------
@@ -89,41 +117,44 @@ def front(
     judgement
         Of both objectives.
     count
-        Number of points to search for, two at least.
+        Number of points to search for, two at least; fewer are found where the front has no more.
     known
         Points that are there already.
-    kept
-        Called with every new point.
     """
     found = list(known)
-
-    def add(outcome: Outcome) -> None:
-        found.append(front_point(outcome, judgement))
-        if kept is not None:
-            kept(found[-1])
-
     if len(found) < 2:
-        found.clear()
-        for number in (0, 1):
-            add(searching.settled(alone(judgement, number), found[0].values if found else None))
-    while len(found) < count:
-        found.sort(key=lambda one: one.ratio[1])
+        searching.name("ends of the front")
+        first = searching.settled(alone(judgement, 0))
+        near = first.point if first.point.differentiable else None
+        second = searching.settled(alone(judgement, 1), near)
+        found = undominated([front_point(one, judgement) for one in (second, first)])
+    spent: list[float] = []
+    for _ in range(ATTEMPT_COUNT * count):
         ratios = np.array([one.ratio for one in found])
-        span = np.maximum(np.ptp(ratios, axis=0), 1e-9)
-        gaps = np.hypot(*(np.diff(ratios, axis=0) / span).T)
+        ceilings = 0.5 * (ratios[1:, 1] + ratios[:-1, 1])
+        gaps = np.hypot(*(np.diff(ratios, axis=0) / np.maximum(np.ptp(ratios, axis=0), 1e-9)).T)
+        gaps[np.isin(ceilings, spent)] = 0.0
+        if len(found) >= count or not np.any(gaps > 0.0):
+            break
         gap = int(np.argmax(gaps))
-        ceiling = float(ratios[gap : gap + 2, 1].mean())
-        under = replace(judgement, ceilings=((1, ceiling),))
-        add(searching.settled(under, found[gap].values))
-    return sorted(undominated(found), key=lambda one: one.ratio[1])
+        searching.name(f"point {len(found) + 1} of {count}")
+        under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
+        neighbour = found[gap].analysed(searching, under)
+        one = front_point(searching.settled(under, neighbour), judgement) if neighbour.differentiable else None
+        if one is None or np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1)):
+            spent.append(float(ceilings[gap]))  # nothing new there
+        else:
+            found = undominated([*found, one])
+    return found
 
 
 def undominated(points: Sequence[FrontPoint]) -> list[FrontPoint]:
-    """The points than which no other is better in one objective and no worse in the other."""
+    """The points than which no other is better in one objective and no worse in the other, in order of the second."""
     ratios = np.array([one.ratio for one in points])
-    return [
+    kept = [
         one for one in points if not np.any(np.all(ratios <= one.ratio, axis=1) & np.any(ratios < one.ratio, axis=1))
     ]
+    return sorted(kept, key=lambda one: one.ratio[1])
 
 
 def alone(judgement: Judgement, number: int) -> Judgement:

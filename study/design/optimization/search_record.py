@@ -14,7 +14,7 @@ from ....core.errors import InputError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .front import FrontPoint
-from .setting_search import Outcome
+from .setting_search import Outcome, Prices
 from .trust_region import Step
 
 Array = NDArray[np.float64]
@@ -40,8 +40,6 @@ def search_record(
     _, before, before_limited = judgement.worst(start.read)
     ratio, after, after_limited = judgement.worst(outcome.point.read)
     free = workshop.space.free
-    limits = len(aim.limits)
-    multipliers = outcome.last.multipliers[:limits] / np.array([limit.scale for limit in aim.limits] or [1.0])[:limits]
     data: dict[str, Any] = {
         "setting_units": ("setting", [one.units for one in free]),
         "setting_start": ("setting", [one.start for one in free]),
@@ -50,8 +48,8 @@ def search_record(
         "setting_low": ("setting", [one.low for one in free]),
         "setting_high": ("setting", [one.high for one in free]),
         "ease_off_per_setting": ("setting", 1.0 / workshop.units),
-        "low_multiplier": ("setting", outcome.last.low_multipliers / workshop.units),
-        "high_multiplier": ("setting", outcome.last.high_multipliers / workshop.units),
+        "low_multiplier": ("setting", outcome.prices.low),
+        "high_multiplier": ("setting", outcome.prices.high),
         "objective_weight": ("objective", aim.weights),
         "objective_start": ("objective", before),
         "objective_value": ("objective", after),
@@ -59,7 +57,7 @@ def search_record(
         "limit_bound": ("quantity_limit", [limit.bound for limit in aim.limits]),
         "limited_start": ("quantity_limit", before_limited),
         "limited_value": ("quantity_limit", after_limited),
-        "limit_multiplier": ("quantity_limit", multipliers),
+        "limit_multiplier": ("quantity_limit", outcome.prices.limits),
         "ratio_by_assembly": (("objective", "assembly"), judgement.by_assembly(outcome.point.read)[0]),
         **_assembly_errors(workshop.assemblies),
         **_programmes(start, steps),
@@ -78,6 +76,8 @@ def search_record(
         "converged": int(outcome.converged),
         "objective_total": merit.objective,
         "violation": merit.violation,
+        "rounding_change_um": outcome.rounding_change,
+        "rounding_loss": outcome.rounding_loss,
         "flanks": ", ".join(aim.flanks),
         "edge_contact": int(start.readings[aim.flanks[0], 0].edge_contact),
     }
@@ -123,15 +123,26 @@ def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) 
     chosen
         Number of the point whose analysis the result holds.
     """
+    limits = (len(points), record.sizes["quantity_limit"])
     data: dict[str, Any] = {
         "front_ratio": (("point", "objective"), [one.ratio for one in points]),
         "front_value": (("point", "objective"), [one.objective for one in points]),
-        "front_limited": (("point", "quantity_limit"), np.reshape([one.limited for one in points], (len(points), -1))),
+        "front_limited": (("point", "quantity_limit"), np.reshape([one.limited for one in points], limits)),
         "front_setting": (("point", "setting"), [one.rounded for one in points]),
         "front_found": (("point", "setting"), [one.values for one in points]),
         "front_ceiling": ("point", [one.ceiling for one in points]),
-        "front_multiplier": ("point", [one.multiplier for one in points]),
+        "front_multiplier": ("point", [one.prices.ceiling for one in points]),
+        "front_limit_multiplier": (
+            ("point", "quantity_limit"),
+            np.reshape([one.prices.limits for one in points], limits),
+        ),
+        "front_low_multiplier": (("point", "setting"), [one.prices.low for one in points]),
+        "front_high_multiplier": (("point", "setting"), [one.prices.high for one in points]),
         "front_violation": ("point", [one.violation for one in points]),
+        "front_converged": ("point", np.array([one.converged for one in points], dtype=np.int8)),
+        "front_rounding_change": ("point", [one.rounding_change for one in points]),
+        "front_rounding_loss": ("point", [one.rounding_loss for one in points]),
+        "front_analyses": ("point", [one.analyses for one in points]),
     }
     coords = {name: record[name] for name in ("objective", "quantity_limit", "setting")} | {
         "point": np.arange(len(points))
@@ -146,28 +157,47 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
     if "front" not in tree.children:
         return []
     front = tree["front"].to_dataset()
-    names = ("front_found", "front_setting", "front_ratio", "front_value", "front_limited")
-    singles = ("front_multiplier", "front_violation", "front_ceiling")
-    return [
-        FrontPoint(
-            *(front[name].values[number] for name in names), *(float(front[name].values[number]) for name in singles)
+    names = ("found", "setting", "ratio", "value", "limited")
+    of_limits = ("limit_multiplier", "low_multiplier", "high_multiplier")
+    found = []
+    for number in range(front.sizes["point"]):
+        one = {str(name).removeprefix("front_"): front[name].values[number] for name in front.data_vars}
+        found.append(
+            FrontPoint(
+                *(one[name] for name in names),
+                Prices(*(one[name] for name in of_limits), float(one["multiplier"])),
+                float(one["violation"]),
+                float(one["ceiling"]),
+                bool(one["converged"]),
+                float(one["rounding_change"]),
+                float(one["rounding_loss"]),
+                int(one["analyses"]),
+            )
         )
-        for number in range(front.sizes["point"])
-    ]
+    return found
 
 
-def require_same_search(tree: xr.DataTree, record: xr.Dataset) -> None:
+def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
     """Refuse to resume from a result of another search.
+
+    Parameters
+    ----------
+    tree
+        The result.
+    record
+        Names and start of this search.
+    front
+        Whether points of a front are kept, which hold for the same objectives and limits alone.
 
     Raises
     ------
     InputError
-        If the result has none, or one with other settings, start, objectives or limits.
+        If the result has no search, or one with other settings or another start; of a front other objectives or limits.
     """
     if "optimal_settings" not in tree.children:
         raise InputError("resume: must be a result of 'easeoff optimize'")
     known = tree["optimal_settings"].to_dataset()
-    for name in ("setting", "objective", "quantity_limit"):
+    for name in ("setting", "objective", "quantity_limit") if front else ("setting",):
         own, wanted = known[name].values.tolist(), record[name].values.tolist()
         if own != wanted:
             raise InputError(

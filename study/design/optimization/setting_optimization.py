@@ -40,7 +40,7 @@ from .step_programme import FORMS, Form
 Array = NDArray[np.float64]
 Flanks = Literal["drive", "coast", "both"]
 
-STEP_LIMIT, POINT_LIMIT = 1000, 1000
+STEP_LIMIT, POINT_LIMIT, USUAL_POINT_COUNT = 1000, 1000, 9
 USUAL_OBJECTIVES = ("peak_to_peak", "max_pressure")
 
 
@@ -52,7 +52,7 @@ def optimize(
     limits: Sequence[str] = (),
     form: Form = "worst",
     weights: Sequence[float] | None = None,
-    points: int = 9,
+    points: int | None = None,
     flank: Flanks = "drive",
     torques: float | Sequence[float] | None = None,
     misalignments: Sequence[MisalignmentSource] = (),
@@ -88,9 +88,9 @@ def optimize(
         ``worst``: the greatest ratio to the start over objectives, torques and assemblies; ``weighted``: the weighted
         sum of the means of the ratios; ``pareto``: the front of two objectives.
     weights
-        Of the objectives; one each if left out.
+        Of the objectives; one each if left out, and on a front.
     points
-        Of a front.
+        Of a front; 9 if left out.
     flank
         ``drive``, ``coast`` or ``both``.
     torques
@@ -112,7 +112,7 @@ def optimize(
     steps
         The most programmes for one optimum.
     resume
-        A result to go on from: of the same case, objectives, limits and free settings.
+        A result to go on from: of the same case and free settings, and for a front of the same objectives and limits.
     progress
         ``True`` for a line that shows it; or a function, called after every programme.
     stage
@@ -160,43 +160,40 @@ def optimize(
         sides,
         len(assemblies),
     )
-    if form == "pareto":
-        whole("points", points, 2, POINT_LIMIT)
-        if len(aim.objectives) != 2:
-            raise InputError(f"minimize = {list(minimize)}: must be two quantities for the front of form = 'pareto'")
+    count = _point_count(aim, points, weights)
     losses = any(one.name == "mean_power_loss" for one in aim.quantities)
     searched = checked if losses else checked.model_copy(update={"friction": None})
     space = SettingSpace(searched, free_settings(checked, sides, free), resolution or USUAL_RESOLUTION)
     states = {side: CaseInMesh.of(searched, flank=side, stage=stage) for side in sides}
     if stage is not None:
         stage("search")
-    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)))
+    unloaded = any(one.unloaded for one in aim.quantities)
+    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)), unloaded)
     workshop, readings = first_workshop(rough)
     bounded = with_limits(space.free, workshop.units, move, limit_settings or {})
     workshop = replace(workshop, space=replace(space, free=bounded))
     searching = SettingSearch(workshop, readings, steps=steps, progress=told(progress), stage=stage)
     judgement = Judgement(aim, _references(searching, aim))
     start = searching.begun(judgement)
-    known, values = [], None
     if resume is not None:
-        require_same_search(resume, _names(start, aim))
-        known = front_points(resume) if form == "pareto" else []
-        values = np.asarray(resume["optimal_settings"].to_dataset()["setting_found"].values)
+        require_same_search(resume, _names(start, aim), front=form == "pareto")
     if form == "pareto":
-        found = front(searching, judgement, points, known)
+        found = front(searching, judgement, count, [] if resume is None else front_points(resume))
         chosen = best_of(found)
-        outcome = found[chosen].outcome or searching.settled(judgement, found[chosen].values, steps=0)
+        outcome = found[chosen].resumed(searching, judgement)
         done = [step for one in found if one.outcome is not None for step in one.outcome.steps]
         record = search_record(start, outcome, judgement, done)
         front_group = front_record(found, record, chosen)
     else:
-        outcome = searching.settled(judgement, values)
+        outcome = searching.settled(judgement, None if resume is None else _resumed(searching, resume, judgement))
         record = search_record(start, outcome, judgement, outcome.steps)
         front_group = None
     if drawn:
         record = record.merge(_fresh_samples(outcome, judgement, spread or {}, samples, seed))
     record.attrs |= {
-        "analyses": workshop.analyses[0],
+        "analyses": workshop.effort.analyses,
+        "differentiated_analyses": workshop.effort.differentiated,
+        "teeth_built": workshop.effort.teeth,
         "largest_move_um": move,
         "seed": seed,
         "spread": ", ".join(
@@ -210,6 +207,20 @@ def optimize(
         tree["front"] = xr.DataTree(front_group)
     tree.attrs["case"] = case_toml(best)
     return tree
+
+
+def _point_count(aim: Aim, points: int | None, weights: Sequence[float] | None) -> int:
+    """Number of points of a front, and whether what is given goes with the form."""
+    if aim.form != "pareto":
+        if points is not None:
+            raise InputError(f"points = {points}: must go with form = 'pareto'")
+        return 0
+    if len(aim.objectives) != 2:
+        told = ", ".join(one.quantity.text for one in aim.objectives)
+        raise InputError(f"minimize = {told}: must be two quantities for the front of form = 'pareto'")
+    if weights is not None:
+        raise InputError("weights: must be left out for form = 'pareto', which has all of them")
+    return whole("points", USUAL_POINT_COUNT if points is None else points, 2, POINT_LIMIT)
 
 
 def _objectives(minimize: Sequence[str], weights: Sequence[float] | None) -> tuple[Objective, ...]:
@@ -260,6 +271,11 @@ def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
             "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
         },
     )
+
+
+def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
+    """The settings of a result, analysed."""
+    return searching.anew(tree["optimal_settings/setting_value"].values, judgement, rounded=True)
 
 
 def _fresh_samples(

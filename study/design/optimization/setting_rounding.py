@@ -1,6 +1,7 @@
 """Settings rounded to the steps of the machine, the way that the model of their analysis likes best.
 
-The nearest steps may pass a limit that the settings keep. Neighbouring ones are tried by the model alone.
+The nearest steps may pass a limit that the settings keep. Neighbouring ones are tried by the model alone, as far as the
+ease-off stays what it is.
 """
 
 from __future__ import annotations
@@ -9,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .analysed_settings import AnalysedSettings
-from .step_programme import LIMIT_MARGIN, VIOLATION_PRICE, judged_objective
+from .step_programme import LIMIT_MARGIN, SINGLE_REACH, VIOLATION_PRICE, judged_objective
 
 Array = NDArray[np.float64]
 
 #: Numbers of steps that one setting is moved by, and the most rounds through all settings.
 STEP_COUNTS = (64, 16, 4, 1)
 ROUND_COUNT_LIMIT = 50
+#: Largest change of the ease-off by rounding [um], unless the nearest steps change it more.
+ROUNDING_REACH = 0.3
 
 
 def rounded_settings(point: AnalysedSettings) -> Array:
@@ -30,6 +33,11 @@ def rounded_settings(point: AnalysedSettings) -> Array:
     model, judgement = point.model(1.0), point.judgement
     low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
 
+    def reach(values: Array) -> float:
+        """Change of the ease-off [um]; that by one setting alone counts as in a programme."""
+        step = (values - point.values) / units
+        return float(max(np.abs(model.reach @ step).max(), np.abs(step).max() / SINGLE_REACH))
+
     def merit(values: Array) -> float:
         step = (values - point.values) / units
         ratios = [np.array([one.value(step) for one in group]) for group in model.objectives]
@@ -38,7 +46,7 @@ def rounded_settings(point: AnalysedSettings) -> Array:
         return judged_objective(ratios, judgement.weights, judgement.aim.form) + price
 
     best = space.nearest(point.values)
-    least = merit(best)
+    least, most = merit(best), max(reach(best), ROUNDING_REACH)
     for _ in range(ROUND_COUNT_LIMIT):
         before = least
         for number, step in enumerate(space.steps):
@@ -46,6 +54,8 @@ def rounded_settings(point: AnalysedSettings) -> Array:
                 tried = best.copy()
                 tried[number] += count * step
                 tried = np.clip(space.nearest(tried), low, high)
+                if reach(tried) > most:
+                    continue
                 found = merit(tried)
                 if found < least - 1e-9:
                     best, least = tried, found

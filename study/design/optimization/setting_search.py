@@ -1,6 +1,7 @@
 """Search for settings with elastic teeth that follow them, and the settings rounded at its end.
 
-Teeth are held within a search and built anew at its end; if that changes what was found, a further search begins there.
+Teeth are held within a search. At its end the settings are rounded, and analysed with their own teeth; if that changes
+what was found, a further search begins there.
 """
 
 from __future__ import annotations
@@ -14,13 +15,12 @@ from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError, GeometryError
-from ...case_in_mesh import CaseInMesh
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
 from .setting_rounding import rounded_settings
 from .step_programme import LocalModel, StepAnswer, StepProgramme
-from .trust_region import FIRST_RADIUS, GAIN_TOLERANCE, Step, search
+from .trust_region import FIRST_RADIUS, GAIN_TOLERANCE, Search, Step, search
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,35 @@ Array = NDArray[np.float64]
 ROUND_LIMIT = 3
 #: A later search begins with at least this trust region [um].
 LATER_RADIUS = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Prices:
+    """What limits cost: how much the objective falls if they are widened.
+
+    Parameters
+    ----------
+    limits
+        By a unit of each limit (k).
+    low, high
+        By a unit of each setting (n), in the units of the case file.
+    ceiling
+        By one of the ratio of the other objective; NaN where that has no ceiling.
+    """
+
+    limits: Array
+    low: Array
+    high: Array
+    ceiling: float
+
+    @classmethod
+    def of(cls, answer: StepAnswer, judgement: Judgement, units: Array) -> Prices:
+        """Multipliers of a programme whose settings (n) have these units."""
+        scales = np.array([limit.scale for limit in judgement.aim.limits])
+        bounds = [ceiling for _, ceiling in judgement.ceilings if np.isfinite(ceiling)]
+        of_ceiling = float(answer.multipliers[scales.size]) / bounds[0] if bounds else np.nan
+        limits = answer.multipliers[: scales.size] / scales
+        return cls(limits, answer.low_multipliers / units, answer.high_multipliers / units, of_ceiling)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +77,12 @@ class Outcome:
         All programmes, with the number of the search.
     converged
         Whether the last programme had nothing left to gain.
-    last
-        Answer of the last programme.
+    prices
+        Multipliers of the last programme.
+    rounding_change
+        Of the ease-off, by rounding, a rotation left out [um].
+    rounding_loss
+        By how much the merit rose from the settings found, with the teeth held, to the rounded ones with their own.
     """
 
     values: Array
@@ -58,7 +91,9 @@ class Outcome:
     point: AnalysedSettings
     steps: tuple[tuple[int, Step], ...]
     converged: bool
-    last: StepAnswer
+    prices: Prices
+    rounding_change: float
+    rounding_loss: float
 
 
 class SettingSearch:
@@ -90,56 +125,79 @@ class SettingSearch:
         self._workshop, self._start, self._steps = workshop, start, steps
         self._progress, self._stage = progress, stage
         self._programmes: dict[str, StepProgramme] = {}
+        self._name = "search"
+
+    def name(self, name: str | None = None) -> None:
+        """Name the search for those who wait for it, or tell its name again."""
+        self._name = name or self._name
+        if self._stage is not None:
+            self._stage(self._name)
 
     def begun(self, judgement: Judgement) -> AnalysedSettings:
         """The start under a judgement."""
         origin = self._workshop.space.start
         return AnalysedSettings(origin, np.zeros(origin.size), self._start, self._start, judgement, self._workshop)
 
-    def anew(self, case: Case, values: Array, judgement: Judgement) -> AnalysedSettings:
-        """Settings (n) of a case, analysed with their own teeth. Raises as ``contact_derivatives``."""
-        states = {flank: CaseInMesh.of(case, flank=flank, stage=self._stage) for flank in self._workshop.states}
-        if self._stage is not None:
-            self._stage("search")
-        workshop = self._workshop.with_teeth(states)
-        changes = (values - workshop.space.start) / workshop.units
-        return AnalysedSettings(values, changes, workshop.readings(case), self._start, judgement, workshop)
+    def anew(self, values: Array, judgement: Judgement, *, rounded: bool = False) -> AnalysedSettings:
+        """Settings (n) analysed with their own teeth. Raises as ``Workshop.with_teeth`` and ``readings``."""
+        case = self._workshop.space.case_at(values, rounded=rounded)
+        own = self._workshop.space.values_of(case) if rounded else values
+        workshop = self._workshop.with_teeth(case, self._stage)
+        self.name()
+        changes = (own - workshop.space.start) / workshop.units
+        return AnalysedSettings(own, changes, workshop.readings(case), self._start, judgement, workshop)
 
-    def settled(self, judgement: Judgement, values: Array | None = None, *, steps: int | None = None) -> Outcome:
-        """The best settings for a judgement, from the start or from other values (n), in at most so many programmes.
+    def settled(self, judgement: Judgement, here: AnalysedSettings | None = None) -> Outcome:
+        """The best settings for a judgement, from the start or from others that are analysed with their own teeth.
 
         Raises
         ------
         GeometryError
             If the settings found, rounded, have no certified analysis.
         """
-        space, most = self._workshop.space, self._steps if steps is None else steps
-        here = self.begun(judgement) if values is None else self.anew(space.case_at(values), values, judgement)
+        here = self.begun(judgement) if here is None else here.judged_by(judgement)
         done: list[tuple[int, Step]] = []
+        outcomes: list[Outcome] = []
         radius = FIRST_RADIUS
         for number in range(ROUND_LIMIT):
             found = search(
                 here,
                 partial(self._programme, judgement),
-                steps=most - len(done),
+                steps=self._steps - len(done),
                 radius=radius,
                 progress=self._progress,
             )
             done += [(number, step) for step in found.steps]
-            best: AnalysedSettings = found.point
-            if best is here:
+            if outcomes and found.point is here:
                 break
-            here = self.anew(space.case_at(best.values), best.values, judgement)
-            if here.merit.total - best.merit.total <= GAIN_TOLERANCE or len(done) >= most:
+            outcomes.append(self._rounded(found, judgement))
+            enough = outcomes[-1].rounding_loss <= GAIN_TOLERANCE or len(done) >= self._steps
+            if enough or not outcomes[-1].point.differentiable:
                 break
-            radius = max(found.radius, LATER_RADIUS)
-        case = space.case_at(rounded_settings(here), rounded=True)
-        rounded = space.values_of(case)
+            here, radius = outcomes[-1].point, max(found.radius, LATER_RADIUS)
+        best = min(outcomes, key=lambda one: one.point.merit.total)
+        return replace(best, steps=tuple(done), converged=found.converged)
+
+    def _rounded(self, found: Search, judgement: Judgement) -> Outcome:
+        """The settings of a search as they are set on the machine, with their own teeth."""
+        best: AnalysedSettings = found.point
+        space, units = self._workshop.space, self._workshop.units
         try:
-            point = self.anew(case, rounded, judgement)
+            point = self.anew(rounded_settings(best), judgement, rounded=True)
         except EaseoffError as error:
             raise GeometryError(f"the settings found, rounded, cannot be analysed: {error}") from error
-        return Outcome(here.values, rounded, case, point, tuple(done), found.converged, found.last)
+        case = space.case_at(point.values, rounded=True)
+        return Outcome(
+            best.values,
+            point.values,
+            case,
+            point,
+            (),
+            found.converged,
+            Prices.of(found.last, judgement, units),
+            best.ease_off_change(case),
+            point.merit.total - best.merit.total,
+        )
 
     def _programme(self, judgement: Judgement, model: LocalModel) -> StepProgramme:
         weights = judgement.weights

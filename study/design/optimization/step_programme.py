@@ -183,7 +183,7 @@ class StepProgramme:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                self._problem.solve(solver="CLARABEL")
+                self._problem.solve(solver="CLARABEL", warm_start=False)  # no trace of earlier ones
             except self._cvxpy.error.SolverError as error:
                 return _no_answer(str(error), model)
         if self._step.value is None:

@@ -59,6 +59,10 @@ class Point(Protocol):
     def merit(self) -> Merit:
         """What they reach."""
 
+    @property
+    def differentiable(self) -> bool:
+        """Whether there is a model."""
+
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
 
@@ -159,6 +163,8 @@ def search(
         here = best
         for mending in range(1 + MENDING_LIMIT):
             span = radius * MENDING_RADIUS_RATIO**mending
+            if mending and not here.differentiable:
+                break
             if mending:
                 model = here.model(span)
                 answer = programme(model).solve(model, span)
@@ -166,7 +172,7 @@ def search(
             wanted = here.settings + answer.step if found is None else found.settings
             fresh = Merit(np.nan, np.nan) if found is None else found.merit
             came_true = (best.merit.total - fresh.total) / predicted
-            accepted = bool(came_true > TAKEN_GAIN_RATIO)
+            accepted = bool(came_true > TAKEN_GAIN_RATIO) and found is not None and found.differentiable
             done.append(Step(span, answer, wanted, fresh, accepted, mending > 0))
             if progress is not None:
                 progress()
