@@ -194,3 +194,31 @@ def test_a_multiplier_is_what_a_moved_limit_gains() -> None:
     gain = (optimum(0.4).point.merit.objective - optimum(0.6).point.merit.objective) / 0.2
     assert here.last.multipliers[0] == pytest.approx(gain, rel=0.1)
     assert optimum(10.0).last.multipliers[0] == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["affine", "greatest", "range", "norm"])
+def test_the_rise_bounds_that_of_any_change_of_one_setting(kind: Any) -> None:
+    """Of one setting it is the greatest rise by either sign, but for a norm, which rises by no more."""
+    random = np.random.default_rng(3)
+    rows = {"affine": 1, "norm": 2}.get(kind, 6)
+    for _ in range(20):
+        one = Composite(kind, 1.0 + 0.2 * random.standard_normal(rows), 0.1 * random.standard_normal((rows, 3)))
+        for number in range(3):
+            change = np.zeros(3)
+            change[number] = 0.3
+            greatest = max(one.value(sign * change) for sign in (-1.0, 1.0)) - one.value()
+            assert greatest <= one.rise(change) + 1e-12
+            if kind == "affine":
+                assert greatest == pytest.approx(one.rise(change), abs=1e-12)
+
+
+def test_programmes_leave_room_for_rounding() -> None:
+    """Of a limit that every row reaches, as much as rounding of both settings may raise it."""
+    reached = Composite("greatest", np.array([0.5]), np.array([[0.03, 0.04]]))
+    objective = Composite("affine", np.array([1.0]), np.array([[-0.03, -0.04]]))
+    wide = np.array([99.0, 99.0])
+    for rounding in (0.0, 0.5):
+        near = LocalModel(((objective,),), ((reached,),), 0.01 * np.eye(2), -wide, wide, rounding)
+        found = StepProgramme(near, np.ones(1), "weighted").solve(near, 50.0)
+        assert near.margins == pytest.approx(LIMIT_MARGIN + 0.05 * rounding, rel=1e-12)
+        assert reached.value(found.step) == pytest.approx(1.0 - near.margins[0], abs=1e-6)

@@ -248,4 +248,5 @@ class AnalysedSettings:
         low = np.array([one.low for one in free])
         high = np.array([one.high for one in free])
         reach = np.concatenate([form.slopes for form in self.forms.values()])
-        return LocalModel(ratios, limits, reach, (low - self.values) / units, (high - self.values) / units)
+        rounding = 0.5 * self.workshop.space.steps / units
+        return LocalModel(ratios, limits, reach, (low - self.values) / units, (high - self.values) / units, rounding)

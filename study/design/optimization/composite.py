@@ -55,6 +55,14 @@ class Composite:
             return float(np.sqrt(np.sum(rows**2)))
         return float(rows.max() - rows.min()) if self.kind == "range" else float(rows.max())
 
+    def rise(self, change: Array | float) -> float:
+        """Its usual rise if the settings change independently by so much each (n): root sum of squares of every row."""
+        spread = np.linalg.norm(self.slope * change, axis=1)
+        if self.kind == "norm":
+            return float(np.linalg.norm(spread))
+        top = float((self.level + spread).max() - self.level.max())
+        return top + float(self.level.min() - (self.level - spread).min()) if self.kind == "range" else top
+
     def scaled(self, factor: float, added: float = 0.0) -> Composite:
         """The same times a positive factor; of an affine one also with a number added, and of either sign."""
         return replace(self, level=factor * self.level + added, slope=factor * self.slope)

@@ -22,7 +22,7 @@ FORMS: tuple[Form, ...] = get_args(Form)
 
 #: Price of passing a limit, per share of it, in units of the objective, which is about one at the start.
 VIOLATION_PRICE = 10.0
-#: Share of a limit by which a programme stays below it, for what is lost by linearising and rounding.
+#: Share of a limit by which a programme stays below it for what is lost by linearising; to which rounding adds its own.
 LIMIT_MARGIN = 2e-3
 #: Largest change of the ease-off by one setting alone, over the largest one by all together.
 SINGLE_REACH = 20.0
@@ -42,6 +42,8 @@ class LocalModel:
         Change of the ease-off at points of the flanks (s, n) by the settings [um].
     low, high
         Least and greatest step (n).
+    rounding
+        By how much rounding may change each setting (n); a number of all.
     """
 
     objectives: tuple[tuple[Composite, ...], ...]
@@ -49,6 +51,13 @@ class LocalModel:
     reach: Array
     low: Array
     high: Array
+    rounding: Array | float = 0.0
+
+    @property
+    def margins(self) -> Array:
+        """Shares of the limits by which a programme stays below them."""
+        rises = [max(one.rise(self.rounding) for one in group) for group in self.limits]
+        return LIMIT_MARGIN + np.array(rises, dtype=np.float64)
 
     @property
     def size(self) -> int:
@@ -145,8 +154,12 @@ class StepProgramme:
             terms += [function / len(functions) for function in functions]
             conditions += [function <= worst for function in functions] if form != "weighted" else []
         self._goal = cvxpy.sum(cvxpy.hstack(terms)) if form == "weighted" else worst
+        self._margins = cvxpy.Parameter(max(1, len(model.limits)))
         self._kept = [
-            [self._function(composite) <= 1.0 - LIMIT_MARGIN + self._violation[number] for composite in composites]
+            [
+                self._function(composite) <= 1.0 - self._margins[number] + self._violation[number]
+                for composite in composites
+            ]
             for number, composites in enumerate(model.limits)
         ]
         self._reach = cvxpy.Parameter(model.reach.shape)
@@ -178,6 +191,7 @@ class StepProgramme:
         composites = [c for group in (model.objectives, model.limits) for one in group for c in one]
         for composite, (level, slope) in zip(composites, self._parameters, strict=True):
             level.value, slope.value = composite.level, radius * composite.slope
+        self._margins.value = np.append(model.margins, [0.0] * (not model.limits))
         self._reach.value = model.reach
         self._low.value, self._high.value = model.low / radius, model.high / radius
         with warnings.catch_warnings():
