@@ -158,6 +158,10 @@ class Bowl:
     def merit(self) -> Merit:
         return Merit(self.rows().value(), max(0.0, self.limited().value() - 1.0))
 
+    @property
+    def differentiable(self) -> bool:
+        return True
+
     def model(self, radius: float) -> LocalModel:
         far = np.full(2, 50.0)
         return LocalModel(((self.rows(),),), ((self.limited(),),), np.eye(2), -far - self.settings, far - self.settings)
