@@ -9,10 +9,13 @@ import numpy as np
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..pair.gear_pair import GearPair
+from ..pair.gear_pair import MEMBERS, GearPair
 from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
 from .agma929.edge_radius_limit import EdgeRadiusLimits
+from .agma929.measured_proportions import measured_proportions
+from .agma929.slot_width import SlotWidths
+from .agma929.tooth_line import ToothLine
 from .blank import BlankDimensions
 from .standard_steps import StandardSteps
 
@@ -53,6 +56,27 @@ def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[
     least, usual = (share * blank.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
     pinion, gear = (max(least, min(usual, float(np.nan_to_num(limit)))) for limit in limits.largest)
     return round(pinion, 4), round(gear, 4)
+
+
+def allowed_edge_radius(pair: GearPair, member: MemberName, usual: float) -> float:
+    """An edge radius, made smaller where AGMA 929-B22 allows less for the slots as they were cut [mm].
+
+    Parameters
+    ----------
+    pair
+        The pair seen from its drive side, with both flanks of both members.
+    member
+        ``"pinion"`` or ``"gear"``.
+    usual
+        See ``usual_edge_radii`` [mm].
+    """
+    try:
+        proportions = measured_proportions(pair)
+    except GeometryError:  # no mean point to measure at
+        return usual
+    limit = float(EdgeRadiusLimits(SlotWidths(ToothLine(proportions))).largest[MEMBERS.index(member)])
+    least = SMALLEST_SHARE * proportions.mean_normal_module
+    return min(usual, max(least, limit)) if np.isfinite(limit) else usual
 
 
 def require_whole_tooth(pair: GearPair, member: MemberName) -> None:

@@ -24,7 +24,14 @@ from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .closest_fit import best_fit
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radii
+from .edge_radius import (
+    ToothCheck,
+    allowed_edge_radius,
+    fitting_edge_radius,
+    require_whole_tooth,
+    rounded,
+    usual_edge_radii,
+)
 from .fit_quality import BLANK_ADVICE, require_usable
 from .mean_point import mean_point_angles
 from .set_up.pinion_method import ADVICE, PinionMethod, SettingLimits
@@ -219,12 +226,12 @@ def _closest(
 def _with_fitting_edges(
     designed: PairDesign, name: MemberName, require: ToothCheck, steps: StandardSteps
 ) -> PairDesign:
-    """The design with the usual edge radius of one member made so small that its fillets fit the slot."""
+    """The design with the usual edge radius of one member made so small that blades and fillets fit the slot."""
+    pair, flank = designed.pair(), designed.gear[0] if name == "gear" else designed.pinion["drive"].surface
+    usual = allowed_edge_radius(pair, name, flank.blade.edge_radius)
+    radius = fitting_edge_radius(pair, name, usual, require, steps)
     if name == "gear":
-        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius, require, steps)
         return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
-    usual = designed.pinion["drive"].surface.blade.edge_radius
-    radius = fitting_edge_radius(designed.pair(), name, usual, require, steps)
     return replace(
         designed,
         pinion={side: replace(fit, surface=rounded(fit.surface, radius)) for side, fit in designed.pinion.items()},
