@@ -141,7 +141,7 @@ def cycle_values(
     coords["member"] = list(MEMBERS)
     coords |= {name: told[name] for name in _GRID}
     if roots is not None:
-        stress = root_stress(cycle.fields, roots, cases, loaded)
+        stress = root_stress(cycle.fields, roots, list(cases), loaded)
         values |= {name: stress[name] for name in OF_ROOTS}
     return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False))
 

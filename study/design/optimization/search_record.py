@@ -157,15 +157,19 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
     if "front" not in tree.children:
         return []
     front = tree["front"].to_dataset()
-    names = ("found", "setting", "ratio", "value", "limited")
-    of_limits = ("limit_multiplier", "low_multiplier", "high_multiplier")
     found = []
     for number in range(front.sizes["point"]):
         one = {str(name).removeprefix("front_"): front[name].values[number] for name in front.data_vars}
         found.append(
             FrontPoint(
-                *(one[name] for name in names),
-                Prices(*(one[name] for name in of_limits), float(one["multiplier"])),
+                one["found"],
+                one["setting"],
+                one["ratio"],
+                one["value"],
+                one["limited"],
+                Prices(
+                    one["limit_multiplier"], one["low_multiplier"], one["high_multiplier"], float(one["multiplier"])
+                ),
                 float(one["violation"]),
                 float(one["ceiling"]),
                 bool(one["converged"]),

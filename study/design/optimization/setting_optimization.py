@@ -275,7 +275,8 @@ def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
 
 def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
     """The settings of a result, analysed."""
-    return searching.anew(tree["optimal_settings/setting_value"].values, judgement, rounded=True)
+    values = np.asarray(tree["optimal_settings"].to_dataset()["setting_value"].values)
+    return searching.anew(values, judgement, rounded=True)
 
 
 def _fresh_samples(
