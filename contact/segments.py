@@ -19,6 +19,7 @@ from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
+from .lines.opposite_points import pinion_points
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 from .supports.mesh_wrench import MeshWrenches
@@ -38,8 +39,9 @@ class Segments:
     ----------
     pair
         Tooth pair of each segment.
-    point
-        Lengthwise and profile fractions on the gear (2, n).
+    point, pinion_point
+        Where gear and pinion are loaded: lengthwise and profile fractions on the gear (2, n), of the pinion those of
+        its conjugate contact.
     separation_angle
         Gap as a gear rotation [rad].
     lever_arm
@@ -71,6 +73,7 @@ class Segments:
 
     pair: NDArray[np.int64]
     point: Array
+    pinion_point: Array
     separation_angle: Array
     lever_arm: Array
     bending: ModalBasis
@@ -170,12 +173,12 @@ class LineSegments:
     @cached_property
     def table(self) -> dict[str, Array]:
         """Values of the segments by name, their number last."""
-        return self.names | self.loaded_at(self.quadrature[0])
+        return self.names | self.loaded_at((self.quadrature[0],) * 2)
 
     @cached_property
     def unit_loads(self) -> UnitLoads:
         """Unit loads at the quadrature points."""
-        return self.loads(self.quadrature[0])
+        return self.loads((self.quadrature[0],) * 2)
 
     @property
     def names(self) -> dict[str, Array]:
@@ -188,10 +191,10 @@ class LineSegments:
             "row": np.arange(mesh.pair.size * self.count),
         }
 
-    def loaded_at(self, points: Array) -> dict[str, Array]:
-        """Place and depths of the segments where they are loaded at points (2, m, count * g)."""
-        depths = {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()}
-        return depths | {"point": self.mean(points)}
+    def loaded_at(self, points: tuple[Array, Array]) -> dict[str, Array]:
+        """Places and depths of the segments where pinion and gear are loaded at points (2, m, count * g)."""
+        at_points = loaded_at(self.fields, points)
+        return {name: self.mean(values) for name, values in at_points.items()}
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
@@ -202,16 +205,17 @@ class LineSegments:
         materials = model.pinion, model.gear
         return [SpreadDeflection.of(self.fields, *one) for one in zip(MEMBERS, materials, strict=True)]
 
-    def loads(self, points: Array) -> UnitLoads:
-        """Unit loads on the segments where they are loaded at points (2, m, count * g)."""
+    def loads(self, points: tuple[Array, Array]) -> UnitLoads:
+        """Unit loads on the segments where pinion and gear are loaded at points (2, m, count * g)."""
         weights = self.quadrature[1]
-        on_lines = self.loads_on(np.reshape(points, (2, -1, weights.size)), weights)
-        return UnitLoads(on_lines, coupling=body_coupling(self.teeth.both))
+        pinion, gear = (np.reshape(one, (2, -1, weights.size)) for one in points)
+        return UnitLoads(self.loads_on((pinion, gear), weights), coupling=body_coupling(self.teeth.both))
 
-    def loads_on(self, points: Array, weights: Array) -> Loads:
+    def loads_on(self, points: tuple[Array, Array], weights: Array) -> Loads:
         """Both teeth's unit loads on segments (n) with quadrature points (2, n, g), see ``unit_loads``."""
         bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
-        spread = [one.loads(self.fields, points, weights).T for one in self.spread]
+        members = zip(self.spread, points, strict=False)  # no spread deflection beside plates
+        spread = [one.loads(self.fields, points[1], loaded, weights).T for one, loaded in members]
         return Loads(np.concatenate([*bending, *spread], axis=1), on_bodies)
 
     @cached_property
@@ -219,6 +223,12 @@ class LineSegments:
         """Bending compliance at every mesh position that has contact lines."""
         table, parts = _sorted(self.table)
         return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
+
+
+def loaded_at(fields: FlankSplines, points: tuple[Array, Array]) -> dict[str, Array]:
+    """Places and depths of pinion and gear where they are loaded at points (2, ...) of the gear, by name."""
+    depths = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
+    return depths | {"pinion_point": points[0], "point": points[1]}
 
 
 @dataclass(frozen=True)
@@ -277,8 +287,9 @@ class CycleSegments:
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
         edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self.edges)
-        on_lines, on_edges = self.to_edges.table, self._edge_table(edges)
-        loads = self.on_lines.loads_on(edges.elements.points[..., None], np.ones(1))
+        pinion, gear = self._loaded_on(edges)
+        on_lines, on_edges = self.to_edges.table, self._edge_table(edges, (pinion, gear))
+        loads = self.on_lines.loads_on((pinion[..., None], gear[..., None]), np.ones(1))
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
         return self._split(both, self.to_edges._unit_loads.with_edges(loads))
 
@@ -287,8 +298,14 @@ class CycleSegments:
         """Toe, heel and tip of both members."""
         return flank_edges(self.fields)
 
-    def _edge_table(self, edges: MeshEdges) -> dict[str, Array]:
-        """The table of pieces of edges."""
+    def _loaded_on(self, edges: MeshEdges) -> tuple[Array, Array]:
+        """Points (2, n) where pinion and gear are loaded on pieces of edges."""
+        mesh, points = self.on_lines.lines, edges.elements.points
+        rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
+        return pinion_points(self.fields, points, rotation), points
+
+    def _edge_table(self, edges: MeshEdges, points: tuple[Array, Array]) -> dict[str, Array]:
+        """The table of pieces of edges, on which pinion and gear are loaded at points (2, n)."""
         found, count = edges.elements, edges.pair.size
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
         wrench = {}
@@ -300,10 +317,9 @@ class CycleSegments:
             {name: getattr(found, name) for name in names}
             | wrench
             | {
-                **self.fields.evaluate(DEPTHS, found.points),
+                **loaded_at(self.fields, points),
                 "position": edges.position,
                 "pair": edges.pair,
-                "point": found.points,
                 "searched": np.zeros(count, dtype=bool),
                 "edge": found.edge,
                 "element": found.element,
@@ -331,10 +347,13 @@ class CycleSegments:
         return on_lines.names | on_lines.loaded_at(self.loaded_points) | gap
 
     @cached_property
-    def loaded_points(self) -> Array:
-        """Points (2, m, count * g) where the teeth are loaded; next to an edge a steep place for their bending."""
+    def loaded_points(self) -> tuple[Array, Array]:
+        """Points (2, m, count * g) where pinion and gear are loaded: there the flanks come closest."""
         points = self.on_lines.quadrature[0]
-        return np.clip(points + self.closest.shift, 0.0, 1.0) if self.cut else points
+        if not self.cut:
+            return points, points
+        closest = np.clip(points + self.closest.shift, 0.0, 1.0)
+        return pinion_points(self.fields, closest, line_rotations(self.on_lines.lines)[:, None]), closest
 
     @cached_property
     def _unit_loads(self) -> UnitLoads:
@@ -364,7 +383,8 @@ class CycleSegments:
             gap = here["separation_angle"], here["lever_arm"]
             wrench = here["wrench"].T if "wrench" in here else None
             piece = here["searched"], here["edge"], here["element"]
-            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), *piece, wrench)
+            places = here["point"], here["pinion_point"]
+            result[k] = Segments(here["pair"], *places, *gap, basis, contact.part(own), *piece, wrench)
         return result
 
 

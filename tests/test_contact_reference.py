@@ -79,7 +79,7 @@ def test_the_default(kept: Any) -> None:
     """Solid shells whose edges may touch, as every case has them that says nothing else.
 
     At every position of both pairs, misaligned ones too: rotation within 1.5 % of its mean, shares within 0.7 % of the
-    load (1.9 % at the toe, where edges meet), greatest pressure away from edges within 0.8 %: a line load within 1.6 %.
+    load (1.9 % at the toe, where edges meet), greatest pressure away from edges within 1 %: a line load within 2 %.
     """
     for name in kept.NAMES:
         case = kept.easeoff.read_case(kept.setting(name)[0])
@@ -91,8 +91,8 @@ def test_the_default(kept: Any) -> None:
             theirs, ours = found.peak_to_peak
             assert ours == pytest.approx(theirs, abs=0.8)
             assert found.share < (1.9 if name == "fm-11x41-toe" else 0.7)
-            assert abs(found.peak) < 0.8
-            assert found.pressure < 2.4
+            assert abs(found.peak) < 1.0
+            assert found.pressure < 3.0
 
 
 def test_shell(kept: Any) -> None:

@@ -235,16 +235,17 @@ def test_compliance_of_a_mesh_position_holds_the_bodies_of_both_members() -> Non
     assert alone is not None
     numbers = np.unique(here.pair)
     assert numbers.size > 1
-    whole, own = (one.bending.factor @ one.bending.factor.T for one in (here, alone))
+    whole, apart = (one.bending.factor @ one.bending.factor.T for one in (here, alone))
     between = here.pair[:, None] != here.pair
-    assert not own[between].any()
+    assert not apart[between].any()
     points, weights = coupled.on_lines.quadrature
     row = np.flatnonzero(coupled.on_lines.table["position"] == 1)
-    loads = coupled.on_lines.loads_on(points.reshape(2, -1, weights.size)[:, row], weights).on_bodies
+    own = points.reshape(2, -1, weights.size)[:, row]
+    loads = coupled.on_lines.loads_on((own, own), weights).on_bodies
     bodies = coupling.compliance(numbers)
     place = np.searchsorted(numbers, here.pair)
     wanted = np.einsum("iq,iqjr,jr->ij", loads, bodies[place][:, :, place], loads)
-    scale = own.max()
+    scale = apart.max()
     np.testing.assert_allclose(whole[between], wanted[between], rtol=0, atol=1e-3 * scale)
     assert wanted[between].max() > 0.02 * scale
     assert np.linalg.eigvalsh(whole)[0] > -1e-12 * scale

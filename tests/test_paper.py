@@ -31,7 +31,7 @@ FIGURES = {
     "within 0.9 % of the mean": "within 0.9 % of the mean",
     "9 % of its peak to peak and 1.8 %": "(9 % at 500 N m on `fh-12x41-45`) and 1.8 % of the load in every share",
     "within 1.2 %": "the greatest pressure of both within 1.2 %",
-    "greatest line load is within 11 %": "0.7 % of the load in every share and 11 % of the greatest line load",
+    "greatest line load is within 2 %": "0.7 % of the load in every share and 2 % of the greatest line load",
     "to $10^{-10}$ of the input": "losses with friction fed back (`test_efficiency.py`) | 1e-10 of the input",
     "within 20 %": "| 200 | 289, 240 | +20 %",
     "up to 32 % apart": "9.7, 14.2 | -32 %",

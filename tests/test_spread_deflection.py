@@ -162,7 +162,7 @@ def test_nodes_cover_the_flank_of_a_pair() -> None:
     for member in ("pinion", "gear"):
         spread = SpreadDeflection.of(cycle.fields, member, STEEL)
         points = np.array([[0.0, 0.5, 1.0], [0.8, 0.5, 0.2]])[..., None]
-        own = np.sum(spread.loads(cycle.fields, points, np.ones(1)) ** 2, axis=0)
+        own = np.sum(spread.loads(cycle.fields, points, points, np.ones(1)) ** 2, axis=0)
         step = spread.nodes[1] - spread.nodes[0]
         depth = np.maximum(cycle.fields(f"depth_{member}", points[..., 0]), 0.7 / 1.69 * step)
         endless = EVEN_LOAD_DEFLECTION * spread.flexibility / (2.0 * np.sqrt(np.pi) * 1.69 * depth)

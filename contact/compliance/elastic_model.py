@@ -207,7 +207,7 @@ def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
 def unit_loads(
     elastic: tuple[ElasticTooth, ElasticTooth],
     splines: FlankSplines,
-    points: Array,
+    points: tuple[Array, Array],
     weights: Array,
 ) -> tuple[list[Array], Array]:
     """Unit loads of each member on segments, whitened: their inner products are bending compliances.
@@ -219,7 +219,8 @@ def unit_loads(
     splines
         Splines that include ``tooth_fields``.
     points
-        Quadrature points (2, n, g) of n segments, as fractions on the gear.
+        Quadrature points (2, n, g) of n segments where pinion and gear are loaded, as fractions on the gear; see
+        ``opposite_points.pinion_points``.
     weights
         Quadrature weights (g), adding up to one: load and deflection are both averaged over a segment.
 
@@ -231,19 +232,19 @@ def unit_loads(
         the bodies of both members, the pinion's first, see ``body_coupling``.
     """
     own, on_bodies = [], []
-    for member, tooth in zip(MEMBERS, elastic, strict=True):
+    for member, tooth, at in zip(MEMBERS, elastic, points, strict=True):
         if isinstance(tooth, FlankCompliance):
-            whitened, on_body = tooth.unit_loads(member_points(splines, member, points), weights)
+            whitened, on_body = tooth.unit_loads(member_points(splines, member, at), weights)
             own.append(whitened)
             on_bodies.append(on_body)
             continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
-        height, arc, direction = splines.evaluate(names, points).values()
+        height, arc, direction = splines.evaluate(names, at).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
         own.append(tooth.whiten(vectors)[tooth.idle_size :].T)
-    return own, np.concatenate([np.empty((points.shape[1], 0)), *on_bodies], axis=1)
+    return own, np.concatenate([np.empty((points[0].shape[1], 0)), *on_bodies], axis=1)
 
 
 def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | None:

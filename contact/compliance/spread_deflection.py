@@ -57,7 +57,7 @@ class SpreadDeflection:
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     >>> spread = SpreadDeflection.of(fields, "gear", STEEL)
-    >>> spread.loads(fields, np.full((2, 4, 1), 0.5), np.ones(1)).shape == (spread.nodes.size, 4)
+    >>> spread.loads(fields, middle := np.full((2, 4, 1), 0.5), middle, np.ones(1)).shape == (spread.nodes.size, 4)
     True
     """
 
@@ -93,7 +93,7 @@ class SpreadDeflection:
         nodes = np.linspace(along.min() - beyond, along.max() + beyond, count)
         return cls(depth, 1.0 / material.plane_strain_modulus, direction, nodes)
 
-    def loads(self, splines: FlankSplines, points: Array, weights: Array) -> Array:
+    def loads(self, splines: FlankSplines, points: Array, loaded: Array, weights: Array) -> Array:
         """Unit loads on segments: their inner products are the compliances.
 
         Parameters
@@ -102,6 +102,8 @@ class SpreadDeflection:
             Splines from ``loaded_splines``.
         points
             Quadrature points (2, n, g) of n segments, as fractions on the gear.
+        loaded
+            Where the member is loaded there (2, n, g), see ``opposite_points.pinion_points``.
         weights
             Quadrature weights (g), adding up to one.
 
@@ -110,10 +112,9 @@ class SpreadDeflection:
         Array
             Y (k, n) such that Y^T Y is the compliance between the segments [mm/N].
         """
-        values = splines.evaluate(["position", self.depth], points)
-        along = np.einsum("x,x...->...", self.direction, values["position"])
+        along = np.einsum("x,x...->...", self.direction, splines("position", points))
         spacing = self.nodes[1] - self.nodes[0]
-        return gaussians(self.nodes, along, values[self.depth], self.flexibility * spacing) @ weights
+        return gaussians(self.nodes, along, splines(self.depth, loaded), self.flexibility * spacing) @ weights
 
 
 def gaussians(nodes: Array, along: Array, depth: Array, scale: float) -> Array:

@@ -66,14 +66,31 @@ def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = N
 
     They are searched from points ``near`` (2, k) if given, where these are not NaN.
     """
-    points = _nearest_of_lattice(splines, nodes) if near is None else near
+    points = _searched(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
+    found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
+    return np.where(found, points, np.nan)
+
+
+def pinion_points(splines: FlankSplines, points: Array, rotations: Array) -> Array:
+    """Where on the gear the pinion points opposite points (2, ...) at pinion rotations (...) are in conjugate contact.
+
+    At a rotation other than that of its conjugate contact a point of the gear faces another point of the pinion than
+    in it. What is known of the pinion on the gear flank is to be read where this function says.
+    """
+    flat = np.reshape(points, (2, -1))
+    left = np.reshape(np.broadcast_to(rotations, np.shape(points)[1:]), -1) - splines("roll_angle", flat)
+    opposite = OppositePoints.of(splines, flat).after(left)
+    return _searched(splines, opposite, flat).reshape(np.shape(points))
+
+
+def _searched(splines: FlankSplines, nodes: Array, points: Array) -> Array:
+    """Points (2, k) on the gear or near it in conjugate contact with pinion points (2, k), from others near them."""
     for _ in range(SEARCH_ITERATIONS):
         opposite, before = OppositePoints.of(splines, points), points
         points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
         if not np.any(np.abs(points - before) > SEARCH_TOLERANCE):
             break
-    found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
-    return np.where(found, points, np.nan)
+    return points
 
 
 def _nearest_of_lattice(splines: FlankSplines, nodes: Array) -> Array:

@@ -75,21 +75,21 @@ def root_stress(
     pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, LENGTHWISE_STATION_COUNT)
     shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
     known = np.zeros(shape[:2], dtype=bool)
-    where, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    where, force, column = [np.empty((2, 2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
     for case in certified:
         known[case.torque, case.mesh_position] = True
-        where.append(case.segments.point)
+        where.append(np.stack([case.segments.pinion_point, case.segments.point]))
         force.append(case.solution.force)
         tooth_pair = np.searchsorted(pairs, case.segments.pair)
         column.append(np.ravel_multi_index((case.torque, case.mesh_position, tooth_pair), shape))
-    points, forces, columns = np.concatenate(where, axis=1), np.concatenate(force), np.concatenate(column)
+    points, forces, columns = np.concatenate(where, axis=2), np.concatenate(force), np.concatenate(column)
     history = np.full((shape[0], 2, *shape[1:]), np.nan)
     greatest = np.full((shape[0], 2), np.nan)
     along = np.full((shape[0], 2, LENGTHWISE_STATION_COUNT), np.nan)
     for member, tooth in enumerate(teeth):
         if tooth.root is None:
             raise InputError(tooth.no_root)
-        on_member = member_points(splines, MEMBERS[member], points)
+        on_member = member_points(splines, MEMBERS[member], points[member])
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(
             ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),

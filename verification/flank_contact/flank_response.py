@@ -25,7 +25,7 @@ from ...geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lat
 from .surface_compliance import surface_compliance
 
 Array = NDArray[Any]
-EDGE_BRICK_RATIO = 0.2  # thickness of the bricks at tip, toe and heel over that of the others
+EDGE_BRICK_RATIO = 0.07  # thickness of the bricks at tip, toe and heel over that of the others
 LOADED_PROFILE_LIMIT = 0.02  # of the nodes that are loaded; the fillet below is too strongly curved for a half space
 STORE_VERSION = 1  # of what is kept; raise it when the same input gives other arrays
 

@@ -84,15 +84,15 @@ class BendingSlopes:
         """
         on_lines = segments.segments.on_lines
         points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
-        change = directions.slopes.evaluate(list(PINION_FRACTIONS), points)
-        slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES)]
+        change = directions.slopes.evaluate(list(PINION_FRACTIONS), points[0])
+        slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points[0], SLOPES)]
         on_pinion = np.moveaxis(np.stack(list(change.values())), 1, -1)
-        on_pinion = on_pinion + slopes[0][..., None] * moved[0] + slopes[1][..., None] * moved[1]
-        members = []
-        for member, tooth, motion in zip(MEMBERS, on_lines.teeth.both, (on_pinion, moved), strict=True):
+        on_pinion = on_pinion + slopes[0][..., None] * moved[0][0] + slopes[1][..., None] * moved[0][1]
+        members, motions = [], (on_pinion, moved[1])
+        for member, tooth, loaded, motion in zip(MEMBERS, on_lines.teeth.both, points, motions, strict=True):
             if not isinstance(tooth, FlankCompliance):
                 raise InputError("compliance.model = 'shell': derivatives need solid shells or finite elements")
-            at = member_points(on_lines.fields, member, points)
+            at = member_points(on_lines.fields, member, loaded)
             loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
             members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
@@ -171,27 +171,19 @@ def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
 def _spread(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
     """Unit loads (n, k) of the spread deflection of both members, and their derivatives (j, n, k)."""
     points, weights = segments.points, on_lines.quadrature[1]
-    size = points.shape[1]
+    size = points[1].shape[1]
     if not on_lines.spread:
         return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
     materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
     found = []
-    for member, material, spread in zip(MEMBERS, materials, on_lines.spread, strict=True):
-        names = ["position", spread.depth]
-        place = on_lines.fields.evaluate(names, points)
-        change = directions.slopes.evaluate(names, points)
-        tangents = directions.base.derivatives(names, points, SLOPES)
-        moved, deeper = (
-            np.moveaxis(change[name], -3, -1)
-            + sum(tangent[name][..., None] * way for tangent, way in zip(tangents, segments.motion, strict=True))
-            for name in names
-        )
+    position, moved = _with_motion(directions, "position", points[1], segments.motion[1])
+    members = zip(MEMBERS, materials, on_lines.spread, points, segments.motion, strict=True)
+    for member, material, spread, loaded, motion in members:
+        depth, deeper = _with_motion(directions, spread.depth, loaded, motion)
         turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
-        along = np.einsum("x,xmq->mq", spread.direction, place["position"])
-        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum(
-            "xmq,jx->mqj", place["position"], turned
-        )
-        unit = _Gaussians(spread, along, place[spread.depth])
+        along = np.einsum("x,xmq->mq", spread.direction, position)
+        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum("xmq,jx->mqj", position, turned)
+        unit = _Gaussians(spread, along, depth)
         # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
         by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
         slope = np.einsum("kng,ngj,g->jnk", by_shift, shifted - along_moved, weights, optimize=True)
@@ -200,6 +192,14 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
     loads, slopes = zip(*found, strict=True)
     return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _with_motion(directions: FieldDirections, name: str, points: Array, motion: Array) -> tuple[Array, Array]:
+    """Values (..., n, g) of a field at points (2, n, g), and their derivatives (..., n, g, j) as these move."""
+    change = np.moveaxis(directions.slopes(name, points), -3, -1)
+    tangents = directions.base.derivatives([name], points, SLOPES)
+    moved = sum(tangent[name][..., None] * way for tangent, way in zip(tangents, motion, strict=True))
+    return directions.base(name, points), change + moved
 
 
 def _nodes_motion(

@@ -43,8 +43,8 @@ class CaseSlopes:
         Of the segments (n, j) [N, MPa].
     moment
         Of the segments' moments about the gear axis (n, j) [N mm].
-    place
-        Of the segments' places (2, n, j), as fractions on the gear.
+    place, pinion_place
+        Of the places where gear and pinion are loaded (2, n, j), see ``Segments``.
     length, equivalent_radius
         Of these (n, j) [mm]. As the places those of edges without load are left at zero.
     """
@@ -55,6 +55,7 @@ class CaseSlopes:
     pressure: Array
     moment: Array
     place: Array
+    pinion_place: Array
     length: Array
     equivalent_radius: Array
 
@@ -87,10 +88,12 @@ def case_slopes(
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
         own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
         bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
-        place = np.stack([_among(values[rows[known]], known, rows.size) for values in slopes.places])
+        pinion, gear = (
+            np.stack([_among(values[rows[known]], known, rows.size) for values in one]) for one in slopes.places
+        )
         sizes = _sizes(here.line_contact, own)
         bent = bent + sum(softer[name][:, None] * change for name, change in sizes.items())
-        result.append(_case(case, own | sizes, bent, place, torque_slope))
+        result.append(_case(case, own | sizes, bent, (pinion, gear), torque_slope))
     return result
 
 
@@ -101,7 +104,9 @@ def _among(values: Array, rows: Array, count: int) -> Array:
     return every
 
 
-def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array, torque_slope: float) -> CaseSlopes:
+def _case(
+    case: LoadedCase, slopes: dict[str, Array], bent: Array, places: tuple[Array, Array], torque_slope: float
+) -> CaseSlopes:
     here, solution = case.segments, case.solution
     force, contact = solution.force, here.line_contact
     arm, count = slopes["lever_arm"], bent.shape[1]
@@ -122,10 +127,9 @@ def _case(case: LoadedCase, slopes: dict[str, Array], bent: Array, place: Array,
     of_load = of_load - with_torque(slopes["equivalent_radius"] / contact.equivalent_radius[:, None])
     pressure = 0.5 * contact.pressure(force)[:, None] * of_load
     moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
-    own = place[0], place[1], slopes["length"], slopes["equivalent_radius"]
-    lengthwise, profile, length, radius = (with_torque(values) for values in own)
-    of_place = np.stack([lengthwise, profile])
-    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, of_place, length, radius)
+    length, radius = (with_torque(slopes[name]) for name in ("length", "equivalent_radius"))
+    pinion, gear = (np.stack([with_torque(values) for values in one]) for one in places)
+    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, gear, pinion, length, radius)
 
 
 def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Array]:

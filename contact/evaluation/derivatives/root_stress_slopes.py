@@ -54,9 +54,10 @@ def root_stress_slopes(
         here, force = one.case.segments, one.case.solution.force
         at = one.case.torque, slice(None), one.case.mesh_position
         column = np.searchsorted(pairs, here.pair)
-        for member, tooth in enumerate(teeth):
+        places = (here.pinion_point, one.pinion_place), (here.point, one.place)
+        for member, (tooth, place) in enumerate(zip(teeth, places, strict=True)):
             assert tooth.root is not None  # or there were no stress
-            points, motion = _on_member(directions, MEMBERS[member], here.point, one.place)
+            points, motion = _on_member(directions, MEMBERS[member], *place)
             grid = tooth.flank.lengthwise, tooth.flank.profile
             nodes, shares = flank_shares(*grid, points)
             on_nodes = np.zeros((tooth.flank.profile.size, pairs.size))
@@ -83,7 +84,7 @@ def root_stress_slopes(
 
 
 def _on_member(directions: FieldDirections, member: str, points: Array, motion: Array) -> tuple[Array, Array]:
-    """Fractions (2, n) on a member of points (2, n) on the gear, and their derivatives (2, n, j)."""
+    """Fractions (2, n) on a member of points (2, n) where it is loaded, and their derivatives (2, n, j)."""
     if member == "gear":
         return points, motion
     change = np.stack(list(directions.slopes.evaluate(list(PINION_FRACTIONS), points).values()))

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from ...lines.contact_lines import ContactLines
 from ...lines.line_ends import line_rotations
 from ...lines.mesh_edges import FlankEdge, chosen_elements, flank_edges
+from ...lines.opposite_points import pinion_points
 from ...loaded_cases import LoadedCase
-from ...segments import DEPTHS, CycleSegments
+from ...segments import DEPTHS, CycleSegments, loaded_at
 from .field_directions import FieldDirections
 from .line_motion import LineMotion
 
@@ -73,7 +74,7 @@ class SegmentSlopes:
     slopes
         Derivatives (n, j) by name; NaN where the setting at hand takes a line away.
     points
-        Where the teeth are loaded (2, n, g), as fractions on the gear.
+        Where pinion and gear are loaded (2, n, g), as fractions on the gear, see ``Segments``.
     motion
         Derivatives of these points (2, n, g, j).
     steps
@@ -83,8 +84,8 @@ class SegmentSlopes:
     segments: CycleSegments
     pieces: EdgePieces
     slopes: dict[str, Array]
-    points: Array
-    motion: Array
+    points: tuple[Array, Array]
+    motion: tuple[Array, Array]
     steps: Array
 
     @classmethod
@@ -113,12 +114,14 @@ class SegmentSlopes:
             ahead, behind = (_moved(segments, own, directions, motion, known, j, sign * step) for sign in (1.0, -1.0))
             columns.append((ahead - behind).times(0.5 / step))
         slopes = {name: np.stack([one.values[name] for one in columns], axis=-1) for name in NAMES}
-        return cls(own, known, slopes, here.points, np.stack([one.points for one in columns], axis=-1), steps)
+        pinion, gear = (np.stack([one.points[member] for one in columns], axis=-1) for member in (0, 1))
+        return cls(own, known, slopes, here.points, (pinion, gear), steps)
 
     @property
-    def places(self) -> Array:
-        """Derivatives (2, n, j) of the segments' places, the means of the points where the teeth are loaded."""
-        return np.asarray(np.einsum("xngj,g->xnj", self.motion, self.segments.on_lines.quadrature[1]))
+    def places(self) -> tuple[Array, Array]:
+        """Derivatives (2, n, j) of the segments' places on pinion and gear, the means of the points."""
+        pinion, gear = (np.einsum("xngj,g->xnj", one, self.segments.on_lines.quadrature[1]) for one in self.motion)
+        return pinion, gear
 
     def rows(self, case: LoadedCase) -> NDArray[np.int64]:
         """Numbers of a case's segments (s) among these; -1 for pieces of edges that are not."""
@@ -131,10 +134,10 @@ class SegmentSlopes:
 
 @dataclass(frozen=True)
 class _Loaded:
-    """Values of segments (n) by name, and the points (2, n, g) where the teeth are loaded."""
+    """Values of segments (n) by name, and the points (2, n, g) where pinion and gear are loaded."""
 
     values: dict[str, Array]
-    points: Array
+    points: tuple[Array, Array]
 
     @classmethod
     def of(
@@ -147,28 +150,30 @@ class _Loaded:
         """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
         table, weights = own.table, own.on_lines.quadrature[1]
         values = {name: table[name] for name in NAMES}
-        points = own.loaded_points.reshape(2, -1, weights.size)
+        pinion, gear = (one.reshape(2, -1, weights.size) for one in own.loaded_points)
         if not pieces.keys.size:
-            return cls(values, points)
+            return cls(values, (pinion, gear))
         position, pair, edge, element = pieces.keys.T
         mesh = traced.on_lines.lines
         rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
         edges = traced.edges if near is None else flank_edges(traced.fields, near)
         found = chosen_elements(traced.fields, rotation, edges, edge, element)
         on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
-        on_edges |= traced.fields.evaluate(DEPTHS, found.points)
-        every = np.repeat(found.points[..., None], weights.size, axis=-1)
+        there = pinion_points(traced.fields, found.points, rotation), found.points
+        on_edges |= loaded_at(traced.fields, there)
         joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
-        return cls(joined, np.concatenate([points, every], axis=1))
+        on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
+        return cls(joined, (np.concatenate([pinion, on_pinion], axis=1), np.concatenate([gear, on_gear], axis=1)))
 
     def __sub__(self, other: _Loaded) -> _Loaded:
-        return _Loaded(
-            {name: value - other.values[name] for name, value in self.values.items()}, self.points - other.points
-        )
+        pinion, gear = (one - another for one, another in zip(self.points, other.points, strict=True))
+        return _Loaded({name: value - other.values[name] for name, value in self.values.items()}, (pinion, gear))
 
     def times(self, factor: float) -> _Loaded:
         """All of it times a number."""
-        return _Loaded({name: factor * value for name, value in self.values.items()}, factor * self.points)
+        pinion, gear = self.points
+        values = {name: factor * value for name, value in self.values.items()}
+        return _Loaded(values, (factor * pinion, factor * gear))
 
 
 def _moved(
