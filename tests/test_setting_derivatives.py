@@ -264,7 +264,7 @@ def test_unloaded_contact_agrees_with_whole_analyses(name: str, flank: FlankName
     )
     own = 1e-6 * slopes["unloaded_transmission_error_envelope"].values
     for number, setting in enumerate(settings):
-        step = 3e-4 * setting.scale
+        step = 1e-4 * setting.scale
         cycles = [
             MeshCycle.of(pair_geometry(setting.moved(pair, sign * step)), mesh_positions=8) for sign in (1.0, -1.0)
         ]
@@ -274,7 +274,7 @@ def test_unloaded_contact_agrees_with_whole_analyses(name: str, flank: FlankName
         # All of them, but where the carrying pair changes just there.
         away = np.abs(change - own[:, number])
         assert np.sort(away)[:-1].max() < 3e-6 * size + 1e-10, setting
-        step = 3e-3 * setting.scale
+        step = 1e-3 * setting.scale
         far, near = (range_of(pair_geometry(setting.moved(pair, sign * step))) for sign in (1.0, -1.0))
         found = 1e-6 * slopes["unloaded_peak_to_peak"].values[number]
         assert found == pytest.approx((far - near) / (2.0 * step), abs=3e-4 * size + 1e-9), setting
