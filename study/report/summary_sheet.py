@@ -12,6 +12,7 @@ from ...cases.conversion import gear_pair
 from ...cases.recording import with_blanks
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
+from ...cases.schema.usual_names import motion_name, usual_name
 from ...core.errors import GeometryError, InputError
 from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ...geometry.design.agma929.measured_proportions import measured_proportions
@@ -20,41 +21,6 @@ from ...geometry.pair.gear_pair import FlankName
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
 from ..design.tooth_spaces import ToothSpaces, tooth_spaces
 
-#: Usual names of the settings beside those of REXS and of case files.
-USUAL_NAMES: Mapping[str, str] = {
-    "radial_distance": "radial setting",
-    "cradle_angle": "basic cradle angle",
-    "horizontal_distance": "horizontal setting",
-    "vertical_distance": "vertical setting",
-    "machine_root_angle": "machine root angle",
-    "work_offset": "blank offset",
-    "sliding_base": "sliding base",
-    "machine_center_to_crossing_point": "machine centre to back",
-    "cutter_tilt": "tilt",
-    "cutter_swivel": "swivel",
-    "ratio_of_roll": "ratio of roll",
-    "modified_roll_2c": "modified roll 2C",
-    "modified_roll_6d": "modified roll 6D",
-    "modified_roll_24e": "modified roll 24E",
-    "modified_roll_120f": "modified roll 120F",
-    "modified_roll_720g": "modified roll 720G",
-    "blade_point_radius": "cutter point radius",
-    "blade_pressure_angle": "blade angle",
-    "blade_offset_angle": "blade offset angle",
-    "blade_rake_angle": "blade rake angle",
-    "blade_hook_angle": "blade hook angle",
-    "blade_spheric_radius": "profile radius",
-    "blade_reference_height": "reference height",
-    "tool_edge_radius": "edge radius",
-    "toprem_depth": "toprem depth",
-    "toprem_angle": "toprem angle",
-    "toprem_radius": "toprem radius",
-    "flankrem_depth": "flankrem depth",
-    "flankrem_angle": "flankrem angle",
-    "flankrem_radius": "flankrem radius",
-    "number_of_blade_groups": "blade groups",
-}
-MOTION_NAMES = {"sliding_base": "helical motion", "work_offset": "vertical motion", "radial_distance": "radial motion"}
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
 NO_VALUE = "-"
@@ -222,7 +188,7 @@ def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tupl
         if not any(values):
             continue
         unit = "deg" if key.endswith(ANGULAR) else "mm" if key.endswith(LENGTHS) else ""
-        yield USUAL_NAMES[key], key, unit, *_row(values, step_of_key(steps, table, key))
+        yield usual_name(key), key, unit, *_row(values, step_of_key(steps, table, key))
     if table == "cutter":
         yield from _point_width(case)
 
@@ -233,9 +199,8 @@ def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> I
         for order in range(max(len(each[key]) for each in motions)):
             values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
             unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
-            usual = MOTION_NAMES.get(key, f"motion of {USUAL_NAMES[key]}")
             yield (
-                f"{usual}, order {order + 1}",
+                f"{motion_name(key)}, order {order + 1}",
                 f"motions.{key}",
                 unit,
                 *_row(values, step_of_key(steps, "motions", key)),

@@ -139,7 +139,19 @@ def doubts(tree: xr.DataTree) -> list[str]:
     loaded = tree["loaded"].to_dataset()
     contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
     supported = [*added_notes(tree), *deflection_notes(tree), *supports_notes(tree)]
-    return [*plausibility(tree), *supported, *contact, *ranges]
+    return [*plausibility(tree), *supported, *contact, *_searched(loaded), *ranges]
+
+
+def _searched(loaded: xr.Dataset) -> list[str]:
+    """Note on segments whose closest approach was searched for."""
+    searched = int(loaded.attrs.get("searched_segments", 0))  # older results lack the attribute
+    if not searched:
+        return []
+    lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
+    return [
+        f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
+        "approach was searched for; forces and pressures there are approximate."
+    ]
 
 
 def outcome(tree: xr.DataTree) -> str:
@@ -196,15 +208,6 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
 def result_notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *doubts(tree)]
-    # Older results lack the attribute.
-    searched = int(tree["loaded"].attrs.get("searched_segments", 0))
-    if searched:
-        loaded = tree["loaded"].to_dataset()
-        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
-        notes.append(
-            f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
-            "approach was searched for; forces and pressures there are approximate."
-        )
     if tree.attrs["opposite_flanks"] != "given":
         notes.append(
             "Note: the case does not describe all four flanks; the missing ones were assumed to have the same "
