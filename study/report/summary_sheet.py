@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
 from tabulate import tabulate
 
-from ...cases.conversion import gear_pair
 from ...cases.recording import with_blanks
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...cases.schema.usual_names import motion_name, usual_name
-from ...core.errors import GeometryError, InputError
 from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
-from ...geometry.design.agma929.measured_proportions import measured_proportions
-from ...geometry.design.pair_design import SIDES
 from ...geometry.pair.gear_pair import FlankName
+from ..design.pair_warnings import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
-from ..design.tooth_spaces import ToothSpaces, tooth_spaces
 
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
 NO_VALUE = "-"
+WIDTH = 100  # [characters] of the notes
 
 
 @dataclass(frozen=True)
@@ -38,6 +36,8 @@ class SummarySheet:
         Tables by heading, a row of texts each, the first row the head.
     effects
         What rounding changes of the ease-off, a line a side.
+    notes
+        What the settings are not made for, and what is doubtful of the teeth, a line each, above the tables.
 
     Examples
     --------
@@ -49,10 +49,11 @@ class SummarySheet:
     title: str
     tables: Mapping[str, tuple[tuple[str, ...], ...]]
     effects: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
     def text(self) -> str:
         """The sheet as text."""
-        parts = [self.title]
+        parts = [self.title, *(["\n".join(textwrap.fill(note, WIDTH) for note in self.notes)] if self.notes else [])]
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
             parts += [heading, table]
@@ -60,7 +61,7 @@ class SummarySheet:
 
     def page(self) -> str:
         """The sheet as an HTML page that needs nothing else."""
-        parts = []
+        parts = [f'<p class="note">{escape(note)}</p>' for note in self.notes]
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
             parts += [f"<h2>{escape(heading)}</h2>", table]
@@ -76,6 +77,7 @@ PAGE = """<!DOCTYPE html>
 <style>
 body {{ font-family: sans-serif; margin: 2em; }}
 table {{ border-collapse: collapse; }}
+.note {{ max-width: 60em; padding: 0.4em 0.8em; border-left: 4px solid #c60; background: #fff4e5; }}
 th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
 </style>
 </head>
@@ -100,8 +102,8 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     Returns
     -------
     SummarySheet
-        Blanks, cutters and machine settings of every flank, with the resolution of each setting and what rounding
-        changes of the ease-off.
+        Blanks, cutters and machine settings of every flank, with the resolution of each setting, what rounding changes
+        of the ease-off, and notes on set-ups and teeth.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     steps = resolution or USUAL_RESOLUTION
     rounded = with_blanks(rounded_case(case, steps))
     effect = rounding_effect(case, rounded_case(case, steps))
-    spaces = _spaces(rounded)
+    spaces, warnings = case_warnings(rounded)
     return SummarySheet(
         case.title,
         {
@@ -128,16 +130,8 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
             **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
         },
         tuple(effect_line(side, value) for side, value in effect.items()),
+        (*unusual_set_ups(case), *(f"warning: {text}" for text in warnings)),
     )
-
-
-def _spaces(case: Case) -> ToothSpaces | None:
-    """Top lands, slots and fillets of the rounded teeth; ``None`` where a flank is missing or makes no tooth."""
-    try:
-        drive, coast = (gear_pair(case, side) for side in SIDES)
-        return tooth_spaces(drive, coast, measured_proportions(drive))
-    except (InputError, GeometryError):
-        return None
 
 
 def effect_line(side: FlankName, effect: float) -> str:
