@@ -121,10 +121,10 @@ def test_sheet_tells_what_is_doubtful_of_the_teeth_on_every_way_out(tmp_path: Pa
     for name in ("sheet.txt", "sheet.html"):
         outcome = CliRunner().invoke(main, ["sheet", str(tmp_path / "case.toml"), "-o", str(tmp_path / name)])
         assert outcome.exit_code == 0, outcome.output
-        assert "warning: the gear's" in outcome.stderr
+        assert "Warning: the gear's" in outcome.stderr
         text = (tmp_path / name).read_text(encoding="utf-8")
-        assert 0 < text.index("warning: the gear") < text.index("Blanks")
-    assert not any("warning" in note for note in summary_sheet(read_case("nasa-12x36")).notes)
+        assert 0 < text.index("Warning: the gear") < text.index("Blanks")
+    assert not any("Warning" in note for note in summary_sheet(read_case("nasa-12x36")).notes)
 
 
 def test_half_a_pair_says_that_its_teeth_are_not_checked() -> None:

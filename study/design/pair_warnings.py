@@ -97,7 +97,7 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
         return ()
     flanks, own = ("flanks have", "set-ups of their own") if len(found) > 1 else ("flank has", "a set-up of its own")
     return (
-        f"note: the pinion's {' and '.join(found)} {flanks} tilt and modified roll in {own}, as the closest fit "
+        f"Note: the pinion's {' and '.join(found)} {flanks} tilt and modified roll in {own}, as the closest fit "
         "gives for analysis; the methods of the shop (fixed_setting, modified_roll, tilt, completing) make none such",
     )
 

@@ -17,6 +17,7 @@ from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineReso
 from ...geometry.pair.gear_pair import FlankName
 from ..design.pair_warnings import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
+from .notes.executed_settings import execution_note
 
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
@@ -130,7 +131,7 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
             **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
         },
         tuple(effect_line(side, value) for side, value in effect.items()),
-        (*unusual_set_ups(case), *(f"warning: {text}" for text in warnings)),
+        (*execution_note(case.corrected_flanks), *unusual_set_ups(case), *(f"Warning: {text}" for text in warnings)),
     )
 
 

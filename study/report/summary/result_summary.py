@@ -16,6 +16,7 @@ from ..key_numbers import key_numbers
 from ..model_name import model_name
 from ..notes.edge_load import edge_notes
 from ..notes.end_pressure import end_notes
+from ..notes.executed_settings import executed_settings
 from ..notes.plausibility import plausibility
 from ..notes.pressure_jumps import jump_notes
 from ..notes.ranges import range_notes
@@ -207,7 +208,7 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
 
 def result_notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
-    notes = [*uncertified(tree), *doubts(tree)]
+    notes = [*executed_settings(tree), *uncertified(tree), *doubts(tree)]
     if tree.attrs["opposite_flanks"] != "given":
         notes.append(
             "Note: the case does not describe all four flanks; the missing ones were assumed to have the same "
