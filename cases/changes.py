@@ -15,15 +15,16 @@ from ..core.suggestion import suggestion
 from .conversion import designed_blanks
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
+from .schema.usual_names import usual_name
 
 
 def numeric_keys() -> dict[str, tuple[str, str]]:
-    """Unit and meaning of every number of a case file by its dotted key.
+    """Unit and usual name of every number of a case file by its dotted key.
 
     Examples
     --------
     >>> numeric_keys()["pinion.concave.machine.radial_distance"]
-    ('mm', 'cutter centre to cradle axis')
+    ('mm', 'radial setting')
     """
     return dict(_every_key())
 
@@ -42,7 +43,7 @@ def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str
         elif _is_number(field):
             extra = field.json_schema_extra
             unit = str(extra["unit"]) if isinstance(extra, dict) else "1"
-            found.append((f"{prefix}{name}", (unit, (field.description or name).rpartition(" [")[0] or name)))
+            found.append((f"{prefix}{name}", (unit, usual_name(name))))
     return found
 
 
@@ -61,7 +62,7 @@ def _is_number(field: FieldInfo) -> bool:
 
 
 def require_numeric_key(key: str) -> tuple[str, str]:
-    """Unit and meaning of a number of a case file.
+    """Unit and usual name of a number of a case file.
 
     Raises
     ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -93,6 +94,20 @@ def test_show_prints_the_table(result: Path) -> None:
     assert found.exit_code == 0
     for word in ("NASA 12x36", "peak to peak", "certified", "4 of 4", "drive"):
         assert word in found.output
+
+
+def test_run_and_show_print_the_same_notes(case: Path, tmp_path: Path) -> None:
+    """With segments whose closest approach was searched for, and a flank that the case leaves out."""
+    text = case.read_text(encoding="utf-8")
+    (tmp_path / "half.toml").write_text(re.sub(r"\[gear\.concave\..*?(?=\n\[(?!gear\.concave))", "", text, flags=re.S))
+    found = call(
+        "run", f"{tmp_path}/half.toml", "-o", f"{tmp_path}/x.nc", "--torque", "100", "--misalignment", "Sigma=2"
+    )
+    assert found.exit_code == 0, found.output
+    told = [line for line in found.stderr.splitlines() if line.startswith("Note:")]
+    shown = call("show", f"{tmp_path}/x.nc").output.split("\nNote:", 1)[1]
+    assert " ".join(told) == " ".join(f"Note:{shown}".split())
+    assert sum("assumed" in line for line in told) == 1
 
 
 def test_plot_draws_pictures(result: Path, tmp_path: Path) -> None:

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from report_content import content
 
 import easeoff
 from easeoff import GeometryError, InputError, plot
-from easeoff.cases import gear_pair, read_case, write_case
+from easeoff.cases import case_toml, gear_pair, read_case, write_case
+from easeoff.cases.changes import changed_case
 from easeoff.geometry import (
     GlobalErrors,
     corrective_settings,
@@ -32,9 +34,12 @@ from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.tooth_body import middle_angle
 from easeoff.geometry.tooth.tooth_flanks import Side
-from easeoff.study import correct_case, measured_file
+from easeoff.study import correct_case, measured_file, summary_sheet
 from easeoff.study.cli import main
+from easeoff.study.report.contact_report.report_file import report_page
 from easeoff.study.report.correction_report import correction_report
+from easeoff.study.report.summary.load_case_summary import load_case_notes
+from easeoff.study.report.summary.result_summary import result_notes
 from easeoff.verification import CORRECTION_LOOPS, correction_loop
 from easeoff.verification.measuring.correction_loop import (
     FORMATE,
@@ -362,6 +367,7 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(matrices: di
     before, after = (measured_case(case, one, "gear", errors) for one in (case, corrected))
     assert greatest(after) < 0.03 * greatest(before)
     assert "Settings to execute, by easeoff correct from fm-11x41" in output.read_text(encoding="utf-8")
+    assert corrected.corrected_flanks == ("gear concave", "gear convex")
     # The file is sealed: it is replaced while nobody has edited it.
     assert call("correct", "fm-11x41", *given, "-o", output).exit_code == 0
     output.write_text(output.read_text(encoding="utf-8").replace("11x41", "mine"), encoding="utf-8")
@@ -372,6 +378,25 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(matrices: di
         done = call("correct", "fm-11x41", *given, "--set-up", other, "--free", "machine_root_angle")
         assert done.exit_code == 0
         assert ("one set-up" in done.output) == (other == "shared")
+
+
+def test_sheet_result_and_report_tell_settings_to_execute(tmp_path: Path) -> None:
+    """Once each, from the mark in the case file; of load cases once for all."""
+    size = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    case = changed_case(read_case("nasa-12x36"), {f"contact.{key}": value for key, value in size.items()})
+    write_case(case.model_copy(update={"corrected_flanks": ("gear convex",)}), tmp_path / "corrected.toml")
+    marked = read_case(tmp_path / "corrected.toml")
+    tree = easeoff.analyze(marked, torques=[100.0])
+    row = easeoff.cases.LoadCase(torque=100.0)
+    both = easeoff.study.analyze_load_cases(marked, [row, row.model_copy(update={"torque": 150.0})])
+    page = content(report_page({"a": tree}))["results"][0]["notes"]
+    for notes in (summary_sheet(marked).notes, result_notes(tree), load_case_notes(both), page):
+        assert [note.startswith("Note: the settings of gear convex") for note in notes].count(True) == 1
+    assert not any("settings of" in note for note in result_notes(easeoff.analyze(case, torques=[100.0])))
+    for value in ('["gear left"]', '"gear convex"'):
+        text = f"corrected_flanks = {value}\n{case_toml(case)}"
+        with pytest.raises(easeoff.InputError, match="corrected_flanks"):
+            easeoff.cases.parse_case(text)
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
 from easeoff.study.cli import main
 from easeoff.study.design.case_design import design_case
-from easeoff.study.design.design_check import _off_the_root
+from easeoff.study.design.pair_warnings import off_the_root
 
 
 def bevel(teeth: tuple[int, int], spiral: float, module: float = 4.0, *, hobbed: bool = False) -> BlankDesign:
@@ -238,12 +238,12 @@ def test_a_narrow_slot_is_told_with_what_was_tried(model: str) -> None:
 
 
 def test_lost_root_is_told_and_does_not_hide_the_rest() -> None:
-    told = _off_the_root(np.array([math.nan, 1.44, 0.1]), 0.86, True)
+    told = list(off_the_root("pinion", np.array([math.nan, 1.44, 0.1]), 0.86))
     assert len(told) == 2
     assert "1.44 mm" in told[0]
     assert "0.86 mm" in told[0]
     assert "toe" in told[1]
-    assert _off_the_root(np.array([0.1, -0.2, 0.1]), 0.86, True) == []
+    assert list(off_the_root("pinion", np.array([0.1, -0.2, 0.1]), 0.86)) == []
 
 
 def test_edge_radius_is_that_of_the_basic_rack_up_to_the_limit_of_agma_929() -> None:

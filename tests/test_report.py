@@ -20,19 +20,20 @@ from report_content import coarse, content, unpacked
 from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, write_result
-from easeoff.cases import Deflections, LoadCase
+from easeoff.cases import Deflections, LoadCase, read_case
 from easeoff.contact import Status
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
 from easeoff.friction.surface_velocities import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
-from easeoff.study import analyze_load_cases, key_numbers, write_report
+from easeoff.study import analyze_load_cases, key_numbers, summary_sheet, write_report
 from easeoff.study.cli import main
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.contact_report import flank_raster, mesh_scene, packed_array, stored_case
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT
 from easeoff.study.report.contact_report.report_file import report_page
+from easeoff.study.report.contact_report.report_tables import case_tables
 
 Array = NDArray[Any]
 SIZE_LIMIT = 6e6  # [byte] of a report
@@ -175,6 +176,18 @@ def test_numbers_of_the_page_are_the_key_numbers(drive: xr.DataTree) -> None:
     heads = result["friction"]["table"]["heads"]
     efficiency = [float(row[heads.index("efficiency [%]")]) for row in result["friction"]["table"]["rows"]]
     assert np.allclose(efficiency, 100.0 * drive["friction"].to_dataset()["efficiency"].values.ravel(), atol=0.005)
+
+
+def test_names_in_the_tables_of_the_case_name_what_the_key_holds() -> None:
+    """Each shares a word with its key, is alone in its table, and is what the summary sheet says."""
+    case = read_case("fh-design-a")
+    sheet = {row[1]: row[0] for table in summary_sheet(case).tables.values() for row in table}
+    for table in case_tables(case):
+        rows = [(str(name), str(key).rpartition(".")[2]) for name, _, key, *_ in table["rows"] if key]
+        assert len({name for name, _ in rows}) == len(rows)
+        for name, key in rows:
+            assert set(re.findall(r"[a-z0-9]+", name.lower())) & set(key.split("_")), (name, key)
+            assert sheet.get(key, name) == name
 
 
 def test_stiffness_and_error_along_the_normal_are_those_of_a_rigid_lever(drive: xr.DataTree) -> None:

@@ -12,11 +12,13 @@ import pytest
 from click.testing import CliRunner
 
 from easeoff import InputError
-from easeoff.cases import case_toml, gear_pair, parse_case, read_case, shipped_cases
+from easeoff.cases import case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
+from easeoff.cases.changes import changed_case
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import rounded_case, rounding_effect, summary_sheet
 from easeoff.study.cli import main
-from easeoff.study.design.rounded_settings import step_of_key
+from easeoff.study.design.pair_warnings import case_warnings, unusual_set_ups
+from easeoff.study.design.rounded_settings import FLANKS, step_of_key
 
 SIDES: tuple[Any, Any] = ("drive", "coast")
 COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
@@ -96,6 +98,55 @@ def test_sheet_holds_the_settings_as_text_and_as_a_page() -> None:
         assert word in made.text()
         assert word in page.cells
     assert re.search(r"drive: rounding the settings changes the ease-off by up to \d", made.text())
+
+
+def test_sheet_tells_blade_tips_off_the_root_cone() -> None:
+    """A blank moved along its axis by a takes its root cone a sin(root angle) away from the tips, at the root line."""
+    case, shift = read_case("fm-11x41"), 2.0
+    key = "machine.machine_center_to_crossing_point"
+    moved = changed_case(case, {f"gear.{flank}.{key}": 2.3610377387 + shift for flank in FLANKS})
+    spaces, _ = case_warnings(moved)
+    assert spaces is not None
+    away = shift * np.sin(np.radians(67.0896087038))
+    assert spaces.measured[1].root_line[:, 1] == pytest.approx(away, rel=0.01)
+    told = [note for note in summary_sheet(moved).notes if "the gear's blade tips deviate" in note]
+    assert [note.split()[1] for note in told] == ["drive:", "coast:"]
+    assert all(away <= float(re.findall(r"up to ([0-9.]+) mm", note)[0]) < 1.25 * away for note in told)
+
+
+def test_sheet_tells_what_is_doubtful_of_the_teeth_on_every_way_out(tmp_path: Path) -> None:
+    """Edge radii too large for the slot: text, page and terminal say so; the exit code stays 0."""
+    case = changed_case(read_case("nasa-12x36"), {f"gear.{f}.cutter.tool_edge_radius": 3.0 for f in FLANKS})
+    write_case(case, tmp_path / "case.toml")
+    for name in ("sheet.txt", "sheet.html"):
+        outcome = CliRunner().invoke(main, ["sheet", str(tmp_path / "case.toml"), "-o", str(tmp_path / name)])
+        assert outcome.exit_code == 0, outcome.output
+        assert "Warning: the gear's" in outcome.stderr
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert 0 < text.index("Warning: the gear") < text.index("Blanks")
+    assert not any("Warning" in note for note in summary_sheet(read_case("nasa-12x36")).notes)
+
+
+def test_half_a_pair_says_that_its_teeth_are_not_checked() -> None:
+    case = read_case("nasa-12x36")
+    half = case.model_copy(update={"gear": case.gear.model_copy(update={"concave": None})})
+    assert [note for note in summary_sheet(half).notes if "are not checked" in note]
+
+
+def test_sheet_tells_set_ups_that_no_method_of_the_shop_makes() -> None:
+    """Tilt beside modified roll, unless one machine cuts both flanks, as completing does."""
+    case = read_case("fm-11x41")
+    assert case.pinion.concave is not None
+    assert case.pinion.convex is not None
+    (note,) = summary_sheet(case).notes
+    assert "concave and convex" in note
+    upright = {f"pinion.concave.machine.{key}": 0.0 for key in ("modified_roll_2c", "modified_roll_6d")}
+    (note,) = unusual_set_ups(changed_case(case, upright))
+    assert "pinion's convex flank has" in note
+    convex = case.pinion.convex.model_copy(update={"machine": case.pinion.concave.machine})
+    assert unusual_set_ups(case.model_copy(update={"pinion": case.pinion.model_copy(update={"convex": convex})})) == ()
+    rolled = {f"pinion.{flank}.machine.cutter_tilt": 0.0 for flank in FLANKS}
+    assert unusual_set_ups(changed_case(case, rolled)) == ()
 
 
 def test_command_writes_sheets(tmp_path: Path) -> None:

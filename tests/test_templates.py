@@ -111,6 +111,8 @@ def test_a_design_has_the_basic_data_of_a_pair_and_nothing_else_of_it(process: s
     assert found.blank_design == example.blank_design.model_copy(update=influence)
     assert found.pair == example.pair
     assert found.misalignment == Design.model_fields["misalignment"].default
+    assert found.cutter_steps == Design.model_fields["cutter_steps"].default
+    assert min(value for _, value in found.cutter_steps) > 0.0
     assert found.pinion.tool_edge_radius is None
     assert found.gear.tool_edge_radius is None
     for target in (found.target.drive, found.target.coast):
@@ -137,12 +139,17 @@ def test_other_basic_data_in_the_template_make_a_pair_near_its_target() -> None:
 @pytest.mark.parametrize(("kind", "name"), [one for one in NAMES if one not in USUAL])
 def test_a_template_reads_as_what_its_numbers_are_from(kind: str, name: str) -> None:
     shipped: dict[str, Any] = {"case": read_case, "design": read_design, "supports": SUPPORT.read}
-    found = parsed(kind, template(kind, name))
-    origin = re.search(r"Numbers of the shipped \w+ (\S+),", found.description)
+    text = template(kind, name)
+    found = parsed(kind, text)
+    assert found.description == ""  # it would go into the case that a design makes
+    head = re.sub(r"\n# ", " ", text.partition("\n\n")[0])
+    origin = re.search(r"(?:Numbers|Basic data) of the shipped \w+ (\S+),", head)
     assert origin is not None
     wanted = shipped[kind](origin[1])
     both = [one.model_dump(exclude={"title", "description"}) for one in (found, wanted)]
     assert both[0] == both[1]
+    if kind == "design":
+        assert ("[cutter_steps] are zero" in head) == (not wanted.cutter_steps.blade_angle)
 
 
 @pytest.mark.parametrize(("kind", "name"), NAMES)

@@ -91,7 +91,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
 
     plain = Case.model_fields
-    for name in ("description", "contact", "compliance", "friction", "target", "load_cases"):
+    for name in ("description", "corrected_flanks", "contact", "compliance", "friction", "target", "load_cases"):
         if getattr(case, name) != plain[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.misalignment.deflections:

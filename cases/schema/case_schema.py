@@ -241,6 +241,9 @@ def _given_flanks(member: MemberTable) -> list[str]:
     return [side for side in ("concave", "convex") if getattr(member, side) is not None]
 
 
+FlankOfMember = Literal["pinion concave", "pinion convex", "gear concave", "gear convex"]
+
+
 class Case(InputFile):
     """A whole case file.
 
@@ -255,6 +258,7 @@ class Case(InputFile):
     easeoff_case: Literal[1]
     title: Annotated[str, Field(min_length=1, max_length=200)]
     description: str = ""
+    corrected_flanks: Annotated[tuple[FlankOfMember, ...], Field(strict=False, max_length=4)] = ()
     pair: PairTable
     blank_design: BlankDesignTable | None = None
     pinion: PinionTable

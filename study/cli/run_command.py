@@ -67,7 +67,7 @@ def run(
     from ..analysis.case_analysis import analyze
     from ..analysis.contact_analysis import case_torques
     from ..analysis.friction_analysis import operation_of
-    from ..report.summary.result_summary import doubts, outcome, uncertified
+    from ..report.summary.result_summary import outcome, result_notes, uncertified
     from ..result import write_result
 
     checked = chosen_case(case, supports)
@@ -111,11 +111,8 @@ def run(
     echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
         draw(tree, plots)
-    for note in doubts(tree):
+    for note in result_notes(tree):
         echo(note, err=True)
-    failures = uncertified(tree)
-    if failures:
-        echo("\n".join(failures), err=True)
     next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
-    if failures:
+    if uncertified(tree):
         sys.exit(EXIT_UNCERTIFIED)

@@ -22,8 +22,8 @@ from .design_check import (
     checked_design,
     formate_advice,
     limit_pressure_angle_advice,
-    require_elastic_tooth,
 )
+from .pair_warnings import require_elastic_tooth
 
 
 def design_case(design: Design) -> tuple[Case, DesignReport]:

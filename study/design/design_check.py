@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,29 +12,26 @@ from numpy.typing import NDArray
 
 from ...cases.conversion import blank_design, ease_off_target, setting_limits
 from ...cases.schema.design_schema import Design
-from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
 from ...geometry.design.agma929.tooth_proportions import ToothProportions
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
+from ...geometry.design.edge_radius import REDUCTIONS
 from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
 from ...geometry.design.pair_design import (
-    BOTH_MEMBERS,
     SIDES,
     PairDesign,
 )
 from ...geometry.design.set_up.pinion_method import ADVICE, at_limit
-from ...geometry.flanks.flank import Flank, NodeStatus
+from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
-from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, grid
 from ...geometry.tooth.tooth_flanks import MemberName
+from .pair_warnings import UNDERCUT_LIMIT, narrow_top_lands, off_the_root, uncut_share, uncut_words, unfinished_teeth
 from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
-TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
-UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
 FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 
@@ -138,17 +135,24 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         for name, share in zip(MEMBERS, item.uncut, strict=True):
             if not share <= UNDERCUT_LIMIT:
                 warnings.append(
-                    f"{side}: {100 * share:.0f} % of the {name}'s flank, at its root, is undercut or out of the "
-                    f"cutter's reach; a {'smaller' if name == 'pinion' else 'larger'} gear_mean_addendum_factor or "
+                    f"{side}: {uncut_words(name, share)}; a {'smaller' if name == 'pinion' else 'larger'} "
+                    f"gear_mean_addendum_factor or "
                     f"{'larger' if name == 'pinion' else 'smaller'} profile_shift_coefficient, a larger pressure angle "
                     "or more teeth help"
                 )
         if not item.common_flank >= COMMON_FLANK_LIMIT:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
-        warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
+        followed = design.pinion.follow_root
+        advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
+        off_root = off_the_root("pinion", item.root_gap, clearance, f"; {advice}")
+        warnings += [f"{side}: {text}" for text in off_root]
     unfinished = _unfinished(design, designed)
     spaces = _spaces(design, designed)
-    warnings += [*_narrow(designed), *unfinished, *(spaces.warnings() if spaces is not None else [])]
+    warnings += [
+        *narrow_top_lands(designed.pair(), designed.blank.mean_normal_module),
+        *unfinished,
+        *(spaces.warnings() if spaces is not None else []),
+    ]
     if warnings:
         warnings += limit_pressure_angle_advice(
             blank_design(design.blank_design, (design.pinion.number_of_teeth, design.gear.number_of_teeth), design.pair)
@@ -199,49 +203,10 @@ def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
     ]
 
 
-def _off_the_root(gap: Array, clearance: float, followed: bool) -> list[str]:
-    """Warnings of blade tips off the root cone, and of places where no root was found."""
-    found = np.isfinite(gap)
-    warnings = []
-    if np.any(np.abs(gap[found]) > clearance):
-        advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
-        warnings.append(
-            f"the pinion's blade tips deviate up to {np.abs(gap[found]).max():.2f} mm from its root cone, more than "
-            f"the clearance of {clearance:.2f} mm; {advice}"
-        )
-    if not np.all(found):
-        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), found, strict=True) if not known)
-        warnings.append(f"the pinion has no flank near its root at the {places}: it is undercut or not reached")
-    return warnings
-
-
-def require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
-    """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
-    for loaded in (pair, _from_the_other_side(pair)):
-        require_solid_shell(loaded, member)
-
-
-def _from_the_other_side(pair: GearPair) -> GearPair:
-    def turned(member: Member) -> Member:
-        assert member.opposite is not None  # a designed pair has both flanks
-        return replace(member, loaded=member.opposite, opposite=member.loaded)
-
-    return replace(pair, pinion=turned(pair.pinion), gear=turned(pair.gear))
-
-
 def _unfinished(design: Design, designed: PairDesign) -> list[str]:
     """Warnings of members without a whole tooth, which the shell alone can do without."""
-    found = []
-    for name in BOTH_MEMBERS:
-        try:
-            if design.compliance.model == "shell":
-                require_whole_tooth(designed.pair(), name)
-            else:
-                require_elastic_tooth(designed.pair(), name)
-        except GeometryError as error:
-            text = str(error) if f"the {name}'s" in str(error) else f"the {name} has no whole tooth: {error}"
-            found.append(text + _advice(design, designed, name))
-    return found
+    found = unfinished_teeth(designed.pair(), design.compliance.model)
+    return [text + _advice(design, designed, name) for name, text in found]
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
@@ -273,7 +238,7 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
         wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
         common_flank=flank_share(inside.reshape(EASE_OFF_NODES)),
-        uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
+        uncut=(uncut_share(pair.pinion.flank(t, h)), uncut_share(gear)),
         root_gap=fit.root_gap,
         at_limit=_at_limit(design, designed, side),
     )
@@ -292,21 +257,3 @@ def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
     lever = found.lever_arm[inside]
     error = found.angle[inside] * lever - wanted[inside]
     return np.asarray(error - lever * float(lever @ error) / float(lever @ lever))
-
-
-def _uncut(flank: Flank) -> float:
-    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
-
-
-def _narrow(designed: PairDesign) -> list[str]:
-    """Warnings of narrow top lands, or of members that have no tooth between their flanks."""
-    try:
-        both = bodies(designed.pair())
-    except GeometryError as error:
-        return [str(error)]
-    found = []
-    for name, body in zip(MEMBERS, both, strict=True):
-        for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
-            if not thickness >= TOP_LAND_LIMIT * designed.blank.mean_normal_module:
-                found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
-    return found

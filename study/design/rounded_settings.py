@@ -66,10 +66,12 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
     >>> max(effect.values()) < 0.005
     True
     """
-    sides: dict[FlankName, str] = {"drive": "concave", "coast": "convex"}
-    return {
-        side: _change(case, rounded, side) for side, flank in sides.items() if getattr(case.pinion, flank) is not None
+    pinion, gear = case.pinion, case.gear
+    flanks: dict[FlankName, tuple[FlankSettings | None, ...]] = {
+        "drive": (pinion.concave, gear.convex),
+        "coast": (pinion.convex, gear.concave),
     }
+    return {side: _change(case, rounded, side) for side, both in flanks.items() if None not in both}
 
 
 def _change(case: Case, rounded: Case, side: FlankName) -> float:

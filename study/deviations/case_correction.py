@@ -140,6 +140,11 @@ def _with_corrections(case: Case, name: MemberName, corrections: Sequence[Correc
         raise InputError(f"{name}: the corrected settings cannot stand in a case: {'; '.join(lines[1:3])}") from error
     sides: tuple[FlankName, ...] = ("drive", "coast")
     dropped: dict[str, Any] = {flank: None for flank in sides if side_of(name, flank) in surfaces}
+    now = {*case.corrected_flanks, *(f"{name} {which}" for which in surfaces)}
     return case.model_copy(
-        update={name: table.model_copy(update=update), "target": case.target.model_copy(update=dropped)}
+        update={
+            name: table.model_copy(update=update),
+            "target": case.target.model_copy(update=dropped),
+            "corrected_flanks": tuple(sorted(now)),
+        }
     )

@@ -2,62 +2,27 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
 from tabulate import tabulate
 
-from ...cases.conversion import gear_pair
 from ...cases.recording import with_blanks
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
-from ...core.errors import GeometryError, InputError
+from ...cases.schema.usual_names import motion_name, usual_name
 from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
-from ...geometry.design.agma929.measured_proportions import measured_proportions
-from ...geometry.design.pair_design import SIDES
 from ...geometry.pair.gear_pair import FlankName
+from ..design.pair_warnings import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
-from ..design.tooth_spaces import ToothSpaces, tooth_spaces
+from .notes.executed_settings import execution_note
 
-#: Usual names of the settings beside those of REXS and of case files.
-USUAL_NAMES: Mapping[str, str] = {
-    "radial_distance": "radial setting",
-    "cradle_angle": "basic cradle angle",
-    "horizontal_distance": "horizontal setting",
-    "vertical_distance": "vertical setting",
-    "machine_root_angle": "machine root angle",
-    "work_offset": "blank offset",
-    "sliding_base": "sliding base",
-    "machine_center_to_crossing_point": "machine centre to back",
-    "cutter_tilt": "tilt",
-    "cutter_swivel": "swivel",
-    "ratio_of_roll": "ratio of roll",
-    "modified_roll_2c": "modified roll 2C",
-    "modified_roll_6d": "modified roll 6D",
-    "modified_roll_24e": "modified roll 24E",
-    "modified_roll_120f": "modified roll 120F",
-    "modified_roll_720g": "modified roll 720G",
-    "blade_point_radius": "cutter point radius",
-    "blade_pressure_angle": "blade angle",
-    "blade_offset_angle": "blade offset angle",
-    "blade_rake_angle": "blade rake angle",
-    "blade_hook_angle": "blade hook angle",
-    "blade_spheric_radius": "profile radius",
-    "blade_reference_height": "reference height",
-    "tool_edge_radius": "edge radius",
-    "toprem_depth": "toprem depth",
-    "toprem_angle": "toprem angle",
-    "toprem_radius": "toprem radius",
-    "flankrem_depth": "flankrem depth",
-    "flankrem_angle": "flankrem angle",
-    "flankrem_radius": "flankrem radius",
-    "number_of_blade_groups": "blade groups",
-}
-MOTION_NAMES = {"sliding_base": "helical motion", "work_offset": "vertical motion", "radial_distance": "radial motion"}
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
 NO_VALUE = "-"
+WIDTH = 100  # [characters] of the notes
 
 
 @dataclass(frozen=True)
@@ -72,6 +37,8 @@ class SummarySheet:
         Tables by heading, a row of texts each, the first row the head.
     effects
         What rounding changes of the ease-off, a line a side.
+    notes
+        What the settings are not made for, and what is doubtful of the teeth, a line each, above the tables.
 
     Examples
     --------
@@ -83,10 +50,11 @@ class SummarySheet:
     title: str
     tables: Mapping[str, tuple[tuple[str, ...], ...]]
     effects: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
     def text(self) -> str:
         """The sheet as text."""
-        parts = [self.title]
+        parts = [self.title, *(["\n".join(textwrap.fill(note, WIDTH) for note in self.notes)] if self.notes else [])]
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
             parts += [heading, table]
@@ -94,7 +62,7 @@ class SummarySheet:
 
     def page(self) -> str:
         """The sheet as an HTML page that needs nothing else."""
-        parts = []
+        parts = [f'<p class="note">{escape(note)}</p>' for note in self.notes]
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
             parts += [f"<h2>{escape(heading)}</h2>", table]
@@ -110,6 +78,7 @@ PAGE = """<!DOCTYPE html>
 <style>
 body {{ font-family: sans-serif; margin: 2em; }}
 table {{ border-collapse: collapse; }}
+.note {{ max-width: 60em; padding: 0.4em 0.8em; border-left: 4px solid #c60; background: #fff4e5; }}
 th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
 </style>
 </head>
@@ -134,8 +103,8 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     Returns
     -------
     SummarySheet
-        Blanks, cutters and machine settings of every flank, with the resolution of each setting and what rounding
-        changes of the ease-off.
+        Blanks, cutters and machine settings of every flank, with the resolution of each setting, what rounding changes
+        of the ease-off, and notes on set-ups and teeth.
 
     Raises
     ------
@@ -152,7 +121,7 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     steps = resolution or USUAL_RESOLUTION
     rounded = with_blanks(rounded_case(case, steps))
     effect = rounding_effect(case, rounded_case(case, steps))
-    spaces = _spaces(rounded)
+    spaces, warnings = case_warnings(rounded)
     return SummarySheet(
         case.title,
         {
@@ -162,16 +131,8 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
             **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
         },
         tuple(effect_line(side, value) for side, value in effect.items()),
+        (*execution_note(case.corrected_flanks), *unusual_set_ups(case), *(f"Warning: {text}" for text in warnings)),
     )
-
-
-def _spaces(case: Case) -> ToothSpaces | None:
-    """Top lands, slots and fillets of the rounded teeth; ``None`` where a flank is missing or makes no tooth."""
-    try:
-        drive, coast = (gear_pair(case, side) for side in SIDES)
-        return tooth_spaces(drive, coast, measured_proportions(drive))
-    except (InputError, GeometryError):
-        return None
 
 
 def effect_line(side: FlankName, effect: float) -> str:
@@ -222,7 +183,7 @@ def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tupl
         if not any(values):
             continue
         unit = "deg" if key.endswith(ANGULAR) else "mm" if key.endswith(LENGTHS) else ""
-        yield USUAL_NAMES[key], key, unit, *_row(values, step_of_key(steps, table, key))
+        yield usual_name(key), key, unit, *_row(values, step_of_key(steps, table, key))
     if table == "cutter":
         yield from _point_width(case)
 
@@ -233,9 +194,8 @@ def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> I
         for order in range(max(len(each[key]) for each in motions)):
             values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
             unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
-            usual = MOTION_NAMES.get(key, f"motion of {USUAL_NAMES[key]}")
             yield (
-                f"{usual}, order {order + 1}",
+                f"{motion_name(key)}, order {order + 1}",
                 f"motions.{key}",
                 unit,
                 *_row(values, step_of_key(steps, "motions", key)),

@@ -130,5 +130,5 @@ def swept_quantity(name: str) -> SweptQuantity:
             f"{name}: must be one of {plain}, deviation.MEMBER, modification.TERM, or the dotted key of a number of "
             f"the case file{suggestion(name, known)}"
         )
-    units, meaning = require_numeric_key(name)
-    return SweptQuantity(name, {"deg": "degree"}.get(units, units), meaning, Stage.PAIR)
+    units, long_name = require_numeric_key(name)
+    return SweptQuantity(name, {"deg": "degree"}.get(units, units), long_name, Stage.PAIR)

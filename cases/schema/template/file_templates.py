@@ -29,7 +29,7 @@ EXAMPLES = {
 USUAL_INFLUENCE = 1.0
 USUAL_TARGET = {"lengthwise_crowning": 60.0, "profile_crowning": 15.0}
 #: What of an example is its own, and is not to get into a design unseen.
-OWN_TABLES = ("misalignment", "contact", "compliance", "friction")
+OWN_TABLES = ("cutter_steps", "misalignment", "contact", "compliance", "friction")
 #: What the columns of load cases hold in the template.
 LOAD_CASES: tuple[Mapping[str, Any], ...] = (
     {"name": "cruise", "share": 0.8, "speed": 2000, "flank": "drive"},
@@ -92,34 +92,41 @@ def template(kind: str, name: str | None = None) -> str:
 
 def _case(name: str) -> str:
     origin = EXAMPLES["case"].get(name, name)
-    values = _values(CASE.read(origin), f"Numbers of the shipped case {origin}, to be replaced.", "My pair")
+    values = _values(CASE.read(origin), "My pair")
     elsewhere = {
         "supports": "[supports]: shafts, bearings and housing; 'easeoff new supports' writes a template, whose tables "
         "may stand here or in a file of their own.",
         "blank_design": "[blank_design]: basic data of the blanks by ISO 23509, instead of [pinion.blank] and "
         "[gear.blank]; 'easeoff new design' writes a template with this table.",
     }
-    head = ["Case: a pair with its blanks, cutters and machine settings. 'easeoff run FILE -o RESULT.nc' analyses it."]
+    head = [
+        "Case: a pair with its blanks, cutters and machine settings. 'easeoff run FILE -o RESULT.nc' analyses it. "
+        f"Numbers of the shipped case {origin}, to be replaced."
+    ]
     return _file(head, template_text(Case, values, elsewhere))
 
 
 def _design(name: str) -> str:
     origin = EXAMPLES["design"].get(name, name)
-    values = _values(DESIGN.read(origin), f"Numbers of the shipped design {origin}, to be replaced.", "My pair")
+    shipped = DESIGN.read(origin)
+    values = _values(shipped, "My pair")
     if name in EXAMPLES["design"]:
         values = _usual(values)
     head = [
         "Design: basic data of the blanks and the wanted ease-off. 'easeoff design FILE -o CASE.toml' makes a case "
-        "with machine settings of it."
+        f"with machine settings of it. Basic data of the shipped design {origin}, to be replaced."
     ]
+    if "cutter_steps" in values and not shipped.cutter_steps.blade_angle:
+        head.append("Its steps in [cutter_steps] are zero, for the shipped case has the cutters as computed.")
     return _file(head, template_text(Design, values))
 
 
 def _supports(name: str) -> str:
-    values = _values(SUPPORT.read(name), f"Numbers of the shipped supports {name}, to be replaced.", "My supports")
+    values = _values(SUPPORT.read(name), "My supports")
     head = [
         "Supports: shafts, bearings and housing of a pair. 'easeoff run CASE -o RESULT.nc --supports FILE' analyses a "
-        "case on them. Places are on a member's axis, from its crossing point, positive towards the heel."
+        "case on them. Places are on a member's axis, from its crossing point, positive towards the heel. Numbers of "
+        f"the shipped supports {name}, to be replaced."
     ]
     return _file(head, template_text(SupportFile, values))
 
@@ -148,10 +155,10 @@ def _load_cases(name: str) -> str:
     return "\n".join([*words, ",".join(columns), *lines])
 
 
-def _values(found: Any, description: str, title: str) -> dict[str, Any]:
-    """Values that a file gives, with a title and a description of its own."""
+def _values(found: Any, title: str) -> dict[str, Any]:
+    """Values that a file gives, with a title of its own and no description, which would go into what is made of it."""
     values: dict[str, Any] = found.model_dump(exclude_unset=True)
-    return values | {"title": title, "description": description}
+    return values | {"title": title, "description": ""}
 
 
 def _usual(values: dict[str, Any]) -> dict[str, Any]:
@@ -160,7 +167,7 @@ def _usual(values: dict[str, Any]) -> dict[str, Any]:
     members = {name: {k: v for k, v in kept[name].items() if k != "tool_edge_radius"} for name in ("pinion", "gear")}
     blank = kept["blank_design"] | {"limit_pressure_angle_influence": USUAL_INFLUENCE}
     targets = {side: dict(USUAL_TARGET) for side in ("drive", "coast")}
-    return kept | members | {"description": "", "blank_design": blank, "target": targets}
+    return kept | members | {"blank_design": blank, "target": targets}
 
 
 def _file(head: list[str], text: str) -> str:

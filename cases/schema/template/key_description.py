@@ -18,6 +18,11 @@ MEANINGS = {
     "easeoff_case": ("version of the format", ""),
     "title": ("one line for lists and plots", ""),
     "description": ("where the numbers come from", ""),
+    "corrected_flanks": (
+        "flanks whose settings `easeoff correct` made for the machine that cut the measured ones; on a machine without "
+        "errors they cut others",
+        "",
+    ),
     "process": ("face_hobbed in methods 2 and 3", ""),
     "depth_taper": ("change of depth along the face", ""),
     "easeoff_design": ("version of the format", ""),

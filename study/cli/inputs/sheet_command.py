@@ -43,7 +43,8 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     """Write the summary sheet of a case: what an operator sets.
 
     Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
-    changes of the ease-off. The case stays as it is; 'easeoff design --round' writes rounded settings into a case.
+    changes of the ease-off, and what is doubtful of teeth and set-ups. The case stays as it is; 'easeoff design
+    --round' writes rounded settings into a case.
     """
     from ....cases import read_case
     from ....core.errors import InputError
@@ -57,5 +58,7 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     with whole_file(output) as temporary:
         _ = temporary.write_text(made.page() if output.suffix.lower() == ".html" else made.text(), encoding="utf-8")
     echo(f"wrote {output}")
+    for note in made.notes:
+        echo(note, err=True)
     for line in made.effects:
         echo(line)

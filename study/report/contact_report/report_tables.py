@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
+from ....cases.schema.usual_names import usual_name
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ..key_numbers import key_numbers
@@ -260,7 +261,7 @@ def case_tables(case: Case) -> list[dict[str, Any]]:
     pair = [["pinion teeth", "", "pinion.number_of_teeth", f"{case.pinion.number_of_teeth}"]]
     pair.append(["gear teeth", "", "gear.number_of_teeth", f"{case.gear.number_of_teeth}"])
     pair.append(["hand of spiral of the pinion", "", "pinion.hand_of_spiral", case.pinion.hand_of_spiral])
-    pair += [[text, unit, f"pair.{key}", *values] for text, unit, key, values in _compared([("", case.pair)])]
+    pair += [[name, unit, f"pair.{key}", *values] for name, unit, key, values in _compared([("", case.pair)])]
     tables = [{"title": "Pair", "columns": ["case"], "rows": pair}]
     if dimensions := dimension_rows(case):
         tables.append(
@@ -272,13 +273,13 @@ def case_tables(case: Case) -> list[dict[str, Any]]:
         ("Cutters", "cutter", [(name, flank.cutter) for name, flank in flanks]),
     ):
         if owners:
-            rows = [[text, unit, f"{part}.{key}", *values] for text, unit, key, values in _compared(owners)]
+            rows = [[name, unit, f"{part}.{key}", *values] for name, unit, key, values in _compared(owners)]
             tables.append({"title": title, "columns": [name for name, _ in owners], "rows": rows})
     return tables
 
 
 def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[str]]]:
-    """Meaning, unit, key and value of each of some tables' numbers; those that none of them gives are left out."""
+    """Name, unit, key and value of each of some tables' numbers; those that none of them gives are left out."""
     model: BaseModel = owners[0][1]
     rows = []
     for key, field in type(model).model_fields.items():
@@ -289,7 +290,6 @@ def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[s
             continue
         if all(value is None or (not value and key not in model.model_fields_set) for value in values):
             continue
-        name = str(field.description or key.replace("_", " ")).removesuffix(f" [{unit}]").partition(";")[0]
         told = "" if unit == "1" else unit.replace("deg", "°")
-        rows.append((name, told, key, ["–" if value is None else f"{value:.7g}" for value in values]))
+        rows.append((usual_name(key), told, key, ["–" if value is None else f"{value:.7g}" for value in values]))
     return rows

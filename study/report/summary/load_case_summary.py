@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
+from ..notes.executed_settings import executed_settings
 from .contact_tables import WIDTH
 from .result_summary import doubts, uncertified
 
@@ -126,7 +127,7 @@ def duty_lines(duty: xr.Dataset) -> str:
 def load_case_notes(tree: xr.DataTree) -> list[str]:
     """Why load cases could not be analysed or certified, and the notes on each, with its name before them."""
     numbers = tree["load_cases"].to_dataset()
-    notes = []
+    notes = executed_settings(tree)
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
         if str(reason):
             notes.append(f"{name}: not analysed: {reason}")

@@ -16,6 +16,7 @@ from ..key_numbers import key_numbers
 from ..model_name import model_name
 from ..notes.edge_load import edge_notes
 from ..notes.end_pressure import end_notes
+from ..notes.executed_settings import executed_settings
 from ..notes.plausibility import plausibility
 from ..notes.pressure_jumps import jump_notes
 from ..notes.ranges import range_notes
@@ -139,7 +140,19 @@ def doubts(tree: xr.DataTree) -> list[str]:
     loaded = tree["loaded"].to_dataset()
     contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
     supported = [*added_notes(tree), *deflection_notes(tree), *supports_notes(tree)]
-    return [*plausibility(tree), *supported, *contact, *ranges]
+    return [*plausibility(tree), *supported, *contact, *_searched(loaded), *ranges]
+
+
+def _searched(loaded: xr.Dataset) -> list[str]:
+    """Note on segments whose closest approach was searched for."""
+    searched = int(loaded.attrs.get("searched_segments", 0))  # older results lack the attribute
+    if not searched:
+        return []
+    lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
+    return [
+        f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
+        "approach was searched for; forces and pressures there are approximate."
+    ]
 
 
 def outcome(tree: xr.DataTree) -> str:
@@ -195,16 +208,7 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
 
 def result_notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
-    notes = [*uncertified(tree), *doubts(tree)]
-    # Older results lack the attribute.
-    searched = int(tree["loaded"].attrs.get("searched_segments", 0))
-    if searched:
-        loaded = tree["loaded"].to_dataset()
-        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
-        notes.append(
-            f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
-            "approach was searched for; forces and pressures there are approximate."
-        )
+    notes = [*executed_settings(tree), *uncertified(tree), *doubts(tree)]
     if tree.attrs["opposite_flanks"] != "given":
         notes.append(
             "Note: the case does not describe all four flanks; the missing ones were assumed to have the same "
