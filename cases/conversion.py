@@ -65,6 +65,11 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
     InputError
         If the data do not fit together; the message names the key.
     """
+    if teeth[0] > teeth[1]:
+        raise InputError(
+            f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion has "
+            "the fewer teeth"
+        )
     values: dict[str, Any] = {
         key: math.radians(value) if key in table.angles() and value is not None else value
         for key, value in table.model_dump().items()

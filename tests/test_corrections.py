@@ -28,16 +28,17 @@ from easeoff.geometry import (
     usual_settings,
     with_settings,
 )
-from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, scale_of
-from easeoff.geometry.deviation.correction_fit import SetUpFit
+from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
+from easeoff.geometry.deviation.correction_fit import GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.tooth_body import middle_angle
-from easeoff.geometry.tooth.tooth_flanks import Side
+from easeoff.geometry.tooth.tooth_flanks import Side, side
 from easeoff.study import correct_case, measured_file, summary_sheet
 from easeoff.study.cli import main
+from easeoff.study.deviations.case_correction import CaseCorrection
 from easeoff.study.report.contact_report.report_file import report_page
-from easeoff.study.report.correction_report import correction_report
+from easeoff.study.report.correction_report import correction_report, root_warnings
 from easeoff.study.report.summary.load_case_summary import load_case_notes
 from easeoff.study.report.summary.result_summary import result_notes
 from easeoff.verification import CORRECTION_LOOPS, correction_loop
@@ -101,7 +102,9 @@ def test_random_errors_of_all_machine_settings_are_corrected(case: str, member: 
     seen = views(checked, member)
     own: dict[Side, dict[str, float]] = {}
     for which in SIDES:
-        names = [name for name in movable_settings(seen[which].loaded) if name in MACHINE_ERRORS]
+        surface = seen[which].loaded
+        unused = [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) == 0.0]
+        names = [name for name in movable_settings(surface) if name in MACHINE_ERRORS and name not in unused]
         own[which] = {n: 0.25 * scale_of(n) * float(random.normal()) for n in names}
     if shares_set_up(seen["concave"]):
         own["convex"] = own["concave"]
@@ -184,7 +187,7 @@ def test_the_closed_loops_of_the_page_are_those_of_the_program() -> None:
         loop = correction_loop(loop_case(case), member, errors)
         assert float(cells[2]) == pytest.approx(greatest(loop.before), abs=0.06)
         assert float(cells[3]) == pytest.approx(greatest(loop.after), abs=0.03)
-        assert float(cells[4].split()[0]) <= 0.3  # as README.md says
+        assert float(cells[4].split()[0]) <= 1.2  # as README.md says
 
 
 def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:
@@ -199,7 +202,7 @@ def test_settings_are_multiples_of_the_resolution_and_cost_little() -> None:
         steps = resolution.written(get_setting(rounded.surface, name)) / resolution.step
         assert steps == pytest.approx(round(steps), abs=1e-6), name
     assert rounded.rms < exact.rms + 1e-4  # 0.1 um
-    assert exact.rms < 1e-3 * exact.rms_before
+    assert exact.rms < (GIVEN_UP + 1e-3) * exact.rms_before
     # First derivatives are told beside the flanks cut anew: they agree to second order.
     assert abs(exact.rms_linear - exact.rms) < 0.05 * exact.rms_before
 
@@ -237,6 +240,39 @@ def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> 
     only = corrective_settings(gear, measured_flank, free=["cradle_angle", "sliding_base"])
     assert only.rms > 3.0 * found.rms
     assert only.loose == ()
+
+
+@pytest.mark.parametrize("case", ["fm-11x41", "fh-12x41-45"])
+def test_of_nearly_equal_corrections_the_smaller_is_taken(case: str) -> None:
+    """Against all that the flank tells, by linear least squares: hardly more is left, with far better condition."""
+    seen = views(read_case(case), "pinion")["concave"]
+    real = with_errors(seen.loaded, {"radial_distance": 0.02, "machine_root_angle": 3e-4, "cutter_tilt": 2e-4})
+    deviation = departure(seen, real)
+    fit = SetUpFit((RecutFlank.of(seen, deviation.axial, deviation.radial),), usual_settings(seen.loaded))
+    target = fit.form([deviation.value.ravel()])
+    told, taken = fit.effects[1][:, fit.determined], fit.effects[1][:, fit.needed(target)]
+    assert 0 < taken.shape[1] < told.shape[1]
+    steps = [ways @ np.linalg.lstsq(fit.slopes @ ways, target, rcond=None)[0] for ways in (told, taken, taken[:, :-1])]
+    every, found, fewer = (np.linalg.norm(target - fit.slopes @ step) for step in steps)
+    given_up = GIVEN_UP * np.linalg.norm(target)
+    assert np.hypot(every, 0.1 * given_up) < found < np.hypot(every, given_up) < fewer  # not one combination too many
+    assert np.linalg.norm(steps[1]) < np.linalg.norm(steps[0])
+    effects = fit.effects[0][fit.determined]
+    assert fit.condition(target) < effects[0] / effects[-1]
+
+
+def test_a_modified_roll_that_the_design_has_not_stays_zero_unless_it_is_named() -> None:
+    case = read_case("nasa-12x36")
+    pinion = views(case, "pinion")["concave"]
+    assert get_setting(pinion.loaded, "modified_roll_2c") == 0.0
+    assert not {*MODIFIED_ROLL_ORDERS} & {*usual_settings(pinion.loaded)}
+    hobbed = views(read_case("fh-12x41-45"), "pinion")["concave"]
+    assert {"modified_roll_2c", "modified_roll_6d"} <= {*usual_settings(hobbed.loaded)}
+    wrong = departure(pinion, with_errors(pinion.loaded, {"modified_roll_2c": 0.01, "ratio_of_roll": 1e-3}))
+    kept = corrective_settings(pinion, wrong)
+    assert get_setting(kept.surface, "modified_roll_2c") == 0.0
+    named = corrective_settings(pinion, wrong, free=["ratio_of_roll", "modified_roll_2c"])
+    assert named.changes["modified_roll_2c"] == pytest.approx(-0.01, rel=0.02)
 
 
 def test_what_the_flanks_do_not_tell_holds_the_root() -> None:
@@ -330,6 +366,24 @@ def test_an_unmeasured_flank_of_the_set_up_moves_with_it() -> None:
     assert alone.case.target.coast == case.target.coast
 
 
+def test_a_root_that_moves_far_is_told_and_a_cutter_of_another_radius_holds_it() -> None:
+    """Lengthwise crowning of a Formate gear is the cutter's radius, or depth."""
+    case = read_case("fm-11x41")
+    gear = views(case, "gear")["convex"]
+    crowned = deviation_from_formula(gear.section, GlobalErrors(lengthwise_crowning=10.0), (9, 5))
+    deep = correct_case(case, {"gear": crowned}).corrections["gear"][0]
+    assert np.abs(deep.flanks[0].root_change).max() > gear.section.clearance
+    (warning,) = root_warnings(deep)
+    for word in ("the root of the convex flank moves by up to 1.1", "a clearance of 0.96 mm", "--free radial_distance"):
+        assert word in warning
+    assert f"Warning: {warning}" in correction_report(CaseCorrection(case, {"gear": (deep,)}))
+    named = warning.rpartition("--free ")[2].split(",")
+    held = correct_case(case, {"gear": crowned}, free=named).corrections["gear"][0]
+    assert np.abs(held.flanks[0].root_change).max() < 0.02 * np.abs(deep.flanks[0].root_change).max()
+    assert held.rms < 1.05 * deep.rms
+    assert list(root_warnings(held)) == []
+
+
 def written(values: Array, which: Side) -> str:
     """A plain matrix of deviations as a file."""
     head = f"# flank: {which}\n# rows: root to tip\n# columns: toe to heel\n# deviation_unit: um\n"
@@ -368,6 +422,7 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(matrices: di
     assert greatest(after) < 0.03 * greatest(before)
     assert "Settings to execute, by easeoff correct from fm-11x41" in output.read_text(encoding="utf-8")
     assert corrected.corrected_flanks == ("gear concave", "gear convex")
+    assert "Warning" not in output.read_text(encoding="utf-8").partition("[")[0]
     # The file is sealed: it is replaced while nobody has edited it.
     assert call("correct", "fm-11x41", *given, "-o", output).exit_code == 0
     output.write_text(output.read_text(encoding="utf-8").replace("11x41", "mine"), encoding="utf-8")
@@ -432,6 +487,19 @@ def test_mistakes_on_the_command_line_are_told_and_leave_no_file(
     assert told in " ".join(done.output.split())
     assert "Traceback" not in done.output
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_corrected_file_warns_of_a_root_that_moves_far(tmp_path: Path) -> None:
+    seen = views(read_case("fm-11x41"), "gear")["convex"]
+    values = GlobalErrors(lengthwise_crowning=10.0)(*np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 5)))
+    matrix, output = tmp_path / "crowned.txt", tmp_path / "corrected.toml"
+    matrix.write_text(written(values, side(seen.loaded)), encoding="utf-8")
+    done = call("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output)
+    assert done.exit_code == 0, done.output
+    assert "Warning: the root of the convex flank moves by" in done.output
+    comment = [line for line in output.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
+    assert any("Warning, gear: the root of the convex flank" in line for line in comment)
+    assert read_case(output).gear.number_of_teeth == 41
 
 
 def test_the_case_that_is_read_is_not_overwritten(matrices: dict[Side, Path], tmp_path: Path) -> None:

@@ -165,7 +165,7 @@ def verify(
     if progress is not None:
         progress(len(steps), len(steps), "")
     if not without_split:
-        rows.append(not_applicable(name, "not asked for, see without_split"))
+        rows.append(not_applicable(name, "not asked for, see --without-split"))
         if on_row is not None:
             on_row(rows[-1])
     return Verification(pair.case.title, flank, tuple(rows))

@@ -103,7 +103,14 @@ class PairTable(Table):
     """Position of the axes."""
 
     shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
-    hypoid_offset: Number = number("zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
+    hypoid_offset: Number = number(
+        "zero for a spiral bevel pair; positive makes the pinion's spiral angle the larger one: a left-hand pinion "
+        "below, a right-hand one above centre",
+        "mm",
+        default=0.0,
+        gt=-500,
+        lt=500,
+    )
 
 
 class ContactTable(Table):

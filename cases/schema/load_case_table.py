@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, field_validator
 
 from ..mistakes import written
 from .schema_table import Number, Table, number
@@ -62,6 +62,16 @@ class LoadCase(Table):
         "of time, relative to the sum; of every load case or of none", "1", default=None, gt=0, le=1e12
     )
     flank: Literal["drive", "coast"] | None = None
+
+    @field_validator("torque", mode="before")
+    @classmethod
+    def _not_the_other_sense(cls, value: Any) -> Any:
+        if isinstance(value, int | float) and value < 0.0:
+            raise ValueError(
+                f'{written(value)}: must be at least {TORQUE_MINIMUM:g} [N m]; flank = "coast" takes the flanks of the '
+                "other sense of the torque"
+            )
+        return value
 
 
 LoadCases = Annotated[

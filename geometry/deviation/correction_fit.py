@@ -2,7 +2,8 @@
 
 Settings are counted in usual steps. Combinations of them that hardly change the flanks are not determined by any
 measurement. They are told, and taken so that the blade's tip stays on its root line as well as they let it; of all
-changes with the same effect on flanks and root the smallest are taken.
+changes with the same effect on flanks and root the smallest are taken. Of those that are determined the ones with the
+least effect are left at the design while what they could still correct is next to nothing (truncated least squares).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .recut_flank import RecutFlank
 Array = NDArray[Any]
 
 EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is not determined
+GIVEN_UP = 0.01  # of a departure's root mean square, what combinations of little effect may leave of it in all
 ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
 NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
 DIFFERENCE = 1e-3  # of a usual step, for derivatives
@@ -138,10 +140,22 @@ class SetUpFit:
         """Which combinations the flanks tell (m)."""
         return np.asarray(self.effects[0] >= EFFECT_LIMIT)
 
-    @property
-    def condition(self) -> float:
-        """Greatest over least effect of what is determined; infinite if nothing is."""
-        values = self.effects[0][self.determined]
+    def needed(self, target: Array) -> NDArray[np.bool_]:
+        """Which combinations (m) a departure (n) [mm] takes: those determined, down to the last one that counts.
+
+        To first order the combinations act at right angles to each other. Those of the least effect are left out while
+        their parts of the departure are in all less than ``GIVEN_UP`` of it.
+        """
+        acts = self.slopes @ self.effects[1][:, self.determined]
+        parts = acts.T @ target / np.linalg.norm(acts, axis=0)
+        given_up = np.sqrt(np.cumsum(parts[::-1] ** 2)[::-1])
+        found = self.determined.copy()
+        found[found] = given_up > GIVEN_UP * np.linalg.norm(target)
+        return found
+
+    def condition(self, target: Array) -> float:
+        """Greatest over least effect of what a departure (n) takes; infinite if nothing is."""
+        values = self.effects[0][self.needed(target)]
         return float(values.max() / values.min()) if values.size else np.inf
 
     def loose(self) -> tuple[LooseCombination, ...]:
@@ -165,7 +179,7 @@ class SetUpFit:
         return tuple(RootLine.of(flank.surface, flank.section) for flank in self.flanks)
 
     def steps(self, target: Array) -> Array:
-        """Steps (m) whose departure is nearest to a measured one (n) [mm]."""
+        """Small steps (m) whose departure is nearest to a measured one (n) [mm], but for ``GIVEN_UP`` of it."""
         found = self._nearest(target, np.zeros(len(self.unknowns)))
         ways, change = self.effects[1][:, ~self.determined], self._root_changes(found)
         known = np.isfinite(change)
@@ -182,10 +196,10 @@ class SetUpFit:
         return np.concatenate([self.root_change(number, steps) for number in range(len(self.flanks))])
 
     def _nearest(self, target: Array, loose: Array) -> Array:
-        """Steps (m) nearest to a departure (n) [mm] by what is determined, beside given steps (m) of the rest."""
+        """Steps (m) nearest to a departure (n) [mm] by what it needs, beside given steps (m) of the loose."""
         from scipy.optimize import least_squares
 
-        ways = self.effects[1][:, self.determined]
+        ways = self.effects[1][:, self.needed(target)]
         if not ways.size:
             return loose
 

@@ -95,9 +95,9 @@ class Correction:
     errors
         The errors of the settings that were found, not rounded.
     condition
-        Greatest over least effect of a usual step, of the combinations of settings that are determined.
+        Greatest over least effect of a usual step, of the combinations of settings that are moved.
     loose
-        The combinations that are not, taken so that the root line moves least.
+        The combinations that the flanks do not tell, taken so that the root line moves least.
 
     Examples
     --------
@@ -243,7 +243,7 @@ def corrective_settings(
         surfaces,
         dict(zip(fit.keys, (float(v) for v in fit.scale * to_set), strict=True)),
         dict(zip(fit.keys, (float(v) for v in fit.scale * steps), strict=True)),
-        fit.condition,
+        fit.condition(target),
         fit.loose(),
     )
 

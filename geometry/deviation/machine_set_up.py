@@ -8,7 +8,14 @@ from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.machine import MOVING_SETTINGS
-from ..cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS, MOTION_PATTERN
+from ..cutting.named_settings import (
+    BLADE_STEPS,
+    CURVATURE_STEPS,
+    MACHINE_STEPS,
+    MODIFIED_ROLL_ORDERS,
+    MOTION_PATTERN,
+    get_setting,
+)
 from ..pair.gear_pair import Member
 
 # Formate: no roll. The flank has four degrees of freedom; the fifth setting holds the root.
@@ -19,7 +26,7 @@ FREE_FORMATE_SETTINGS = (
     "sliding_base",
     "machine_center_to_crossing_point",
 )
-# Generated: the basic cradle angle turns the tooth. Tilt and swivel only on a machine that is tilted.
+# Generated: the basic cradle angle turns the tooth. Tilt, swivel and modified roll only where the design has them.
 FREE_MACHINE_SETTINGS = (
     "radial_distance",
     "machine_root_angle",
@@ -54,6 +61,8 @@ def shares_set_up(member: Member) -> bool:
 def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     """Settings that corrections move unless others are named: those of the machine, no blades.
 
+    Coefficients of the modified roll that are zero in the design stay zero.
+
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
@@ -62,7 +71,8 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     """
     if not surface.settings.generated:
         return FREE_FORMATE_SETTINGS
-    return tuple(name for name in FREE_MACHINE_SETTINGS if name in movable_settings(surface))
+    unused = [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) == 0.0]
+    return tuple(name for name in FREE_MACHINE_SETTINGS if name in movable_settings(surface) and name not in unused)
 
 
 def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:

@@ -241,12 +241,20 @@ def correct(
 
 def _executed(case: str, corrections: Any) -> str:
     """Comment of a corrected case."""
+    from ..report.correction_report import root_warnings
+
     flanks = "; ".join(
         f"{name} {' and '.join(flank.side for own in found for flank in own.flanks)}"
         for name, found in corrections.items()
     )
+    warned = [
+        f"\nWarning, {name}: {warning}"
+        for name, found in corrections.items()
+        for own in found
+        for warning in root_warnings(own)
+    ]
     return (
         f"Settings to execute, by easeoff correct from {Path(case).name} for measured flanks: {flanks}.\n"
         "On the machine that cut the measured flanks they come near the flanks designed; on one without errors they "
-        "cut others."
+        "cut others." + "".join(warned)
     )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import check_cost, progress_bar, with_defaults
@@ -14,7 +16,7 @@ from .options.shared_options import echo, next_commands
 from .result_commands import draw
 
 if TYPE_CHECKING:
-    from ...cases import Case
+    from ...cases import Case, LoadCase
 
 OF_THE_CASE = "case"  # instead of a file: the load cases of the case itself
 SINGLE_CONDITIONS = ("temperature", "roughness")
@@ -61,6 +63,7 @@ def run_load_cases(
         rows = read_load_cases(load_cases)
     elif not case.load_cases:
         raise click.UsageError("--load-cases = 'case': the case has no tables [[load_cases]]; give a file")
+    _refuse_flank(rows or case.load_cases)
     torques = [row.torque for row in (rows or case.load_cases)]
     check_cost(case, AnalysisSize.of(case, 1))
     single = {name: conditions.pop(name) for name in SINGLE_CONDITIONS}
@@ -79,3 +82,13 @@ def run_load_cases(
     next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if tree["load_cases"].to_dataset()["status"].values.any():
         sys.exit(EXIT_UNCERTIFIED)
+
+
+def _refuse_flank(rows: Sequence[LoadCase]) -> None:
+    """Refuse ``--flank`` beside load cases that name theirs."""
+    given = click.get_current_context().get_parameter_source("flank") == ParameterSource.COMMANDLINE
+    named = [at for at, row in enumerate(rows, start=1) if row.flank is not None]
+    if given and named:
+        raise click.UsageError(
+            f"--flank: must not go with load cases that name their flank, as number {named[0]} does; change the table"
+        )

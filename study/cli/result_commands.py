@@ -9,7 +9,7 @@ import click
 
 from ...core.printable import printable
 from .command import Command
-from .options.shared_options import echo, names, torques
+from .options.shared_options import echo, marking, names, torques
 from .terminal.terminal_bar import working
 
 if TYPE_CHECKING:
@@ -88,6 +88,7 @@ def show(result: Path) -> None:
 @click.option(
     "--marking",
     type=float,
+    callback=marking,
     metavar="THICKNESS",
     show_default="that of the result",
     help="Thickness of the marking compound of the unloaded pattern in um.",

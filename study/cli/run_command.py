@@ -13,7 +13,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 from .load_case_run import run_load_cases
 from .options.analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
 from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, next_commands, refuse_name_of_output
+from .options.shared_options import echo, marking, next_commands, refuse_name_of_output
 from .result_commands import draw
 
 
@@ -28,6 +28,7 @@ from .result_commands import draw
 @click.option(
     "--marking",
     type=float,
+    callback=marking,
     metavar="THICKNESS",
     show_default="contact.separation of the case",
     help="Thickness of the marking compound of the unloaded pattern in um.",

@@ -17,7 +17,7 @@ from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
 from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
+from .options.shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .result_commands import draw
 from .terminal.terminal_bar import terminal_bar, working
 
@@ -97,6 +97,7 @@ def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) 
 @click.option(
     "--marking",
     type=float,
+    callback=marking,
     metavar="THICKNESS",
     show_default="contact.separation of the case",
     help="Thickness of the marking compound of the unloaded pattern in um.",

@@ -75,6 +75,7 @@ def verify(
     """
     from ...core.writing.output_file import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
+    from ...verification.yardsticks.row_meaning import closing
     from ...verification.yardsticks.verification_table import head_lines, row_lines
 
     if output is not None:
@@ -106,6 +107,8 @@ def verify(
     else:
         names = "; ".join(row.quantity for row in found.outside)
         echo(f"\n{len(found.outside)} of {len(found.rows)} comparisons outside their limits: {names}", err=True)
+        if said := closing(found.outside):
+            echo(said, err=True)
     if output is not None:
         with whole_file(output) as temporary:
             found.dataset().to_netcdf(temporary, engine="netcdf4")

@@ -11,7 +11,7 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
-from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
+from .options.shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .result_commands import draw
 from .terminal.terminal_bar import terminal_bar
 
@@ -38,6 +38,7 @@ def _counts(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
 @click.option(
     "--marking",
     type=float,
+    callback=marking,
     metavar="THICKNESS",
     show_default="contact.separation of the case",
     help="Thickness of the marking compound in um.",

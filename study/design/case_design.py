@@ -17,12 +17,8 @@ from ...geometry.design.pair_design import (
     design_pair,
 )
 from ...geometry.pair.assembly import Assembly
-from .design_check import (
-    DesignReport,
-    checked_design,
-    formate_advice,
-    limit_pressure_angle_advice,
-)
+from .design_advice import cutter_radius_advice, formate_advice, limit_pressure_angle_advice, offset_advice
+from .design_check import DesignReport, checked_design
 from .pair_warnings import require_elastic_tooth
 
 
@@ -79,6 +75,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         )
     except GeometryError as error:
         advice = [*formate_advice(design, basic_data), *limit_pressure_angle_advice(basic_data)]
+        advice += [*cutter_radius_advice(basic_data), *offset_advice(design, basic_data)]
         raise GeometryError("; ".join([str(error), *advice])) from error
     try:
         case = _case(design, designed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +14,7 @@ from ...cases.schema.design_schema import Design
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
 from ...geometry.design.agma929.tooth_proportions import ToothProportions
-from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from ...geometry.design.blank import BlankDimensions
 from ...geometry.design.edge_radius import REDUCTIONS
 from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
 from ...geometry.design.pair_design import (
@@ -27,12 +26,12 @@ from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, grid
 from ...geometry.tooth.tooth_flanks import MemberName
+from .design_advice import cutter_radius_advice, limit_pressure_angle_advice, offset_advice, small_target_advice
 from .pair_warnings import UNDERCUT_LIMIT, narrow_top_lands, off_the_root, uncut_share, uncut_words, unfinished_teeth
 from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
-FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 
 
@@ -153,10 +152,11 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         *unfinished,
         *(spaces.warnings() if spaces is not None else []),
     ]
+    teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
+    basic_data = blank_design(design.blank_design, teeth, design.pair)
     if warnings:
-        warnings += limit_pressure_angle_advice(
-            blank_design(design.blank_design, (design.pinion.number_of_teeth, design.gear.number_of_teeth), design.pair)
-        )
+        warnings += [*limit_pressure_angle_advice(basic_data), *cutter_radius_advice(basic_data)]
+    warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
     return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
 
 
@@ -171,36 +171,6 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
     except GeometryError:
         return None
-
-
-def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
-    """Advice, in one line or none, on pressure angles that leave out the limit pressure angle of a hypoid pair."""
-    if basic_data.hypoid_offset == 0.0 or basic_data.limit_pressure_angle_influence > 0.0:
-        return []
-    try:
-        limit = math.degrees(blank_dimensions(basic_data).limit_pressure_angle)
-    except GeometryError:
-        return []
-    return [
-        f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: 1 "
-        "gives drive and coast flanks pressure angles that allow for it"
-    ]
-
-
-def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
-    """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
-    if design.gear.generation == "generated":
-        return []
-    try:
-        angle = math.degrees(blank_dimensions(basic_data).gear.pitch_angle)
-    except GeometryError:
-        return []
-    if angle >= FORMATE_PITCH_ANGLE:
-        return []
-    return [
-        f"the gear's pitch angle of {angle:.0f} degrees is small for a gear cut without generation: generation = "
-        '"generated" in [gear] helps'
-    ]
 
 
 def _unfinished(design: Design, designed: PairDesign) -> list[str]:

@@ -53,7 +53,10 @@ class ToothSpaces:
     fillet_clearance: Array
 
     def rows(self) -> Iterator[tuple[str, ...]]:
-        """Table: quantity, by the formulas, on the generated teeth, their difference; toe / mean / heel [mm]."""
+        """Table: quantity, by the formulas, on the generated teeth, their difference; toe / mean / heel [mm].
+
+        The blade tips' heights are those of the path that they cut on the whole tooth, in their deepest positions.
+        """
         yield "toe / mean / heel [mm]", "AGMA 929-B22", "generated teeth", "difference"
         for k, name in enumerate(MEMBERS):
             for label, formula, teeth in (

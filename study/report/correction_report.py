@@ -19,6 +19,7 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..deviations.case_correction import CaseCorrection
 
 SMALL_GAIN = 0.7  # share of the deviation left above which a correction hardly pays
+ROOT_SHARE = 0.2  # of the clearance, a move of the root from which on a warning is given
 CONDITION_LIMIT = 1e3  # above which settings are told to do nearly the same
 
 
@@ -76,7 +77,26 @@ def _set_up_lines(name: str, correction: Correction) -> Iterator[str]:
         if np.any(np.abs(flank.root_change) >= 0.5e-3):
             moved = ", ".join(f"{1e3 * value:+.0f}" for value in flank.root_change)
             yield f"{flank.side} flank: the root moves by {moved} um at toe, middle, heel; negative is deeper"
+    yield from (f"Warning: {warning}" for warning in root_warnings(correction))
     yield from _notes(correction)
+
+
+def root_warnings(correction: Correction) -> Iterator[str]:
+    """Warnings of flanks whose corrected settings move the root by ``ROOT_SHARE`` of the clearance or more."""
+    free = list(dict.fromkeys(key.partition(".")[0] for key in correction.changes))
+    if "point_radius" in free:
+        advice = "name fewer settings by --free, or leave the root as it is told here"
+    else:
+        advice = f"a cutter of another radius holds the depth: --free {','.join([*free, 'point_radius'])}"
+    for flank in correction.flanks:
+        clearance = flank.member.section.clearance
+        known = flank.root_change[np.isfinite(flank.root_change)]
+        farthest = float(np.max(np.abs(known), initial=0.0))
+        if farthest > 0.0 and farthest >= ROOT_SHARE * clearance:
+            yield (
+                f"the root of the {flank.side} flank moves by up to {farthest:.2f} mm, of a clearance of "
+                f"{clearance:.2f} mm: check slot depth and tip clearance; {advice}"
+            )
 
 
 def _error_lines(flank: CorrectedFlank) -> Iterator[str]:

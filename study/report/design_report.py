@@ -68,7 +68,10 @@ def remaining_ease_off(item: SideReport) -> str:
 
 def _root(item: SideReport) -> str:
     gaps = " / ".join(f"{gap:+.3f}" if math.isfinite(gap) else "no flank" for gap in item.root_gap)
-    return f"Blade tip above the root cone at toe / middle / heel: {gaps} mm"
+    return (
+        "Pinion's blade tip above the root cone in the positions that cut the fit's nodes near the root, "
+        f"at toe / middle / heel: {gaps} mm"
+    )
 
 
 def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.flanks.curvature import principal_curvatures
-from ...geometry.flanks.flank import Flank
+from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.flanks.flank_parts import on_parts
 from ...geometry.vectors import dot
 from ..directional_curvature import directional_curvatures
@@ -21,6 +21,12 @@ Array = NDArray[Any]
 POSITION_LIMIT = 1e-11  # of the outer cone distance: 1e-9 mm at 100 mm
 NORMAL_LIMIT = 1e-10  # [rad]
 CURVATURE_LIMIT = 1e-8  # of the greater curvature
+LEFT_OUT = {
+    NodeStatus.NO_SOLUTION: "out of the cutter's reach",
+    NodeStatus.UNDERCUT: "undercut",
+    NodeStatus.BEYOND_BLADE_TIP: "beyond the blade tip",
+    NodeStatus.OUTSIDE_BLANK: "outside the blank",
+}
 SQUARE_LIMIT = 1e-6  # least squared sine between the two directions; below it rounding is all that is left
 
 
@@ -44,7 +50,7 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     ['WITHIN', 'WITHIN', 'WITHIN', 'WITHIN']
     """
     usable = np.isfinite(flank.position[0])
-    nodes = f"{usable.sum()} of {usable.size} nodes"
+    nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
     limit = POSITION_LIMIT * section.outer_cone_distance
     found = envelope_condition(flank)
     rows = [
@@ -70,6 +76,13 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     else:
         rows.append(not_applicable(envelope, "cut without rolling: the blade itself sweeps the flank"))
     return [*rows, _curvature(member, flank, usable, nodes)]
+
+
+def _others(flank: Flank, usable: NDArray[np.bool_]) -> str:
+    """What the nodes without a flank are."""
+    left = flank.status[~usable]
+    told = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
+    return f" (the others: {', '.join(told)})" if told else ""
 
 
 def greatest(values: Array) -> float:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from .verification_row import RowStatus, VerificationRow
 
 REPORT_IT = "report it with the case file"
 FINER_GRID = "try more lengthwise_nodes and profile_nodes"
+#: Beginnings of rows that compare contact lines one by one; the largest differences are near the ends of the path.
+LINE_ROWS = ("relative curvature", "direction of the contact line", "length of the contact line")
 #: By the beginning of a row's quantity. {0} stands for the difference, {1} for half of it, each with its unit.
 MEANINGS = {
     "certificates": "at these positions there is no result; try another --solver, or less torque",
@@ -35,6 +38,23 @@ MEANINGS = {
     "fineness of the teeth": "numbers of this kind may be off by {0}; set a greater fineness under [compliance]",
     "shell modes": "numbers of this kind may be off by {0}; set more modes under [compliance]",
 }
+
+
+def closing(outside: Sequence[VerificationRow]) -> str:
+    """What it means that these rows alone are outside their limits; empty if their own meanings say it.
+
+    Examples
+    --------
+    >>> row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
+    >>> closing([row])[:40]
+    'these are curvature and direction of con'
+    """
+    if not outside or not all(row.quantity.startswith(LINE_ROWS) for row in outside):
+        return ""
+    return (
+        "these are curvature and direction of contact lines, farthest off near the ends of the path: pressures may be "
+        "off there as told above, transmission error and load shares are not"
+    )
 
 
 def meaning(row: VerificationRow) -> str:

@@ -83,7 +83,8 @@ def _gleason(design: BlankDesign) -> PitchCones:
     excess = design.shaft_angle - math.pi / 2
     first = math.atan2(ratio * math.cos(excess), 1.2 * (1.0 - ratio * math.sin(excess)))
     radius = (outer - design.gear_face_width * math.sin(first)) / 2.0
-    _check_offset(offset, radius)
+    _check_face_width(design, radius)
+    _check_offset(design, radius)
     angle = math.asin(offset * math.sin(first) / radius)
     enlargement = desired * math.sin(angle) + math.cos(angle)
     pinion_radius = radius * enlargement / ratio
@@ -156,6 +157,7 @@ def _oerlikon(design: BlankDesign) -> PitchCones:
 def _klingelnberg(design: BlankDesign) -> PitchCones:
     """Pinion's mean cone distance from the cutter (formulas 84 to 109)."""
     outer, cutter = _outer_diameter(design), design.cutter_radius
+    _check_face_width(design, outer - design.gear_face_width * math.sin(_bevel_gear_angle(design)))
 
     def cones(gear_pitch_angle: float) -> PitchCones:
         diameter = outer - design.gear_face_width * math.sin(gear_pitch_angle)
@@ -185,7 +187,17 @@ def _bevel_gear_angle(design: BlankDesign) -> float:
     return design.shaft_angle - math.atan2(math.sin(design.shaft_angle), math.cos(design.shaft_angle) + _ratio(design))
 
 
-def _check_offset(offset: float, gear_mean_radius: float) -> None:
+def _check_face_width(design: BlankDesign, gear_mean_size: float) -> None:
+    """Refuse a gear without a positive mean radius or diameter."""
+    if not gear_mean_size > 0.0:
+        raise InputError(
+            f"gear_outer_pitch_diameter = {_outer_diameter(design)}: must be greater, the gear_face_width of "
+            f"{design.gear_face_width} mm reaches beyond its axis"
+        )
+
+
+def _check_offset(design: BlankDesign, gear_mean_radius: float) -> None:
+    offset = design.hypoid_offset
     if not abs(offset) < gear_mean_radius:
         raise InputError(f"hypoid_offset = {offset}: must be less than the gear's mean radius {gear_mean_radius:g} mm")
 
@@ -198,7 +210,7 @@ def _touching_cones(design: BlankDesign, gear_pitch_angle: float, gear_mean_diam
     from scipy.optimize import brentq
 
     shaft, offset, spiral = design.shaft_angle, design.hypoid_offset, design.mean_spiral_angle
-    _check_offset(offset, gear_mean_diameter / 2.0)
+    _check_offset(design, gear_mean_diameter / 2.0)
     ratio = _ratio(design)
 
     def elements(axial: float) -> tuple[float, float]:

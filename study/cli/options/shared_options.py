@@ -14,6 +14,8 @@ from ....core.printable import printable_lines
 from ..terminal.word_completion import deviation_names
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
+THINNEST_COMPOUND = 0.5  # [um]; below it a thickness looks like mm
+
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ....cases.deflections import Deflections
@@ -149,12 +151,20 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
     values = number_list(text, "numbers in N m separated by commas, such as 50,250,500", from_zero=False)
     for value in values:
         if not 0.0 < value < 1e7:
-            raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m")
+            coast = "; --flank coast analyses the flanks of the other sense of the torque" if value < 0.0 else ""
+            raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m{coast}")
         if values.count(value) > 1:
             raise click.BadParameter(f"{text!r}: {value:g} comes twice")
     if values != sorted(values):
         echo(f"torques in rising order: {', '.join(f'{value:g}' for value in sorted(values))} N m", err=True)
     return tuple(sorted(values))
+
+
+def marking(_ctx: click.Context, _param: click.Parameter, value: float | None) -> float | None:
+    """Thickness of the marking compound [um]; a line says so of one that looks like mm."""
+    if value is not None and 0.0 < value < THINNEST_COMPOUND:
+        echo(f"--marking = {value:g}: thinner than any marking compound; um are meant, not mm?", err=True)
+    return value
 
 
 def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | Deflections | None:

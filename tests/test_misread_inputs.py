@@ -1,0 +1,164 @@
+"""Inputs that a user misreads: messages and hints name the key or option at fault and what to do instead."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from easeoff import InputError
+from easeoff.cases import Design, designed_blanks, gear_pair, read_case, read_design, read_load_cases
+from easeoff.cases.conversion import blank_design
+from easeoff.geometry.flanks.flank import NodeStatus
+from easeoff.geometry.pair.assembly import Assembly
+from easeoff.study.cli import main
+from easeoff.study.design.design_advice import cutter_radius_advice, offset_advice, small_target_advice
+from easeoff.verification.yardsticks.flank_rows import flank_rows
+from easeoff.verification.yardsticks.row_meaning import closing
+from easeoff.verification.yardsticks.verification_row import VerificationRow
+
+
+def call(*words: object) -> Any:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def changed(name: str, table: str, **values: Any) -> Design:
+    """A shipped design with other values in one table."""
+    design = read_design(name)
+    part = getattr(design, table).model_copy(update=values)
+    return design.model_copy(update={table: part})
+
+
+def basic_data(design: Design) -> Any:
+    teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
+    return blank_design(design.blank_design, teeth, design.pair)
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+def test_a_gear_too_small_for_its_face_width_is_named(name: str) -> None:
+    design = changed(name, "blank_design", gear_outer_pitch_diameter=20.0)
+    teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
+    with pytest.raises(InputError, match=r"gear_outer_pitch_diameter = 20\.0: must be greater, the gear_face_width of"):
+        designed_blanks(design.blank_design, teeth, design.pair)
+
+
+def test_exchanged_teeth_are_told_by_the_keys_of_the_file() -> None:
+    design = read_design("fm-11x41")
+    with pytest.raises(InputError, match=r"^pinion\.number_of_teeth = 37: must be at most gear\.number_of_teeth = 9"):
+        blank_design(design.blank_design, (37, 9), design.pair)
+
+
+@pytest.mark.parametrize("command", ["run", "verify", "problems"])
+def test_a_negative_torque_points_to_the_coast_flanks(command: str, tmp_path: Path) -> None:
+    done = call(command, "nasa-12x36", "--torque", "-300", "-o", tmp_path / "x.nc")
+    assert done.exit_code == 2
+    assert "-300: must be greater than 0" in done.output
+    assert "--flank coast" in done.output
+    assert "--flank" not in call(command, "nasa-12x36", "--torque", "0", "-o", tmp_path / "x.nc").output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_negative_torque_of_a_load_case_points_to_its_flank(tmp_path: Path) -> None:
+    table = tmp_path / "duty.csv"
+    table.write_text("torque,flank\n100,drive\n-80,drive\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'line 3, torque: -80\.0: must be at least .*; flank = "coast"'):
+        read_load_cases(table)
+    table.write_text("torque\n0\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"torque = 0\.0: must be at least 1e-06") as told:
+        read_load_cases(table)
+    assert "coast" not in str(told.value)
+
+
+def test_a_flank_beside_load_cases_that_name_theirs_is_refused(tmp_path: Path) -> None:
+    table, output = tmp_path / "duty.csv", tmp_path / "x.nc"
+    table.write_text("torque,flank\n100,\n200,drive\n", encoding="utf-8")
+    done = call("run", "nasa-12x36", "-o", output, "--load-cases", table, "--flank", "coast")
+    assert done.exit_code == 2
+    assert "--flank: must not go with load cases that name their flank, as number 2 does" in " ".join(
+        done.output.split()
+    )
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(("thickness", "told"), [("0.006", True), ("0.5", False), ("6", False), ("-1", False)])
+def test_a_marking_thickness_in_mm_is_told(thickness: str, told: bool, tmp_path: Path) -> None:
+    """The hint comes with the options: before the case, which there is not, is read."""
+    for command in ("run", "vh"):
+        done = call(command, "no-such-case", "--marking", thickness, "-o", tmp_path / "x.nc")
+        assert done.exit_code == 2
+        assert ("um are meant, not mm?" in done.output) == told
+
+
+def test_a_crowning_in_mm_is_told_by_its_key() -> None:
+    design = read_design("fm-11x41")
+    assert small_target_advice(design) == []
+    drive = design.target.drive.model_copy(update={"lengthwise_crowning": 0.06, "profile_crowning": 0.0})
+    small = design.model_copy(update={"target": design.target.model_copy(update={"drive": drive})})
+    (told,) = small_target_advice(small)
+    assert told.startswith("target.drive.lengthwise_crowning = 0.06: ")
+    assert "um are meant, not mm?" in told
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45", "axle-10x41", "aero-12x36"])
+def test_the_diameter_of_a_cutter_is_told_and_no_radius_of_a_shipped_design(name: str) -> None:
+    data = basic_data(read_design(name))
+    assert cutter_radius_advice(data) == []
+    (told,) = cutter_radius_advice(replace(data, cutter_radius=2.0 * data.cutter_radius))
+    assert told.startswith(f"cutter_radius = {2.0 * data.cutter_radius:g} mm")
+    assert "not the diameter?" in told
+
+
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("offset", [20.0, -20.0])
+def test_a_positive_offset_is_below_centre_for_a_left_hand_pinion_and_enlarges_its_spiral_angle(
+    hand: Any, offset: float
+) -> None:
+    """From the axes of the assembly, seen on the gear's toothed face with the pinion to the right, and the blanks."""
+    pinion = Assembly(11, 41, pinion_hand=hand, shaft_angle=math.pi / 2, hypoid_offset=offset)
+    forward = np.array([0.0, 0.0, 1.0])  # from the gear's apex towards its heel: onto the toothed face
+    right = pinion.pinion_frame[:, 2]  # towards the pinion's heel
+    up = np.cross(right, forward)
+    assert right @ forward == pytest.approx(0.0, abs=1e-15)
+    above = float(up @ pinion.pinion_origin) > 0.0
+    assert above == ((hand == "right") == (offset > 0.0))
+    design = changed("fm-11x41", "pair", hypoid_offset=offset)
+    design = design.model_copy(update={"pinion": design.pinion.model_copy(update={"hand_of_spiral": hand})})
+    data = replace(basic_data(design), depth_taper="standard")
+    from easeoff.geometry.design.blank import blank_dimensions
+
+    blanks = blank_dimensions(data)
+    assert (blanks.pinion.mean_spiral_angle > blanks.gear.mean_spiral_angle) == (offset > 0.0)
+    told = offset_advice(design, data)
+    assert bool(told) == (offset < 0.0)
+    if told:
+        assert f"the {hand}-hand pinion lies {'above' if above else 'below'} centre and has the smaller" in told[0]
+
+
+def row(quantity: str, difference: float) -> VerificationRow:
+    return VerificationRow(quantity, "another method", difference, 1.0, "%")
+
+
+def test_the_closing_line_of_a_verification_speaks_of_contact_lines_alone() -> None:
+    lines = [row("relative curvature across the line", 4.7), row("direction of the contact line", 2.0)]
+    assert "near the ends of the path" in closing(lines)
+    assert closing([*lines, row("unloaded transmission error", 2.0)]) == ""
+    assert closing([]) == ""
+
+
+def test_nodes_without_a_flank_are_named_in_the_rows_of_a_flank() -> None:
+    gear = gear_pair(read_case("nasa-12x36")).gear
+    flank = gear.flank(np.linspace(0.1, 0.9, 4), np.linspace(0.1, 0.9, 3))
+    whole = flank_rows("gear", flank, gear.section)[0].compared
+    assert "others" not in whole
+    status, position = flank.status.copy(), flank.position.copy()
+    status.flat[:3], status.flat[3] = NodeStatus.UNDERCUT, NodeStatus.BEYOND_BLADE_TIP
+    position.reshape(3, -1)[:, :4] = np.nan
+    cut = flank_rows("gear", replace(flank, status=status, position=position), gear.section)[0].compared
+    assert (
+        f"{flank.status.size - 4} of {flank.status.size} nodes (the others: 3 undercut, 1 beyond the blade tip)" in cut
+    )
