@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, field_validator
+from pydantic_core import PydanticCustomError
 
 from ..mistakes import written
 from .schema_table import Number, Table, number
@@ -67,9 +68,10 @@ class LoadCase(Table):
     @classmethod
     def _not_the_other_sense(cls, value: Any) -> Any:
         if isinstance(value, int | float) and value < 0.0:
-            raise ValueError(
-                f'{written(value)}: must be at least {TORQUE_MINIMUM:g} [N m]; flank = "coast" takes the flanks of the '
-                "other sense of the torque"
+            raise PydanticCustomError(
+                "negative_torque",
+                'must be at least {least} [N m]; flank = "coast" takes the flanks of the other sense of the torque',
+                {"least": f"{TORQUE_MINIMUM:g}"},
             )
         return value
 
