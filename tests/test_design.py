@@ -152,8 +152,8 @@ def test_gear_tooth_has_the_thickness_of_the_blank(name: str) -> None:
     along_root = design.gear.basic_settings == "root_line"
     # Point width and blade angles are multiples of their standard steps.
     steps = design.cutter_steps
-    angles = 2.0 * math.tan(math.radians(0.5 * steps.blade_angle)) * gear.mean_dedendum
-    tolerance = 0.1 if along_root else max(1e-3, steps.point_width + angles)
+    by_angles = 2.0 * math.tan(math.radians(0.5 * steps.blade_angle)) * gear.mean_dedendum
+    tolerance = 0.1 if along_root else max(1e-3, steps.point_width + by_angles)
     assert thickness == pytest.approx(gear.mean_normal_thickness, abs=tolerance)
 
 

@@ -13,6 +13,7 @@ from easeoff import analyze, read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
+from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.lines.closest_approach import across_line, one_step
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
@@ -123,6 +124,8 @@ def test_a_force_on_the_tip_of_the_pinion_bends_its_tooth_at_the_tip() -> None:
     here = next(one for one in cycle.with_edges(np.full(8, WIDEST)) if one is not None and np.any(one.edge == 5))
     tip, weight = here.edge == 5, np.ones(1)
     pinion, gear = cycle.on_lines.teeth.both
+    assert isinstance(pinion, FlankCompliance)
+    assert isinstance(gear, FlankCompliance)
     on_pinion = OppositePoints.of(fields, here.pinion_point[:, tip]).fractions
     assert np.all(np.abs(on_pinion[1] - 1.0) < 2e-5)
     both = (pinion, on_pinion), (gear, here.point[:, tip])
