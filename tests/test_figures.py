@@ -162,7 +162,7 @@ def test_nothing_is_cut_off_or_covered_in_panels_of_ones_own(tree: xr.DataTree, 
         legend, box = curves.get_legend().get_window_extent(), curves.get_window_extent()
         assert box.x0 <= legend.x0 < legend.x1 <= box.x1
         assert box.y0 <= legend.y0 < legend.y1 <= box.y1 + 1.0
-        highest = max(float(np.max(line.get_ydata())) for line in curves.lines)
+        highest = max(float(np.max(line.get_ydata())) for line in curves.lines if len(line.get_ydata()))
         assert curves.transData.transform((0.0, highest))[1] <= legend.y0
     (bar,) = (one for one in figure.axes if hasattr(one, "_colorbar"))
     for flank in (axes[0, 1], axes[1, 0]):

@@ -40,7 +40,7 @@ class ResultSummary:
     >>> str(found).splitlines()[3]
     'pair          12 x 36, left-hand pinion, drive flanks'
     >>> found.tables["loaded"]["peak_to_peak [urad]"].round().tolist()
-    [211.0]
+    [221.0]
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
