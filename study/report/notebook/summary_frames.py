@@ -49,7 +49,7 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     >>> import easeoff
     >>> frames = summary_frames(easeoff.analyze("nasa-12x36", torques=[100.0]))
     >>> list(frames), frames["loaded"].index.tolist(), round(frames["loaded"]["harmonic 1 [urad]"].iloc[0])
-    (['unloaded', 'loaded'], [100.0], 110)
+    (['unloaded', 'loaded'], [100.0], 115)
     """
     if "load_cases" in tree.children:
         return {"load_cases": _frame(tree["load_cases"].to_dataset(), ("load_case",))}
