@@ -46,5 +46,6 @@ def test_extreme_design_is_cut_or_refused_with_advice(name: str, method: str) ->
         wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))[known]
         left = found.angle[known] * lever - wanted
         left = left - lever * float(lever @ left) / float(lever @ lever)
-        # Closest fits of a Formate gear state the residual at the nodes of the fit.
-        assert np.abs(left).max() < 1.5 * item.largest_residual + 2e-3
+        # Closest fits of a Formate gear state the residual at the nodes of the fit; it grows towards undercut flanks.
+        factor = 2.0 if max(item.uncut) > 0.0 else 1.5
+        assert np.abs(left).max() < factor * item.largest_residual + 2e-3

@@ -98,12 +98,12 @@ def test_completing_has_one_set_of_machine_settings(groups: int | None) -> None:
 
 @pytest.mark.thorough
 def test_completing_leaves_the_tooth_of_the_blank() -> None:
-    """Face-milled, the point width fixes the slot, which fills the pitch with the blank's tooth, to a micrometre."""
+    """Face-milled, the point width fixes the slot, which fills the pitch with the blank's tooth, to two micrometres."""
     designed = made("completing", None, True)
     concave, convex = (designed.pinion[side].surface for side in SIDES)
     section = blank_section(designed.blank.pinion, designed.blank.clearance)
     slot = MeanSlot.of(concave, convex, section, designed.blank)
-    assert abs(slot.error(concave, convex)) < 1e-3
+    assert abs(slot.error(concave, convex)) < 2e-3
     blank = designed.blank
     assert slot.wanted + blank.pinion.mean_normal_thickness == pytest.approx(math.pi * blank.mean_normal_module)
     assert designed.pair("coast").pinion.mean_thickness == designed.pinion_thickness

@@ -121,7 +121,7 @@ def test_bearings_that_stiffen_lie_between_their_least_and_greatest_stiffness(co
 def test_the_shipped_axle_moves_as_the_page_says() -> None:
     tree = analyze("fm-11x41", supports=AXLE, misalignment=Misalignment(), torques=250.0)
     moved = {name: float(tree[f"misalignment/{name}"].mean()) for name in ("offset", "pinion_axial", "gear_axial")}
-    assert moved == pytest.approx({"offset": -0.1054, "pinion_axial": 0.043, "gear_axial": -0.0377}, abs=5e-4)
+    assert moved == pytest.approx({"offset": -0.1050, "pinion_axial": 0.0425, "gear_axial": -0.0377}, abs=5e-4)
     assert float(np.degrees(tree["misalignment/shaft_angle"]).mean()) == pytest.approx(0.025, abs=5e-4)
 
 

@@ -40,7 +40,7 @@ SLOT_STEP = 1e-4  # of the usual steps
 RESIDUAL_CHANGE = 1e-6  # relative change of the sum of squares at which a fit ends
 LARGEST_EVALUATIONS = 60
 #: [rad]; with one milling cutter the conjugate pinion is out of reach, and without tilt nothing turns it.
-FIRST_TILTS = (-0.1, 0.02)
+FIRST_TILTS = (-0.1, 0.02, -0.05)
 INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
 
 
@@ -353,7 +353,10 @@ def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array, on_root: Arr
     left = 1e-3 * part(steps)[: part.lever.size]
     fresh = exact_ease_off(part.gear, surface, section, pair.assembly)
     if not np.allclose(part.error(fresh.angle), left, rtol=0.0, atol=1e-6):
-        raise GeometryError("the fitted settings cut the blank with another part of the cutter than the fit followed")
+        raise GeometryError(
+            "the fitted settings cut the blank with another part of the cutter than the fit followed; choose another "
+            'method, as method = "tilt", or wider limits in [pinion.limits]'
+        )
     surface = with_positive_tilt(surface)
     moved = {
         name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
