@@ -85,7 +85,7 @@ def tooth(name: str, member: MemberName, size: LatticeSize | None = None, depth:
     lattice = tooth_lattice(pair, member, size or usual_size(pair, member), depth)
     made = time.process_time()
     body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
-    solved = measured(name, member, lattice, body, foot_displacements(lattice), body.free.size)
+    solved = measured(name, member, lattice, body, foot_displacements(lattice), body.parts.unknowns)
     return replace(
         solved, seconds=solved.seconds | {"lattice": made - start, "assembly and factor": solved.begun - made}
     )

@@ -155,8 +155,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
                     fraction = np.sum(both * lattice.profile[window])
                     cells.append((point, *(side / 4.0 for side in sides), at[0], fraction))
                     weights.append(area / 16.0 * height[0] * height[1])
-    moved = np.zeros(load.size)
-    moved[body.free] = body.solve(load.ravel()[body.free][:, None])[:, 0]
+    moved = body.solve(load.reshape(-1, 1))[:, 0]
     direct = float(load.ravel() @ moved) / float(np.linalg.norm(load.sum(axis=0)))
     position, along, across = (np.array([c[k] for c in cells]) for k in range(3))
     lengths = np.linalg.norm(along, axis=1)
@@ -181,7 +180,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
     shares = response.shares(place)
     local = force @ half_space_compliance(flat, (STEEL, STEEL)) @ force / 2.0 / force.sum()
     added = force @ (shares @ (shares @ response.beyond_half_space).T) @ force / force.sum()
-    return body.free.size, 1e6 * direct, 1e6 * (local + added), 100.0 * added / (local + added)
+    return body.parts.unknowns, 1e6 * direct, 1e6 * (local + added), 100.0 * added / (local + added)
 
 
 def patch() -> None:

@@ -142,7 +142,7 @@ def test_body_turns_under_a_moment_as_a_half_plane_does() -> None:
     joint = lattice.column[:, :, lattice.root_row].ravel()
     through = legendre(lattice.through, 6)[0]
     functions = np.tile(through, (lattice.lengthwise.size, 1))
-    body = body_stiffness(lattice, joint, functions, STEEL, "auto")
+    body = body_stiffness(lattice, joint, functions, STEEL)
     np.testing.assert_allclose(body, body.T)
     assert np.linalg.eigvalsh(body).min() > 0.0
     # Unit moment per length as a linear stress 6 / t^2, which does work on the linear polynomial alone.

@@ -140,7 +140,7 @@ def modules(rng: random.Random, box: Box) -> Input:
     """Python files in the current folder under the names of packages: none of them may run."""
     names = ("quadprog", "proxsuite", "numpy", "json", "osqp", "daqp", "sitecustomize", "OCP", "dask", "piqp",
         "qpalm", "ecos", "cvxopt", "scs", "highspy",
-             "tomllib", "easeoff", "sip_qp_python", "pyqpmad", "sksparse", "tqdm", "encodings")  # fmt: skip
+             "tomllib", "easeoff", "sip_qp_python", "pyqpmad", "tqdm", "encodings")  # fmt: skip
     for name in names:
         box.put(f"{name}.py", f"open({EXECUTED!r}, 'a').write('{name}\\n')\n".encode())
     pair = box.copy("nasa.toml", "case.toml")

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ...contact.compliance.finite_elements.bricks import quadratic, stiffness
-from ...contact.compliance.finite_elements.elastic_body import elastic_body
-from ...contact.compliance.finite_elements.stiffness_factor import COLUMNS_PER_SOLVE, Factoriser
+from ...contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body
 from ...contact.compliance.material import Material
 from .half_space import point_force_displacement, point_force_traction
 
@@ -37,8 +36,6 @@ def surface_compliance(
     material: Material,
     loaded: NDArray[np.int64],
     normal: Array,
-    *,
-    factoriser: Factoriser = "auto",
 ) -> Array:
     """Normal displacements of a smooth surface under normal forces on it.
 
@@ -54,8 +51,6 @@ def surface_compliance(
         Nodes (k) of the surface, none of them on its edge.
     normal
         Outward unit normals (k, 3) there.
-    factoriser
-        As ``stiffness_factor.solver_of``.
 
     Returns
     -------
@@ -67,13 +62,10 @@ def surface_compliance(
     ------
     GeometryError
         If a brick is turned inside out.
-    MissingPackageError
-        As ``stiffness_factor.solver_of``.
     """
-    body = elastic_body(nodes, cells, held, material, factoriser=factoriser)
-    free = body.free
+    body = elastic_body(nodes, cells, held, material)
     near = _near(nodes, cells, loaded, normal)
-    field_matrix = stiffness(nodes, near, material).tocsr()[free]
+    field_matrix = stiffness(nodes, near, material).tocsr()
     points, weighted_normals, onto_nodes = _faces(nodes, near)
     area = np.linalg.norm(weighted_normals, axis=1, keepdims=True)
     direction = weighted_normals / area
@@ -93,8 +85,7 @@ def surface_compliance(
                 traction = area * point_force_traction(offset, inward, direction, material.poisson_ratio)
             traction[np.linalg.norm(offset, axis=1) < LOAD_DISTANCE_LIMIT] = 0.0
             loads[:, k] = (onto_nodes @ traction).ravel()
-        answer = np.zeros((3 * len(nodes), count))
-        answer[free] = body.solve(np.asarray(field_matrix @ known.reshape(-1, count) - loads[free]))
+        answer = body.solve(np.asarray(field_matrix @ known.reshape(-1, count) - loads))
         at_loaded = answer.reshape(len(nodes), 3, count)[loaded]
         result[:, part] = -np.einsum("mx,mxk->mk", normal, at_loaded)
     return result

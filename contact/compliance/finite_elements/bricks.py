@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 GAUSS_POINTS = 3  # in each direction: exact for a brick with straight edges
-BRICKS_PER_BATCH = 256  # bounds the memory
+BRICKS_PER_BATCH = 32  # as many as fit into a processor's cache
 ShapeFunctions = Callable[[Array], tuple[Array, Array]]
 
 
@@ -77,10 +77,10 @@ def _refuse_inside_out(corners: Array, determinant: Array) -> None:
         )
 
 
-def stiffness(
+def brick_stiffness(
     nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
-) -> csc_array:
-    """Stiffness matrix of a body of bricks.
+) -> tuple[NDArray[np.int64], Array]:
+    """Stiffness of every brick.
 
     Parameters
     ----------
@@ -91,20 +91,18 @@ def stiffness(
     material
         Its material.
     functions
-        Shape functions of a brick; a node without one gets rows of zeros.
+        Shape functions of a brick.
 
     Returns
     -------
-    csc_array
-        Symmetric (3 n, 3 n) [N/mm]; displacements in the order of the nodes, x y z fastest.
+    tuple
+        Nodes (m, q) that have shape functions, and stiffness (m, 3 q, 3 q) [N/mm], x y z of a node together.
 
     Raises
     ------
     GeometryError
         If a brick is turned inside out somewhere.
     """
-    from scipy.sparse import csc_array
-
     points, weights = gauss_rule()
     _, gradients = functions(points)
     flat = cells.reshape(-1, 27)
@@ -112,7 +110,7 @@ def stiffness(
     first, shear = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * young / (1.0 + nu)
     used = np.flatnonzero(np.abs(gradients).sum(axis=(0, 2)) > 0.0)
     size = 3 * used.size
-    entries = np.empty((len(flat), size, size))
+    result = np.empty((len(flat), size, size))
     for start in range(0, len(flat), BRICKS_PER_BATCH):
         batch = slice(start, start + BRICKS_PER_BATCH)
         spatial, determinant = brick_gradients(nodes[flat[batch]], gradients)
@@ -124,8 +122,21 @@ def stiffness(
         laplacian = shear * np.einsum("maibi->mab", outer)
         for k in range(3):
             block[:, :, k, :, k] += laplacian
-        entries[batch] = block.reshape(-1, size, size)
-    dofs = (3 * flat[:, used, None] + np.arange(3)).reshape(len(flat), size).astype(np.int32)
-    rows = np.broadcast_to(dofs[:, :, None], entries.shape).ravel()
-    columns = np.broadcast_to(dofs[:, None, :], entries.shape).ravel()
+        result[batch] = block.reshape(-1, size, size)
+    return flat[:, used], result
+
+
+def stiffness(
+    nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
+) -> csc_array:
+    """Stiffness matrix of a body of bricks: symmetric (3 n, 3 n) [N/mm], x y z of a node together.
+
+    Arguments and errors as ``brick_stiffness``; a node without a shape function gets rows of zeros.
+    """
+    from scipy.sparse import csc_array
+
+    of_bricks, entries = brick_stiffness(nodes, cells, material, functions)
+    displacements = (3 * of_bricks[:, :, None] + np.arange(3)).reshape(len(of_bricks), -1).astype(np.int32)
+    rows = np.broadcast_to(displacements[:, :, None], entries.shape).ravel()
+    columns = np.broadcast_to(displacements[:, None, :], entries.shape).ravel()
     return csc_array((entries.ravel(), (rows, columns)), shape=(3 * len(nodes), 3 * len(nodes)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..material import Material
-from .bricks import ShapeFunctions, shape_functions, stiffness
-from .stiffness_factor import Factoriser, solve_in_parts, solver_of
+from .bricks import ShapeFunctions, brick_stiffness, shape_functions
+from .substructures import Substructures, substructures
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
 Array = NDArray[Any]
+COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
 
 
 def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
@@ -52,20 +52,24 @@ class ElasticBody:
         Points (n, 3) [mm].
     cells
         Nodes (m, 3, 3, 3) of every brick.
-    free
-        Displacements that can move.
-    solve
-        Solutions of the stiffness matrix of the free displacements.
+    parts
+        The body in substructures.
     """
 
     nodes: Array
     cells: NDArray[np.int64]
-    free: NDArray[np.int64]
-    solve: Callable[[Array], Array]
+    parts: Substructures
+
+    def solve(self, loads: Array) -> Array:
+        """Displacements (3 n, c) [mm] under loads (3 n, c) [N]; zero where nodes are held."""
+        return self.parts.solve(loads)
 
     def response(self, loads: csc_array, wanted: csc_array) -> Array:
         """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k)."""
-        return solve_in_parts(self.solve, loads.tocsr()[self.free].tocsc(), wanted.tocsr()[self.free].tocsc())
+        values, count = wanted.T.tocsr(), loads.shape[1]
+        starts = range(0, count, COLUMNS_PER_SOLVE)
+        batches = (loads[:, start : start + COLUMNS_PER_SOLVE].toarray() for start in starts)
+        return np.concatenate([values @ self.solve(batch) for batch in batches], axis=1)
 
 
 def elastic_body(
@@ -75,32 +79,19 @@ def elastic_body(
     material: Material,
     *,
     functions: ShapeFunctions = shape_functions,
-    factoriser: Factoriser = "auto",
 ) -> ElasticBody:
     """Assemble and factor.
 
     Parameters
     ----------
-    nodes, cells
-        The bricks, as ``bricks.stiffness``.
+    nodes, cells, material, functions
+        As ``bricks.brick_stiffness``.
     held
         Nodes that do not move.
-    material
-        The material.
-    functions
-        Shape functions of a brick.
-    factoriser
-        As ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
-        If a brick is turned inside out.
-    MissingPackageError
-        As ``stiffness_factor.solver_of``.
+        If a brick is turned inside out, or the held nodes leave a part of the body free to move.
     """
-    matrix = stiffness(nodes, cells, material, functions)
-    movable = matrix.diagonal() > 0.0  # nodes that no brick uses stay where they are
-    movable[(3 * held[:, None] + np.arange(3)).ravel()] = False
-    free = np.flatnonzero(movable)
-    return ElasticBody(nodes, cells, free, solver_of(matrix[free][:, free], factoriser))
+    return ElasticBody(nodes, cells, substructures(cells, *brick_stiffness(nodes, cells, material, functions), held))

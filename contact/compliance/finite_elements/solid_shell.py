@@ -11,7 +11,6 @@ Ritz system of both, too stiff by what its functions cannot follow; each functio
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +21,8 @@ from ....core.errors import GeometryError
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
 from ..trial_polynomials import legendre
-from .bricks import stiffness
-from .stiffness_factor import Factoriser, solver_of
+from .bricks import brick_stiffness
+from .substructures import substructures
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -71,9 +70,7 @@ class SolidShell:
         return np.asarray(self.whiten(wanted).T @ self.whiten(loads))
 
 
-def solid_shell(
-    lattice: ToothLattice, material: Material, counts: Counts, factoriser: Factoriser = "auto"
-) -> SolidShell:
+def solid_shell(lattice: ToothLattice, material: Material, counts: Counts) -> SolidShell:
     """Assemble and factor.
 
     Parameters
@@ -84,22 +81,18 @@ def solid_shell(
         Its material.
     counts
         Number of trial functions along, through and up the tooth.
-    factoriser
-        Of the body, as ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick of the body is turned inside out, or the tooth is.
-    MissingPackageError
-        As ``stiffness_factor.solver_of``.
     """
     tooth = lattice.column[:, :, lattice.root_row :]
     fractions = (lattice.lengthwise, lattice.through, lattice.upward)
     along, through, up = (legendre(p, c)[0] for p, c in zip(fractions, counts, strict=True))
     whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], fractions), counts, material)
     joint = np.einsum("ia,jb->ijab", along, through).reshape(tooth[:, :, 0].size, -1)
-    body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material, factoriser)
+    body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material)
     at_joint = legendre(np.zeros(1), counts[2])[0, 0]
     sizes = (counts[0] * counts[1], counts[2], 3)
     split = whole.reshape(*sizes, *sizes)
@@ -177,9 +170,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     return np.ascontiguousarray(result.reshape(size, size))
 
 
-def body_stiffness(
-    lattice: ToothLattice, joint: NDArray[np.int64], functions: Array, material: Material, factoriser: Factoriser
-) -> Array:
+def body_stiffness(lattice: ToothLattice, joint: NDArray[np.int64], functions: Array, material: Material) -> Array:
     """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth.
 
     Parameters
@@ -192,17 +183,9 @@ def body_stiffness(
         Values there (n, r) of the functions that each of the three displacements may follow.
     material
         Its material.
-    factoriser
-        As ``stiffness_factor.solver_of``.
     """
-    matrix = stiffness(lattice.nodes, lattice.cells[: lattice.body_bricks], material)
-    on_joint = (3 * joint[:, None] + np.arange(3)).ravel()
-    movable = matrix.diagonal() > 0.0  # the nodes of the tooth belong to no brick here
-    movable[(3 * lattice.held[:, None] + np.arange(3)).ravel()] = False
-    movable[on_joint] = False
-    free = np.flatnonzero(movable)
+    cells = lattice.cells[: lattice.body_bricks]
+    body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.held, joint)
     motions = np.kron(functions, np.eye(3))
-    forces = matrix[:, on_joint] @ motions
-    solve: Callable[[Array], Array] = solver_of(matrix[free][:, free].tocsc(), factoriser)
-    result = motions.T @ forces[on_joint] - forces[free].T @ solve(np.ascontiguousarray(forces[free]))
+    result = motions.T @ body.stiffness @ motions
     return np.asarray(0.5 * (result + result.T))

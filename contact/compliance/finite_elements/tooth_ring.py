@@ -17,8 +17,8 @@ from ....core.errors import GeometryError
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ....geometry.vectors import rotate_z
 from ..material import Material
-from .bricks import stiffness
-from .stiffness_factor import Factoriser, solver_of
+from .bricks import brick_stiffness
+from .substructures import substructures
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -66,7 +66,6 @@ def ring_compliance(
     material: Material,
     loads: csc_array,
     held: NDArray[np.int64],
-    factoriser: Factoriser = "auto",
 ) -> RingCompliance:
     """Compliance of all teeth of a member on one body.
 
@@ -82,29 +81,29 @@ def ring_compliance(
         Unit loads on its tooth (3 m, n), also the displacements that are wanted.
     held
         Nodes that do not move; of the sides the same on both.
-    factoriser
-        As ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick is turned inside out, or the sides do not lie one pitch apart.
     """
+    from scipy.linalg import cho_factor, cho_solve
+
     angle = pitch_angle(lattice, teeth)
-    matrix = stiffness(lattice.nodes, lattice.cells, material)
     movable = ~np.isin(lattice.sides[0].ravel(), held)
-    sides = np.concatenate([_displacements(side.ravel()[movable]) for side in lattice.sides])
-    inner = matrix.diagonal() > 0.0
-    inner[_displacements(held)] = inner[sides] = False
-    within = np.flatnonzero(inner)
-    to_sides, forces = matrix[within][:, sides].toarray(), loads.tocsr()[within].toarray()
-    solve = solver_of(matrix[within][:, within].tocsc(), factoriser)
-    moved = solve(np.concatenate([to_sides, forces], axis=1))
-    of_sides, of_forces = moved[:, : sides.size], moved[:, sides.size :]
-    condensed = matrix[sides][:, sides].toarray() - to_sides.T @ of_sides
-    on_sides = to_sides.T @ of_forces
+    on_sides = np.concatenate([side.ravel()[movable] for side in lattice.sides])
+    loaded = np.setdiff1d(loads.tocoo().row // 3, np.concatenate([on_sides, held]))
+    kept = np.concatenate([on_sides, loaded])
+    bricks = brick_stiffness(lattice.nodes, lattice.cells, material)
+    matrix = substructures(lattice.cells, *bricks, held, kept).stiffness
+    sides, within = slice(0, 3 * on_sides.size), slice(3 * on_sides.size, None)
+    to_sides, forces = matrix[within, sides], loads.tocsr()[_displacements(loaded)].toarray()
+    moved = cho_solve(cho_factor(matrix[within, within]), np.concatenate([to_sides, forces], axis=1))
+    of_sides, of_forces = moved[:, sides], moved[:, within]
+    condensed = matrix[sides, sides] - to_sides.T @ of_sides
+    by_forces = to_sides.T @ of_forces
     turned = _second_turned(_second_turned(condensed, angle).T, angle)
-    waves = _waves(0.5 * (turned + turned.T), _second_turned(on_sides, angle), teeth)
+    waves = _waves(0.5 * (turned + turned.T), _second_turned(by_forces, angle), teeth)
     alone = forces.T @ of_forces
     return RingCompliance(0.5 * (alone + alone.T), waves)
 
