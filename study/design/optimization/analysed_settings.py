@@ -195,10 +195,10 @@ class AnalysedSettings:
     def ease_off_change(self, case: Case) -> float:
         """Greatest change of the ease-off to that of another case, a rotation left out [um]."""
         changes = [
-            form.measured(prepared_pair(case, flank, self.workshop.assemblies[0])) - form.promised(0.0 * self.settings)
+            form.missed(prepared_pair(case, flank, self.workshop.assemblies[0]), 0.0 * self.settings)
             for flank, form in self.forms.items()
         ]
-        return float(np.nanmax(np.abs(np.concatenate(changes))))
+        return float(np.max(np.abs(np.concatenate(changes))))
 
     def moved(self, step: Array) -> AnalysedSettings | None:
         """Other settings (n), analysed, with the ease-off that a step gives to first order; ``None`` if that fails."""
@@ -228,10 +228,9 @@ class AnalysedSettings:
         for flank, form in self.forms.items():
             tips = BladeTips.of(self.readings[flank, 0])
             pair = prepared_pair(case, flank, self.workshop.assemblies[0])
-            left += [form.promised(step) - form.measured(pair), tips.promised(step) - tips.measured(pair)]
+            left += [form.missed(pair, step), tips.missed(pair, step)]
             slopes += [form.slopes, tips.slopes]
-        error = np.nan_to_num(np.concatenate(left))
-        return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
+        return np.asarray(np.linalg.lstsq(np.concatenate(slopes), np.concatenate(left), rcond=CORRECTED_PART)[0])
 
     @cached_property
     def differentiable(self) -> bool:
