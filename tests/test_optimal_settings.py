@@ -19,11 +19,12 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
+from easeoff.study.design.optimization import ease_off_form
 from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
 from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
 from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, blade_tip_slopes, usual_root_line_change
-from easeoff.study.design.optimization.contact_quantity import ContactQuantity, QuantityLimit
+from easeoff.study.design.optimization.contact_quantity import LOST_TIP, ContactQuantity, QuantityLimit
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
 
@@ -58,6 +59,35 @@ def begun(*quantities: str) -> AnalysedSettings:
     )
     references = aim.references(searching.begun(Judgement(aim, ())).read)
     return searching.begun(Judgement(aim, references))
+
+
+def test_a_node_that_the_moved_pair_lacks_asks_for_no_correction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It once counted with its whole ease-off, which moved the settings as far."""
+    start = begun("max_pressure")
+    form, step = start.forms["drive"], np.array([0.3, -0.2])
+    pair = gear_pair(start.workshop.space.case_at(start._values(start.settings + step)))
+    whole = form.missed(pair, step)
+    known = ease_off_form.exact_ease_off
+
+    def holed(*given: Any) -> Any:
+        found = known(*given)
+        angle = found.angle.copy()
+        angle[-1] = np.nan
+        return replace(found, angle=angle)
+
+    monkeypatch.setattr(ease_off_form, "exact_ease_off", holed)
+    missed = form.missed(pair, step)
+    assert missed[-1] == 0.0
+    assert np.abs(missed).max() < 2.0 * np.abs(whole).max() < 0.1
+
+
+def test_a_tip_that_no_longer_reaches_its_place_passes_the_limit() -> None:
+    start = begun("max_pressure").readings["drive", 0].values
+    lost = start.assign(blade_tip_gap=start["blade_tip_gap"].where(start["root_place"] != "heel"))
+    quantity = ContactQuantity.parsed("root_line_change")
+    assert quantity.composite(start, None, 0, start).value() == 0.0
+    assert quantity.composite(lost, None, 0, start).value() == LOST_TIP
+    assert quantity.composite(lost, None, 0, lost).value() == 0.0
 
 
 @pytest.mark.thorough
