@@ -298,6 +298,10 @@ def test_limits_and_quantities_are_read_as_they_are_written() -> None:
         ({"minimize": ["ease_off_change@150"]}, "must be without torque"),
         ({"limits": ["max_pressure<1500"]}, "limit = 'max_pressure<1500': must be QUANTITY<=VALUE"),
         ({"limits": ["max_pressure>=1500"]}, "must be an upper limit"),
+        (
+            {"limits": ["load_centre_profile<=0.3", "load_centre_profile>=0.6"]},
+            "limit = 'load_centre_profile<=0.3': must be above the lower limit of the same quantity",
+        ),
         ({"limits": ["max_pressure<=-1"]}, "limit of max_pressure = -1: must be"),
         ({"form": "best"}, "form = 'best': must be one of"),
         ({"form": "pareto", "minimize": ["max_pressure"]}, "must be two quantities"),
@@ -311,7 +315,7 @@ def test_limits_and_quantities_are_read_as_they_are_written() -> None:
         ({"steps": 0}, "steps = 0: must be a whole number"),
         ({"flank": "left"}, "flank = 'left': must be"),
         ({"minimize": ["pinion_root_stress"]}, "model = 'fe'"),
-        ({"minimize": ["mean_power_loss"]}, r"a speed in \[friction\]"),
+        ({"minimize": ["mean_power_loss"]}, r"quantity = 'mean_power_loss': must be of a case with a speed in \[friction\]"),
         ({"resume": xr.DataTree()}, "resume: must be a result of 'easeoff optimize'"),
     ],
 )
