@@ -133,7 +133,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--free", action="append")
     parser.add_argument("--points", type=int, default=5)
     parser.add_argument("--population", type=int, default=30)
-    parser.add_argument("--generations", type=int, default=31)
+    parser.add_argument("--generations", type=int, default=80)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--result")
     parser.add_argument("--picture")

@@ -315,7 +315,10 @@ def test_limits_and_quantities_are_read_as_they_are_written() -> None:
         ({"steps": 0}, "steps = 0: must be a whole number"),
         ({"flank": "left"}, "flank = 'left': must be"),
         ({"minimize": ["pinion_root_stress"]}, "model = 'fe'"),
-        ({"minimize": ["mean_power_loss"]}, r"quantity = 'mean_power_loss': must be of a case with a speed in \[friction\]"),
+        (
+            {"minimize": ["mean_power_loss"]},
+            r"quantity = 'mean_power_loss': must be of a case with a speed in \[friction\]",
+        ),
         ({"resume": xr.DataTree()}, "resume: must be a result of 'easeoff optimize'"),
     ],
 )

@@ -143,7 +143,9 @@ def front(
         gap = int(np.argmax(gaps))
         searching.name(f"point {len(found) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
-        one = next((one for one in _attempts(searching, judgement, under, found[gap : gap + 2]) if new(one, ratios)), None)
+        one = next(
+            (one for one in _attempts(searching, judgement, under, found[gap : gap + 2]) if new(one, ratios)), None
+        )
         if one is None:
             spent.append(float(ceilings[gap]))  # nothing new there
         else:
