@@ -16,10 +16,10 @@ import easeoff
 from easeoff import Case, InputError, optimize
 from easeoff.cases import gear_pair, parse_case, write_case
 from easeoff.geometry import Misalignment
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
-from easeoff.study.design.optimization import ease_off_form
 from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
 from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
@@ -67,15 +67,14 @@ def test_a_node_that_the_moved_pair_lacks_asks_for_no_correction(monkeypatch: py
     form, step = start.forms["drive"], np.array([0.3, -0.2])
     pair = gear_pair(start.workshop.space.case_at(start._values(start.settings + step)))
     whole = form.missed(pair, step)
-    known = ease_off_form.exact_ease_off
 
     def holed(*given: Any) -> Any:
-        found = known(*given)
+        found = exact_ease_off(*given)
         angle = found.angle.copy()
         angle[-1] = np.nan
         return replace(found, angle=angle)
 
-    monkeypatch.setattr(ease_off_form, "exact_ease_off", holed)
+    monkeypatch.setattr("easeoff.study.design.optimization.ease_off_form.exact_ease_off", holed)
     missed = form.missed(pair, step)
     assert missed[-1] == 0.0
     assert np.abs(missed).max() < 2.0 * np.abs(whole).max() < 0.1
