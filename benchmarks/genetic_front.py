@@ -1,10 +1,11 @@
 """Front of two objectives by convex programmes and by NSGA-II: the same pair, settings, limits and analysis.
 
 Usage: python benchmarks/genetic_front.py [CASE] [--torque T] [--free PATTERN] [--points N] [--population N]
-[--generations N] [--picture FILE]
+[--generations N] [--seed N] [--result FILE] [--picture FILE]
 
 Prints both fronts, what each took, and their hypervolumes over the number of analyses; draws both into a
-picture. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh positions, 15 segments a line.
+picture. Needs pymoo (the extra ``genetic``). The contact is coarse: 8 mesh positions, 15 segments a line. The root
+line is limited for both; where NSGA-II passes that limit, no contact is analysed, and none is counted.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ import easeoff
 import numpy as np
 import xarray as xr
 from easeoff.cases.schema.case_schema import Case
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study.case_in_mesh import CaseInMesh, prepared_pair
+from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, usual_root_line_change
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
 from numpy.typing import NDArray
 
@@ -42,47 +44,64 @@ def coarse_case(name: str, torque: float) -> Case:
 
 
 class Evaluator:
-    """Both objectives of settings, by an analysis with held teeth."""
+    """Both objectives of settings, by an analysis with held teeth, and how far they pass the limit of the root line."""
 
     def __init__(self, case: Case, free: list[str] | None) -> None:
         self.state = CaseInMesh.of(case)
         self.space = SettingSpace(case, free_settings(case, ["drive"], free))
         self.torques = list(case.contact.torques)
-        self.start = self.values(self.space.start)
+        self.gaps = blade_tip_gaps(self.state.pair)
+        self.limit = usual_root_line_change([self.state.pair])
+        self.start = self.values(self.space.case_at(self.space.start))
+        self.analyses = 0
 
-    def values(self, settings: Array) -> Array:
+    def values(self, case: Case) -> Array:
         """Peak to peak [urad] and greatest pressure [MPa]."""
-        state = self.state.recut(self.space.case_at(settings))
-        loaded, _ = state.cycle.loaded(self.torques, edge_contact=state.case.contact.edge_contact)
+        state = self.state.recut(case)
+        loaded, _ = state.cycle.loaded(self.torques, edge_contact=case.contact.edge_contact)
         return np.array([loaded[name].item() for name in OBJECTIVES])
 
-    def ratios(self, settings: Array) -> Array:
-        """The same over the start."""
+    def passed(self, case: Case) -> float:
+        """Change of the root line over its limit, less one."""
+        change = blade_tip_gaps(prepared_pair(case, "drive", None)) - self.gaps
+        return float(np.abs(change).max()) / self.limit - 1.0
+
+    def judged(self, settings: Array) -> tuple[Array, float]:
+        """Objectives over the start, and by how much the limit is passed; analysed where it is not."""
         try:
-            found = self.values(settings) / self.start
+            case = self.space.case_at(settings)
+            passed = self.passed(case)
+            if not passed <= 0.0:
+                return np.full(2, FAILED), passed if np.isfinite(passed) else FAILED
+            self.analyses += 1
+            found = self.values(case) / self.start
         except easeoff.EaseoffError:
-            return np.full(2, FAILED)
-        return np.where(np.isfinite(found), found, FAILED)
+            return np.full(2, FAILED), FAILED
+        return np.where(np.isfinite(found), found, FAILED), passed
 
 
 def genetic(
-    evaluator: Evaluator, low: Array, high: Array, population: int, generations: int
-) -> tuple[Array, list[tuple[int, Array]]]:
-    """The front of NSGA-II, and that of every generation with the analyses so far."""
+    evaluator: Evaluator, low: Array, high: Array, population: int, generations: int, seed: int
+) -> list[tuple[int, Array]]:
+    """The front of NSGA-II after every generation, with the analyses so far."""
+    history: list[tuple[int, Array]] = []
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import ElementwiseProblem
     from pymoo.optimize import minimize
 
     class Problem(ElementwiseProblem):  # type: ignore[misc]
         def __init__(self) -> None:
-            super().__init__(n_var=low.size, n_obj=2, xl=low, xu=high)
+            super().__init__(n_var=low.size, n_obj=2, n_ieq_constr=1, xl=low, xu=high)
 
         def _evaluate(self, x: Array, out: dict[str, Any], *_args: Any, **_kwargs: Any) -> None:
-            out["F"] = evaluator.ratios(x)
+            out["F"], out["G"] = evaluator.judged(x)
 
-    found = minimize(Problem(), NSGA2(pop_size=population), ("n_gen", generations), seed=1, save_history=True)
-    history = [(int(one.evaluator.n_eval), np.asarray(one.opt.get("F"))) for one in found.history]
-    return np.asarray(found.F), history
+    def told(algorithm: Any) -> None:
+        feasible = algorithm.opt.get("feasible").ravel()
+        history.append((evaluator.analyses, np.asarray(algorithm.opt.get("F"))[feasible]))
+
+    minimize(Problem(), NSGA2(pop_size=population), ("n_gen", generations), seed=seed, callback=told)
+    return history
 
 
 def hypervolume(ratios: Array) -> float:
@@ -114,7 +133,9 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--free", action="append")
     parser.add_argument("--points", type=int, default=5)
     parser.add_argument("--population", type=int, default=30)
-    parser.add_argument("--generations", type=int, default=31)
+    parser.add_argument("--generations", type=int, default=80)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--result")
     parser.add_argument("--picture")
     return parser.parse_args()
 
@@ -130,8 +151,10 @@ def main() -> None:
     evaluator = Evaluator(case, given.free)
     before = time.process_time()
     for _ in range(5):
-        evaluator.values(evaluator.space.start)
+        evaluator.values(case)
     each = (time.process_time() - before) / 5.0
+    if given.result is not None:
+        easeoff.write_result(tree, given.result)
     own = growth(front)
     area = hypervolume(own[-1][1])
     start = evaluator.start.round(2).tolist()
@@ -144,9 +167,9 @@ def main() -> None:
     for count, ratios in own:
         print(f"after {count} analyses {len(ratios)} points, hypervolume {hypervolume(ratios):.4f}", flush=True)
     before = time.process_time()
-    ratios, history = genetic(
-        evaluator, record["setting_low"].values, record["setting_high"].values, given.population, given.generations
-    )
+    limits = record["setting_low"].values, record["setting_high"].values
+    history = genetic(evaluator, *limits, given.population, given.generations, given.seed)
+    ratios = history[-1][1]
     print(f"NSGA-II: {history[-1][0]} analyses, processor time of {(time.process_time() - before) / each:.0f}")
     print(np.array2string(ratios[np.argsort(ratios[:, 1])] * evaluator.start, precision=2))
     for count, found in history[:: max(1, len(history) // 12)]:

@@ -16,6 +16,7 @@ import easeoff
 from easeoff import Case, InputError, optimize
 from easeoff.cases import gear_pair, parse_case, write_case
 from easeoff.geometry import Misalignment
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
@@ -23,7 +24,7 @@ from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
 from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
 from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, blade_tip_slopes, usual_root_line_change
-from easeoff.study.design.optimization.contact_quantity import ContactQuantity, QuantityLimit
+from easeoff.study.design.optimization.contact_quantity import LOST_TIP, ContactQuantity, QuantityLimit
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
 
@@ -58,6 +59,34 @@ def begun(*quantities: str) -> AnalysedSettings:
     )
     references = aim.references(searching.begun(Judgement(aim, ())).read)
     return searching.begun(Judgement(aim, references))
+
+
+def test_a_node_that_the_moved_pair_lacks_asks_for_no_correction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It once counted with its whole ease-off, which moved the settings as far."""
+    start = begun("max_pressure")
+    form, step = start.forms["drive"], np.array([0.3, -0.2])
+    pair = gear_pair(start.workshop.space.case_at(start._values(start.settings + step)))
+    whole = form.missed(pair, step)
+
+    def holed(*given: Any) -> Any:
+        found = exact_ease_off(*given)
+        angle = found.angle.copy()
+        angle[-1] = np.nan
+        return replace(found, angle=angle)
+
+    monkeypatch.setattr("easeoff.study.design.optimization.ease_off_form.exact_ease_off", holed)
+    missed = form.missed(pair, step)
+    assert missed[-1] == 0.0
+    assert np.abs(missed).max() < 2.0 * np.abs(whole).max() < 0.1
+
+
+def test_a_tip_that_no_longer_reaches_its_place_passes_the_limit() -> None:
+    start = begun("max_pressure").readings["drive", 0].values
+    lost = start.assign(blade_tip_gap=start["blade_tip_gap"].where(start["root_place"] != "heel"))
+    quantity = ContactQuantity.parsed("root_line_change")
+    assert quantity.composite(start, None, 0, start).value() == 0.0
+    assert quantity.composite(lost, None, 0, start).value() == LOST_TIP
+    assert quantity.composite(lost, None, 0, lost).value() == 0.0
 
 
 @pytest.mark.thorough
@@ -268,6 +297,10 @@ def test_limits_and_quantities_are_read_as_they_are_written() -> None:
         ({"minimize": ["ease_off_change@150"]}, "must be without torque"),
         ({"limits": ["max_pressure<1500"]}, "limit = 'max_pressure<1500': must be QUANTITY<=VALUE"),
         ({"limits": ["max_pressure>=1500"]}, "must be an upper limit"),
+        (
+            {"limits": ["load_centre_profile<=0.3", "load_centre_profile>=0.6"]},
+            "limit = 'load_centre_profile<=0.3': must be above the lower limit of the same quantity",
+        ),
         ({"limits": ["max_pressure<=-1"]}, "limit of max_pressure = -1: must be"),
         ({"form": "best"}, "form = 'best': must be one of"),
         ({"form": "pareto", "minimize": ["max_pressure"]}, "must be two quantities"),
@@ -281,7 +314,10 @@ def test_limits_and_quantities_are_read_as_they_are_written() -> None:
         ({"steps": 0}, "steps = 0: must be a whole number"),
         ({"flank": "left"}, "flank = 'left': must be"),
         ({"minimize": ["pinion_root_stress"]}, "model = 'fe'"),
-        ({"minimize": ["mean_power_loss"]}, r"a speed in \[friction\]"),
+        (
+            {"minimize": ["mean_power_loss"]},
+            r"quantity = 'mean_power_loss': must be of a case with a speed in \[friction\]",
+        ),
         ({"resume": xr.DataTree()}, "resume: must be a result of 'easeoff optimize'"),
     ],
 )

@@ -112,6 +112,12 @@ class Aim:
             twice = next((text for number, text in enumerate(texts) if text in texts[:number]), None)
             if twice is not None:
                 raise InputError(f"{kind} = {shown(twice.rstrip('<>'))}: must be there once")
+        for limit in self.limits:
+            below = [one for one in self.limits if limit.upper > one.upper and one.quantity == limit.quantity]
+            if any(one.bound >= limit.bound for one in below):
+                raise InputError(
+                    f"limit = {shown(limit.text)}: must be above the lower limit of the same quantity, {below[0].text}"
+                )
         for quantity in self.quantities:
             if quantity.torque is not None and quantity.torque not in self.torques:
                 told = ", ".join(f"{torque:g}" for torque in self.torques)

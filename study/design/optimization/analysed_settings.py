@@ -14,6 +14,7 @@ from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName
+from ....geometry.tooth.tooth_surface import tooth_surface
 from ...analysis.named_setting import SIDES
 from ...analysis.solved_contact import SolvedContact
 from ...case_in_mesh import CaseInMesh, prepared_pair
@@ -31,6 +32,8 @@ Readings = Mapping[tuple[FlankName, int], Reading]
 
 #: Corrections of a step, and the least effect of a combination of settings, over the greatest, that takes part.
 CORRECTION_COUNT, CORRECTED_PART = 2, 0.02
+#: Nodes lengthwise, and up flank and fillet, on which a tooth must be whole.
+TOOTH_NODES = (9, 5)
 
 
 @dataclass(eq=False)
@@ -92,6 +95,14 @@ class Workshop:
                 own = state if at_home else state.misaligned(misalignment)
                 found[flank, number] = self._reading(own, flank)
         return found
+
+    def require_whole_teeth(self, case: Case) -> None:
+        """Refuse a case whose teeth could not be built. Raises GeometryError, as where they are undercut or pointed."""
+        cut = {"pinion", *(key.partition(".")[0] for one in self.space.free for key in one.moves)}
+        for flank in self.states:
+            pair = prepared_pair(case, flank, self.assemblies[0])
+            for member in sorted(cut):
+                tooth_surface(pair, member, TOOTH_NODES, TOOTH_NODES[1])
 
     def with_teeth(self, case: Case, stage: Callable[[str], None] | None = None) -> Workshop:
         """The same with the teeth of a case; the effort is shared. Raises as ``CaseInMesh.of``."""
@@ -195,10 +206,10 @@ class AnalysedSettings:
     def ease_off_change(self, case: Case) -> float:
         """Greatest change of the ease-off to that of another case, a rotation left out [um]."""
         changes = [
-            form.measured(prepared_pair(case, flank, self.workshop.assemblies[0])) - form.promised(0.0 * self.settings)
+            form.missed(prepared_pair(case, flank, self.workshop.assemblies[0]), 0.0 * self.settings)
             for flank, form in self.forms.items()
         ]
-        return float(np.nanmax(np.abs(np.concatenate(changes))))
+        return float(np.max(np.abs(np.concatenate(changes))))
 
     def moved(self, step: Array) -> AnalysedSettings | None:
         """Other settings (n), analysed, with the ease-off that a step gives to first order; ``None`` if that fails."""
@@ -209,7 +220,9 @@ class AnalysedSettings:
                 case = workshop.space.case_at(self._values(settings))
                 settings = self._bounded(settings + self._correction(case, step))
             values = self._values(settings)
-            readings = workshop.readings(workshop.space.case_at(values))
+            case = workshop.space.case_at(values)
+            workshop.require_whole_teeth(case)
+            readings = workshop.readings(case)
         except EaseoffError:
             return None
         return replace(self, values=values, settings=settings, readings=readings)
@@ -228,10 +241,9 @@ class AnalysedSettings:
         for flank, form in self.forms.items():
             tips = BladeTips.of(self.readings[flank, 0])
             pair = prepared_pair(case, flank, self.workshop.assemblies[0])
-            left += [form.promised(step) - form.measured(pair), tips.promised(step) - tips.measured(pair)]
+            left += [form.missed(pair, step), tips.missed(pair, step)]
             slopes += [form.slopes, tips.slopes]
-        error = np.nan_to_num(np.concatenate(left))
-        return np.asarray(np.linalg.lstsq(np.concatenate(slopes), error, rcond=CORRECTED_PART)[0])
+        return np.asarray(np.linalg.lstsq(np.concatenate(slopes), np.concatenate(left), rcond=CORRECTED_PART)[0])
 
     @cached_property
     def differentiable(self) -> bool:

@@ -108,13 +108,13 @@ class BladeTips:
         slopes = ordered(reading.slopes, "blade_tip_gap", *DIMENSIONS, "setting").reshape(value.size, -1)
         return cls(TIP_WEIGHT * value, TIP_WEIGHT * slopes)
 
-    def promised(self, step: Array) -> Array:
-        """Distances (p) after a step (n) to first order."""
-        return np.asarray(self.value + self.slopes @ step)
+    def missed(self, pair: GearPair, step: Array) -> Array:
+        """What another pair lacks of the distances (p) after a step (n) to first order; zero where either is unknown.
 
-    def measured(self, pair: GearPair) -> Array:
-        """Distances (p) of another pair. Raises GeometryError if a cutter meets no tooth."""
-        return np.asarray(TIP_WEIGHT * blade_tip_gaps(pair).values.ravel())
+        Raises GeometryError if a cutter meets no tooth.
+        """
+        found = TIP_WEIGHT * ordered(blade_tip_gaps(pair).to_dataset(name="gap"), "gap", *DIMENSIONS).ravel()
+        return np.nan_to_num(self.value + self.slopes @ step - found)
 
 
 def usual_root_line_change(pairs: Sequence[GearPair]) -> float:

@@ -24,6 +24,8 @@ WRITTEN = re.compile(r"\s*(?:(drive|coast)\.)?([a-z_0-9]+)\s*(?:@\s*([0-9.eE+]+)
 LIMIT = re.compile(r"(.+?)(<=|>=|=)(.+)")
 #: Rows of the greatest pressure that a programme looks at: those that could become the greatest in a trust region.
 ROW_COUNT = 80
+#: Change that a tip counts with which no longer reaches the flank at its place [mm].
+LOST_TIP = 10.0
 
 
 @dataclass(frozen=True)
@@ -197,7 +199,9 @@ class ContactQuantity:
             level, slope = _both_signs(turned(change[:, None], arm)[:, 0], turned(slope, arm))
             level, slope = _likely_greatest(level, slope, radius)
         elif self.name == "root_line_change":
-            level, slope = _both_signs(level - _rows(meaning, start, None, torque)[0], slope)
+            level = level - _rows(meaning, start, None, torque)[0]
+            lost = np.isnan(level) & np.isfinite(_rows(meaning, start, None, torque)[0])
+            level, slope = _both_signs(np.where(lost, LOST_TIP, level), slope)
             level, slope = _likely_greatest(level, slope, radius)
         elif meaning.kind == "norm":
             order = int(self.name.rpartition("_")[2])

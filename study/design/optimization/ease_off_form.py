@@ -57,12 +57,8 @@ class EaseOffForm:
         t, h = (values[name].values[own] for name, own in zip(_GRID, (rows, columns), strict=True))
         return cls(t, h, known, value, slopes)
 
-    def promised(self, step: Array) -> Array:
-        """Form (s) after a step (n) to first order [um]."""
-        return np.asarray(turned(self.value[:, None], self.lever_arm)[:, 0] + self.slopes @ step)
-
-    def measured(self, pair: GearPair) -> Array:
-        """Form (s) of another pair on the same nodes [um].
+    def missed(self, pair: GearPair, step: Array) -> Array:
+        """What another pair lacks of the form after a step (n) to first order (s) [um]; zero where either is unknown.
 
         Raises
         ------
@@ -71,6 +67,5 @@ class EaseOffForm:
         """
         gear = pair.gear.flank(self.lengthwise, self.profile)
         exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-        value = 1e3 * exact.angle * exact.lever_arm
-        arm = np.where(np.isfinite(value), self.lever_arm, np.nan)
-        return turned(value[:, None], arm)[:, 0]
+        found = self.value + self.slopes @ step - 1e3 * exact.angle * exact.lever_arm
+        return turned(found[:, None], self.lever_arm)[:, 0]

@@ -1,26 +1,30 @@
 """Front of two objectives: none of its points can be better in one without being worse in the other.
 
 Both ends are the optima of one objective each. Between them one objective is minimised under a ceiling of the other,
-each time in the middle of the widest gap, from the neighbour that keeps the ceiling (method of epsilon constraints).
+each time in the middle of the widest gap, from the neighbour that keeps the ceiling, or else from the other one (method
+of epsilon constraints).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.errors import GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
+from .trust_region import GAIN_TOLERANCE
 
 Array = NDArray[np.float64]
 
 
 #: Attempts for each point that is wanted, and ratios that differ by less are the same.
-ATTEMPT_COUNT, SAME_RATIO = 2, 1e-6
+ATTEMPT_COUNT, SAME_RATIO = 2, GAIN_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,13 +143,31 @@ def front(
         gap = int(np.argmax(gaps))
         searching.name(f"point {len(found) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
-        neighbour = found[gap].analysed(searching, under)
-        one = front_point(searching.settled(under, neighbour), judgement) if neighbour.differentiable else None
-        if one is None or np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1)):
+        one = next(
+            (one for one in _attempts(searching, judgement, under, found[gap : gap + 2]) if new(one, ratios)), None
+        )
+        if one is None:
             spent.append(float(ceilings[gap]))  # nothing new there
         else:
             found = undominated([*found, one])
     return found
+
+
+def _attempts(
+    searching: SettingSearch, judgement: Judgement, under: Judgement, neighbours: Sequence[FrontPoint]
+) -> Iterator[FrontPoint]:
+    """Points under a ceiling, searched from either neighbour, that which keeps it first."""
+    for neighbour in neighbours:
+        start = neighbour.analysed(searching, under)
+        if start.differentiable:
+            # Teeth of the settings found may be such that none can be built.
+            with suppress(GeometryError):
+                yield front_point(searching.settled(under, start), judgement)
+
+
+def new(one: FrontPoint, ratios: Array) -> bool:
+    """Whether no point with one of the ratios (k, 2) is as good as one in both objectives."""
+    return not np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1))
 
 
 def undominated(points: Sequence[FrontPoint]) -> list[FrontPoint]:

@@ -41,7 +41,6 @@ def search_record(
     ratio, after, after_limited = judgement.worst(outcome.point.read)
     free = workshop.space.free
     data: dict[str, Any] = {
-        "setting_units": ("setting", [one.units for one in free]),
         "setting_start": ("setting", [one.start for one in free]),
         "setting_found": ("setting", outcome.values),
         "setting_value": ("setting", outcome.rounded),
@@ -64,8 +63,11 @@ def search_record(
     }
     coords = {
         "setting": ("setting", [one.name for one in free]),
+        "setting_units": ("setting", [one.units for one in free]),
         "objective": ("objective", [one.quantity.text for one in aim.objectives]),
+        "objective_units": ("objective", [one.quantity.meaning.units for one in aim.objectives]),
         "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
+        "limit_units": ("quantity_limit", np.array([one.quantity.meaning.units for one in aim.limits], dtype=np.str_)),
         "assembly": np.arange(len(workshop.assemblies)),
         "programme": np.arange(1, 1 + len(steps)),
     }
@@ -144,9 +146,8 @@ def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) 
         "front_rounding_loss": ("point", [one.rounding_loss for one in points]),
         "front_analyses": ("point", [one.analyses for one in points]),
     }
-    coords = {name: record[name] for name in ("objective", "quantity_limit", "setting")} | {
-        "point": np.arange(len(points))
-    }
+    names = ("objective", "objective_units", "quantity_limit", "limit_units", "setting", "setting_units")
+    coords = {name: record[name] for name in names} | {"point": np.arange(len(points))}
     found = labelled(xr.Dataset(data, coords=coords))
     found.attrs["chosen_point"] = chosen
     return found

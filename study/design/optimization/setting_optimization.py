@@ -16,13 +16,14 @@ from ....cases.deflection_table import MisalignmentSource, misalignment_of
 from ....cases.schema.case_schema import Case
 from ....cases.writing import case_toml
 from ....core.attributes import labelled
-from ....core.checks import number, one_of, positive, whole
+from ....core.checks import number, one_of, positive, shown, whole
 from ....core.errors import InputError
 from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
+from ...analysis.friction_analysis import operation_of
 from ...analysis.shown_progress import shows_progress, told
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...sweep.distribution import Distribution
@@ -30,7 +31,7 @@ from .aim import Aim, Judgement, Objective, Reference
 from .analysed_settings import AnalysedSettings, Workshop
 from .assembly_sample import constant_assemblies, sampled_assemblies
 from .blade_tip_gap import usual_root_line_change
-from .contact_quantity import ContactQuantity, QuantityLimit
+from .contact_quantity import NEEDED, ContactQuantity, QuantityLimit
 from .free_setting import SettingSpace, free_settings, with_limits
 from .front import best_of, front
 from .search_record import front_points, front_record, require_same_search, search_record
@@ -161,6 +162,7 @@ def optimize(
         len(assemblies),
     )
     count = _point_count(aim, points, weights)
+    _require_known(aim, checked)
     losses = any(one.name == "mean_power_loss" for one in aim.quantities)
     searched = checked if losses else checked.model_copy(update={"friction": None})
     space = SettingSpace(searched, free_settings(checked, sides, free), resolution or USUAL_RESOLUTION)
@@ -207,6 +209,17 @@ def optimize(
         tree["front"] = xr.DataTree(front_group)
     tree.attrs["case"] = case_toml(best)
     return tree
+
+
+def _require_known(aim: Aim, case: Case) -> None:
+    """Refuse quantities that no analysis of the case has, before its teeth are built."""
+    missing = {
+        "root_stress_history": case.compliance.model != "fe",
+        "mean_power_loss": operation_of(case.friction) is None,
+    }
+    for one in aim.quantities:
+        if missing.get(one.meaning.variable, False):
+            raise InputError(f"quantity = {shown(one.text)}: must be of a case with {NEEDED[one.meaning.variable]}")
 
 
 def _point_count(aim: Aim, points: int | None, weights: Sequence[float] | None) -> int:

@@ -19,10 +19,11 @@ Array = NDArray[np.float64]
 
 #: Least ratios of the gain to the predicted one for a step to be taken, and for a larger trust region after it.
 TAKEN_GAIN_RATIO, FAIR_GAIN_RATIO, GOOD_GAIN_RATIO = 0.05, 0.25, 0.75
-#: Of the first programme, and below which a search ends [um].
-FIRST_RADIUS, RADIUS_MINIMUM, RADIUS_LIMIT = 3.0, 0.02, 40.0
-#: A predicted gain below this, in proportion within a smaller trust region than the first, ends the search.
-GAIN_TOLERANCE = 1e-3
+#: Of the first programme, and below which a search ends, as rounding to the machine's steps changes as much [um].
+FIRST_RADIUS, RADIUS_MINIMUM, RADIUS_LIMIT = 3.0, 0.2, 40.0
+#: A predicted gain below this ends the search; in proportion within a smaller trust region than the first, but no less
+#: than a share of it.
+GAIN_TOLERANCE, TOLERANCE_SHARE = 1e-3, 0.25
 #: Programmes that may mend a step which did not gain, and the ratio of their trust regions; not one that lost more.
 MENDING_LIMIT, MENDING_RADIUS_RATIO, HOPELESS_LOSS = 1, 0.35, 0.3
 
@@ -157,13 +158,13 @@ def search(
         model = best.model(radius)
         answer = programme(model).solve(model, radius)
         predicted = best.merit.total - answer.merit
-        converged = answer.solved and predicted < GAIN_TOLERANCE * min(1.0, radius / FIRST_RADIUS)
+        converged = answer.solved and predicted < GAIN_TOLERANCE * np.clip(radius / FIRST_RADIUS, TOLERANCE_SHARE, 1.0)
         if converged or len(done) >= steps or radius < RADIUS_MINIMUM:
             return Search(best, tuple(done), converged, answer, radius)
         here = best
         for mending in range(1 + MENDING_LIMIT):
             span = radius * MENDING_RADIUS_RATIO**mending
-            if mending and not here.differentiable:
+            if mending and (len(done) >= steps or not here.differentiable):
                 break
             if mending:
                 model = here.model(span)
