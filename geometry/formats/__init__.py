@@ -1,17 +1,10 @@
 """Export and import of geometry: measuring points and grids, CAD surfaces, meshes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from ...core.lazy_names import lazy_names
-
-if TYPE_CHECKING:
-    from .measured_grid import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
-    from .measured_matrix import measured_matrix
-    from .measuring_points import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
-    from .mesh import write_mesh
-    from .step import write_step
+from .measured_grid import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
+from .measured_matrix import measured_matrix
+from .measuring_points import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
+from .mesh import write_mesh
+from .step import write_step
 
 __all__ = [
     "EdgeMargins",

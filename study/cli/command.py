@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from typing import Any
 
 import click
@@ -53,7 +54,7 @@ def quick_start(*, alone: bool = True) -> None:
     """
     context = click.get_current_context()
     context.with_resource(without_garbage_collection())
-    if alone:
+    if alone and "xarray" not in sys.modules:  # else it knows dask already
         context.with_resource(without_package("dask"))
 
 
