@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
 from ..contact.compliance.elastic_model import ElasticModel
@@ -20,11 +20,6 @@ from ..geometry.cutting.blade_sections import Relief
 from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
 from ..geometry.cutting.machine_resolution import MachineResolution
-from ..geometry.design.basic_settings import blank_section
-from ..geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ..geometry.design.set_up.pinion_method import SettingLimits
-from ..geometry.design.standard_steps import StandardSteps
-from ..geometry.design.synthesis import EaseOffTarget
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
@@ -36,6 +31,12 @@ from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
 from .schema.design_schema import CutterStepsTable, LimitsTable, ResolutionTable
 from .schema.misalignment_table import MisalignmentTable, deflections_of
+
+if TYPE_CHECKING:  # what a design needs is imported for one
+    from ..geometry.design.blank import BlankDesign, BlankDimensions
+    from ..geometry.design.set_up.pinion_method import SettingLimits
+    from ..geometry.design.standard_steps import StandardSteps
+    from ..geometry.design.synthesis import EaseOffTarget
 
 Side = Literal["concave", "convex"]
 
@@ -65,6 +66,8 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
     InputError
         If the data do not fit together; the message names the key.
     """
+    from ..geometry.design.blank import BlankDesign
+
     if teeth[0] > teeth[1]:
         raise InputError(
             f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion has "
@@ -98,6 +101,8 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
     >>> blanks.gear.pitch_angle > blanks.pinion.pitch_angle
     True
     """
+    from ..geometry.design.blank import blank_dimensions
+
     design = blank_design(table, teeth, pair)
     try:
         return blank_dimensions(design)
@@ -110,6 +115,8 @@ def sections(case: Case) -> tuple[BlankSection, BlankSection]:
     if case.blank_design is not None:
         teeth = case.pinion.number_of_teeth, case.gear.number_of_teeth
         blanks = designed_blanks(case.blank_design, teeth, case.pair)
+        from ..geometry.design.basic_settings import blank_section
+
         return blank_section(blanks.pinion, blanks.clearance), blank_section(blanks.gear, blanks.clearance)
     assert case.pinion.blank is not None  # the schema sees to it
     assert case.gear.blank is not None
@@ -207,6 +214,8 @@ def ease_off_target(table: TargetTable) -> EaseOffTarget:
     >>> round(ease_off_target(read_case("fm-11x41").target.drive).profile_crowning, 4)
     0.0199
     """
+    from ..geometry.design.synthesis import EaseOffTarget
+
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
@@ -219,6 +228,8 @@ def setting_limits(table: LimitsTable) -> SettingLimits:
     >>> round(setting_limits(read_design("fm-11x41").pinion.limits).cutter_tilt, 4)
     0.5236
     """
+    from ..geometry.design.set_up.pinion_method import SettingLimits
+
     values = table.model_dump()
     low, high = (values.pop(f"{end}_blade_pressure_angle") for end in ("smallest", "largest"))
     for name in ("cutter_tilt", "cutter_swivel", "machine_root_angle"):
@@ -235,6 +246,8 @@ def standard_steps(table: CutterStepsTable) -> StandardSteps:
     >>> standard_steps(read_design("fm-11x41").cutter_steps).point_width
     0.0
     """
+    from ..geometry.design.standard_steps import StandardSteps
+
     return StandardSteps(math.radians(table.blade_angle), table.point_width, table.edge_radius)
 
 

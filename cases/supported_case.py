@@ -8,7 +8,6 @@ from ..core.errors import InputError
 from .reading import read_supports, stem
 from .schema.case_schema import Case
 from .schema.supports_table import SupportsTable
-from .support_conversion import support_system
 
 
 def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
@@ -32,6 +31,8 @@ def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
     >>> with_supports(read_case("fm-11x41"), "axle-fm-11x41").supports.gear.shaft.seat
     63.0
     """
+    from .support_conversion import support_system
+
     table = supports if isinstance(supports, SupportsTable) else read_supports(supports)
     found = case.model_copy(update={"supports": table})
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -24,12 +24,13 @@ from .loaded import cycle_cases, loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
 from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
-from .supports.assembly_rounds import AssemblyRounds
-from .supports.held_members import HeldMembers
-from .supports.support import LoadedSupports, Supports
-from .supports.supported_contact import SupportedContact
-from .supports.supported_pair import SupportedPair
 from .unloaded import unloaded_contact
+
+if TYPE_CHECKING:
+    from .supports.assembly_rounds import AssemblyRounds
+    from .supports.held_members import HeldMembers
+    from .supports.support import LoadedSupports
+    from .supports.supported_contact import SupportedContact
 
 Array = NDArray[Any]
 _Cases = tuple[list[Segments | None], list[LoadedCase]]
@@ -252,6 +253,10 @@ class MeshCycle:
         >>> found.supports["rounds_status"].values.tolist()
         [0]
         """
+        from .supports.assembly_rounds import AssemblyRounds
+        from .supports.support import Supports
+        from .supports.supported_contact import SupportedContact
+        from .supports.supported_pair import SupportedPair
 
         def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
             return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, greater=greater, held=held)

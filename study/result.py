@@ -15,6 +15,7 @@ from ..core.reading.regular_file import named
 from ..core.writing.output_file import whole_file
 from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
 
+COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
 #: What netCDF files of other commands are, by a variable that no result has.
 OTHER_KINDS = {
     "print_excess": "of 'easeoff vh', for 'easeoff show', 'plot' and 'report'",
@@ -53,7 +54,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
         node.path: {
             str(name): {"zlib": True, "complevel": 1}
             for name, variable in node.dataset.variables.items()
-            if variable.dtype.kind in "fiu" and variable.ndim
+            if variable.dtype.kind in "fiu" and variable.nbytes >= COMPRESSED_SIZE
         }
         for node in tree.subtree
         if node.path != "/"

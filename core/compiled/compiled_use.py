@@ -16,9 +16,9 @@ from enum import Enum
 from functools import cache
 from typing import Any
 
-#: Contact problems up to which a process that solves nothing else is faster without compiled code: it costs 0.45 s of
-#: processor time to load, and saves 0.5 ms a problem.
-FEWEST_PROBLEMS = 1000
+#: Contact problems up to which a process that solves nothing else is faster without compiled code: it costs 0.3 s of
+#: processor time to load, and saves 4 ms a problem at first, of splines and prints, too.
+FEWEST_PROBLEMS = 80
 #: Problems in one call from which code that is not kept is compiled for them.
 FEWEST_PROBLEMS_TO_COMPILE = 50_000
 #: Switches the compiled code off, for a process and those that it starts.

@@ -14,8 +14,6 @@ from ...cases.schema.case_schema import Case
 from ...cases.supported_case import with_supports
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import SolverChoice
-from ...contact.supports.assembly_rounds import AssemblyRounds
-from ...contact.supports.support import LoadedSupports
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -28,6 +26,8 @@ from .shown_progress import shows_progress, told
 from .solver_options import require_solver_options
 
 if TYPE_CHECKING:
+    from ...contact.supports.assembly_rounds import AssemblyRounds
+    from ...contact.supports.support import LoadedSupports
     from ...friction import FrictionModel, Lubricant
     from ...friction.operation import Array, Numbers, Roughness
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -12,12 +12,9 @@ from numpy.typing import NDArray
 from ...cases.analysis_size import AnalysisSize
 from ...cases.schema.case_schema import Case
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
-from ...cases.support_conversion import support_system
 from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ...contact.load_capacity.tooth_root_stress import root_stress
 from ...contact.solvers import SolverChoice, require_solver
-from ...contact.supports.assembly_rounds import AssemblyRounds
-from ...contact.supports.support import LoadedSupports, Supports
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
@@ -25,7 +22,11 @@ from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviations.deviation_source import require_line_contact
 from ..result_layout import RESULT_SCHEMA_VERSION
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
-from .supported_analysis import LoadedPart, case_rounds, supported_parts
+from .supported_analysis import LoadedPart, case_rounds, case_supports, supported_parts
+
+if TYPE_CHECKING:
+    from ...contact.supports.assembly_rounds import AssemblyRounds
+    from ...contact.supports.support import LoadedSupports
 
 Array = NDArray[Any]
 
@@ -101,7 +102,7 @@ def contact_analysis(
         if own.deviations:
             require_line_contact(own.cycle.lost_contact, own.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
-    held = support_system(case) if supports is None else supports
+    held = case_supports(case) if supports is None else supports
     if rounds is None and supports is None:
         rounds = case_rounds(case)
     how: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
@@ -165,6 +166,8 @@ def _light_load(
     ((places, own),) = state.assemblies([torque])
     greater = next((one.cases for one in parts if _same_assembly(one.state, own)), [])
     if held is not None:
+        from ...contact.supports.support import Supports
+
         first_order = isinstance(held, Supports) and rounds is not None and rounds.update == "none"
         how: dict[str, Any] = {"edge_contact": edges, "greater": greater if first_order else ()}
         (one,) = supported_parts(own, places, np.array([torque]), held, rounds, **how)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from ...cases.deflections import Deflections, misalignment_at
 from ...cases.schema.case_schema import Case
-from ...cases.support_conversion import support_system
 from ...contact.loaded_cases import LoadedCase
 from ...contact.mesh_cycle import MeshCycle
-from ...contact.supports.assembly_rounds import AssemblyRounds
-from ...contact.supports.relative_motion import PARTS
-from ...contact.supports.support import LoadedSupports
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Misalignment
 from ..case_in_mesh import CaseInMesh
+
+if TYPE_CHECKING:  # imported where a case has supports
+    from ...contact.supports.assembly_rounds import AssemblyRounds
+    from ...contact.supports.support import LoadedSupports
 
 Array = NDArray[Any]
 
@@ -115,7 +115,27 @@ def case_rounds(case: Case) -> AssemblyRounds | None:
     >>> case_rounds(read_case("nasa-12x36")) is None
     True
     """
-    return None if case.supports is None else AssemblyRounds(case.supports.rounds)
+    if case.supports is None:
+        return None
+    from ...contact.supports.assembly_rounds import AssemblyRounds
+
+    return AssemblyRounds(case.supports.rounds)
+
+
+def case_supports(case: Case) -> LoadedSupports | None:
+    """Supports of a case as ``cases.support_conversion`` makes them; ``None`` if it has none.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case_supports(read_case("nasa-12x36")) is None
+    True
+    """
+    if case.supports is None:
+        return None
+    from ...cases.support_conversion import support_system
+
+    return support_system(case)
 
 
 def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) -> CaseInMesh:
@@ -151,9 +171,11 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     [0.0, 0.014, 0.027]
     """
     case, load = state.case, np.sort(np.asarray(torques, dtype=np.float64))
-    held = support_system(case)
+    held = case_supports(case)
     if held is None:
         return state
+    from ...contact.supports.relative_motion import PARTS
+
     rows = {0.0: list(vars(misalignment_at(state.misalignment, 0.0, state.flank)).values())}
     for places, own in state.assemblies(load):
         chosen = load[list(places)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...core.printable import printable
-from .command import Command
+from .command import Command, quick_start
 from .options.shared_options import echo, marking, names, torques
 from .terminal.terminal_bar import working
 
@@ -23,6 +23,7 @@ def show(result: Path) -> None:
 
     RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
     """
+    quick_start()
     from ..report.contact_report.given_results import kind_of, read_given
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.result_summary import result_summary

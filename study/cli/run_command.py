@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .command import Command
+from .command import Command, quick_start
 from .exit_codes import EXIT_UNCERTIFIED
 from .load_case_run import run_load_cases
 from .options.analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
@@ -62,6 +62,8 @@ def run(
     The result holds unloaded and loaded contact, and friction and efficiency if a speed is given. With --load-cases it
     holds that of every load case, a table of the numbers of all, and means over their shares of time.
     """
+    if load_cases is None:
+        quick_start(alone=options["solver"] == "auto")
     from ...cases.analysis_size import AnalysisSize
     from ...core.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ....core.errors import InputError
-from ..command import Command
+from ..command import Command, quick_start
 from ..exit_codes import EXIT_UNCERTIFIED
 from ..options.shared_options import (
     allow_outside_option,
@@ -35,6 +35,7 @@ def cases() -> None:
 
     Cases, designs, supports, lubricants and measured flanks. Each is given by its name, in place of a file.
     """
+    quick_start()
     from ....cases.reading import shipped_cases, shipped_designs, shipped_deviations, shipped_supports
     from ....friction import available_lubricants, lubricant
 

@@ -10,7 +10,6 @@ import xarray as xr
 from tabulate import tabulate
 
 from ....contact.solvers import Status
-from ....friction.operation import named_models
 from ..departures import deviations, modification
 from ..key_numbers import key_numbers
 from ..model_name import model_name
@@ -243,6 +242,8 @@ def result_summary(tree: xr.DataTree) -> str:
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
+        from ....friction.operation import named_models
+
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
         if temperatures := contact_temperatures(friction):
