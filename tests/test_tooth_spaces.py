@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
+from easeoff import GeometryError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import GearPair
+from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
 from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
+from easeoff.geometry.tooth import land_width
 from easeoff.geometry.tooth.contact_height import contact_heights
 from easeoff.geometry.tooth.land_width import land_widths
-from easeoff.geometry.tooth.tooth_surface import tooth_surface
+from easeoff.geometry.tooth.tooth_flanks import MemberName
+from easeoff.geometry.tooth.tooth_surface import ToothSide, tooth_side, tooth_surface
 from easeoff.study import summary_sheet
 from easeoff.study.design.tooth_spaces import ToothSpaces, tooth_spaces
 
@@ -99,3 +104,22 @@ def test_sheet_shows_formulas_teeth_and_their_difference() -> None:
     assert np.allclose(np.array(numbers[3:6]) - numbers[:3], numbers[6:], atol=2e-3)
     assert "blade tip above the root cone" in text
     assert "edge radius: greatest" in text
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_slot_of_blades_whose_corner_cuts_no_whole_flank_is_that_of_their_edge_radii(
+    member: MemberName, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On an upright machine the tip plane holds the corner and the deepest point of the edge radius alike."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    sharp = land_widths(pair, member, ENDS)
+
+    def refused(surface: GeneratingSurface, *others: Any) -> ToothSide:
+        if surface.blade.edge_radius == 0.0:
+            raise GeometryError("undercut")
+        return tooth_side(surface, *others)
+
+    monkeypatch.setattr(land_width, "tooth_side", refused)
+    found = land_widths(pair, member, ENDS)
+    assert np.allclose(found.slot, sharp.slot, rtol=0.0, atol=1e-3)
+    assert np.allclose(found.root_line, sharp.root_line, rtol=0.0, atol=1e-4)
