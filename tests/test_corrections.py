@@ -283,9 +283,9 @@ def test_large_errors_of_all_settings_are_corrected_in_one_pass(seed: int, great
     case, random = read_case("nasa-12x36"), np.random.default_rng(seed)
     sizes = {"radial_distance": 0.1, "machine_root_angle": 1e-3, "work_offset": 0.1, "sliding_base": 0.1}
     sizes |= {"machine_center_to_crossing_point": 0.1, "ratio_of_roll": 1e-3}
-    errors = dict.fromkeys(SIDES, {name: size * float(random.normal()) for name, size in sizes.items()})
-    found = greatest(measured_case(case, case, "gear", errors))
-    scaled = {name: value * greatest_deviation / found for name, value in errors["concave"].items()}
+    drawn = {name: size * float(random.normal()) for name, size in sizes.items()}
+    found = greatest(measured_case(case, case, "gear", dict.fromkeys(SIDES, drawn)))
+    scaled = {name: value * greatest_deviation / found for name, value in drawn.items()}
     assert correction_loop(case, "gear", dict.fromkeys(SIDES, scaled)).left < 0.01
 
 

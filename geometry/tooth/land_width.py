@@ -86,7 +86,8 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
     """Points (3, 3 n) [mm] that the tip of a blade cuts, and how far from its corner along the tip (n) [mm].
 
     The tip is that of a blade without edge radius. Where this one, longer along the flank, cuts no whole flank, it is
-    the deepest point of the edge radius, beside the corner; NaN where that cuts none either.
+    the deepest point of the edge radius, beside the corner, which gives the slot to a tenth of that radius; NaN where
+    that cuts none either.
     """
     blade, places = side.surface.blade, fractions.reshape(3, -1)
     points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])

@@ -25,7 +25,22 @@ def cells(row: VerificationRow) -> tuple[str, ...]:
     if not row.applicable:
         return row.quantity, f"not applicable: {row.compared}", "", "", "", WORDS[row.status]
     unit = "" if row.unit == "1" else row.unit
-    return row.quantity, row.compared, f"{row.difference:.2g}", f"{row.limit:.2g}", unit, WORDS[row.status]
+    return row.quantity, row.compared, difference_text(row), f"{row.limit:.2g}", unit, WORDS[row.status]
+
+
+def difference_text(row: VerificationRow) -> str:
+    """The difference of a row, to as many digits as tell it from its limit.
+
+    Examples
+    --------
+    >>> difference_text(VerificationRow("direction of the contact line", "another method", 0.1034, 0.1, "deg"))
+    '0.103'
+    """
+    for digits in range(2, 6):
+        text = f"{row.difference:.{digits}g}"
+        if float(text) > row.limit or row.difference <= row.limit:
+            break
+    return text
 
 
 def head_lines() -> str:
