@@ -114,9 +114,11 @@ def test_slot_of_blades_whose_corner_cuts_no_whole_flank_is_that_of_their_edge_r
 ) -> None:
     """To a tenth of the edge radius; on an upright machine the tip plane holds corner and deepest point alike."""
     pair = gear_pair(read_case("nasa-12x36"))
-    named = {"loaded": rounded(pair.pinion.loaded, 0.6), "opposite": rounded(pair.pinion.from_opposite.loaded, 0.6)}
-    wheel = {"loaded": rounded(pair.gear.loaded, 0.6), "opposite": rounded(pair.gear.from_opposite.loaded, 0.6)}
-    pair = replace(pair, pinion=replace(pair.pinion, **named), gear=replace(pair.gear, **wheel))
+    pinion, gear = (
+        replace(each, loaded=rounded(each.loaded, 0.6), opposite=rounded(each.from_opposite.loaded, 0.6))
+        for each in (pair.pinion, pair.gear)
+    )
+    pair = replace(pair, pinion=pinion, gear=gear)
     sharp = land_widths(pair, member, ENDS)
 
     def refused(surface: GeneratingSurface, *others: Any) -> ToothSide:
