@@ -111,8 +111,9 @@ def verification_table(folder: Path, stem: str) -> str:
         unit = str(row["difference_unit"].values)
         unit = "" if unit == "1" else f" {unit}"
         limit = float(row["limit"])
+        found = difference_text(float(row["difference"]), limit)
         lines.append(
-            f"| {row['quantity'].values} | {difference_text(float(row['difference']), limit)}{unit} | {limit:.2g}{unit} | "
+            f"| {row['quantity'].values} | {found}{unit} | {limit:.2g}{unit} | "
             f"{'outside' if outside[number] else 'within'} |"
         )
     return "\n".join(lines)
