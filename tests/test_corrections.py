@@ -29,7 +29,7 @@ from easeoff.geometry import (
     with_settings,
 )
 from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
-from easeoff.geometry.deviation.correction_fit import GIVEN_UP, SetUpFit
+from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.tooth_body import middle_angle
@@ -254,11 +254,39 @@ def test_of_nearly_equal_corrections_the_smaller_is_taken(case: str) -> None:
     assert 0 < taken.shape[1] < told.shape[1]
     steps = [ways @ np.linalg.lstsq(fit.slopes @ ways, target, rcond=None)[0] for ways in (told, taken, taken[:, :-1])]
     every, found, fewer = (np.linalg.norm(target - fit.slopes @ step) for step in steps)
-    given_up = GIVEN_UP * np.linalg.norm(target)
-    assert np.hypot(every, 0.1 * given_up) < found < np.hypot(every, given_up) < fewer  # not one combination too many
+    given_up = LEAST_GIVEN_UP * np.linalg.norm(target)
+    assert every < found < np.hypot(every, given_up) < fewer  # not one combination too many
     assert np.linalg.norm(steps[1]) < np.linalg.norm(steps[0])
     effects = fit.effects[0][fit.determined]
     assert fit.condition(target) < effects[0] / effects[-1]
+
+
+def test_scattered_points_tell_fewer_combinations_but_cost_no_more_than_the_limit() -> None:
+    """Points that scatter tell less: fewer combinations are taken, which leave no more than ``GIVEN_UP`` besides."""
+    seen = views(read_case("fh-12x41-45"), "pinion")["concave"]
+    real = with_errors(seen.loaded, {"radial_distance": 0.02, "machine_root_angle": 3e-4, "cutter_tilt": 2e-4})
+    deviation = departure(seen, real)
+    fit = SetUpFit((RecutFlank.of(seen, deviation.axial, deviation.radial),), usual_settings(seen.loaded))
+    target = fit.form([deviation.value.ravel()])
+    scattered = target + fit.form([0.005 * np.abs(target).max() * np.random.default_rng(3).normal(size=target.size)])
+    taken = [fit.effects[1][:, fit.needed(values)] for values in (target, scattered)]
+    assert 0 < taken[1].shape[1] < taken[0].shape[1]
+    steps = [ways @ np.linalg.lstsq(fit.slopes @ ways, scattered, rcond=None)[0] for ways in taken]
+    closer, left = (np.linalg.norm(scattered - fit.slopes @ step) for step in steps)
+    assert left < np.hypot(closer, GIVEN_UP * np.linalg.norm(scattered))
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("greatest_deviation", [15.0, 60.0])
+def test_large_errors_of_all_settings_are_corrected_in_one_pass(seed: int, greatest_deviation: float) -> None:
+    """Errors of all settings at once, not those of the loops above."""
+    case, random = read_case("nasa-12x36"), np.random.default_rng(seed)
+    sizes = {"radial_distance": 0.1, "machine_root_angle": 1e-3, "work_offset": 0.1, "sliding_base": 0.1}
+    sizes |= {"machine_center_to_crossing_point": 0.1, "ratio_of_roll": 1e-3}
+    drawn = {name: size * float(random.normal()) for name, size in sizes.items()}
+    found = greatest(measured_case(case, case, "gear", dict.fromkeys(SIDES, drawn)))
+    scaled = {name: value * greatest_deviation / found for name, value in drawn.items()}
+    assert correction_loop(case, "gear", dict.fromkeys(SIDES, scaled)).left < 0.01
 
 
 def test_a_modified_roll_that_the_design_has_not_stays_zero_unless_it_is_named() -> None:

@@ -6,9 +6,9 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from extreme_designs import EXTREMES
+from extreme_designs import EXTREMES, Extreme
 
-from easeoff import GeometryError
+from easeoff import GeometryError, analyze
 from easeoff.cases import case_toml, ease_off_target, gear_pair, parse_case, parse_design
 from easeoff.geometry import exact_ease_off
 from easeoff.geometry.design.fit_quality import residual_limits
@@ -49,3 +49,14 @@ def test_extreme_design_is_cut_or_refused_with_advice(name: str, method: str) ->
         # Closest fits of a Formate gear state the residual at the nodes of the fit; it grows towards undercut flanks.
         factor = 2.0 if max(item.uncut) > 0.0 else 1.5
         assert np.abs(left).max() < factor * item.largest_residual + 2e-3
+
+
+@pytest.mark.thorough
+def test_what_a_design_says_can_be_analysed_is_analysed() -> None:
+    """The usual edge radius of this pinion suits its tooth but not the body of all teeth: a smaller one is taken."""
+    extreme = Extreme((13, 44), shaft=100.0, spiral=32.0, addendum=0.22, taper="modified_slot_width")
+    case, report = design_case(parse_design(extreme.text("fixed_setting")))
+    assert report.analysable
+    coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 17, "profile_nodes": 11}
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    assert np.all(np.isfinite(analyze(case, torques=[100.0])["loaded"]["transmission_error"]))

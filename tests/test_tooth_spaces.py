@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
+from easeoff import GeometryError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import GearPair
+from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
 from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
+from easeoff.geometry.design.edge_radius import rounded
+from easeoff.geometry.tooth import land_width
 from easeoff.geometry.tooth.contact_height import contact_heights
 from easeoff.geometry.tooth.land_width import land_widths
-from easeoff.geometry.tooth.tooth_surface import tooth_surface
+from easeoff.geometry.tooth.tooth_flanks import MemberName
+from easeoff.geometry.tooth.tooth_surface import ToothSide, tooth_side, tooth_surface
 from easeoff.study import summary_sheet
 from easeoff.study.design.tooth_spaces import ToothSpaces, tooth_spaces
 
@@ -99,3 +106,27 @@ def test_sheet_shows_formulas_teeth_and_their_difference() -> None:
     assert np.allclose(np.array(numbers[3:6]) - numbers[:3], numbers[6:], atol=2e-3)
     assert "blade tip above the root cone" in text
     assert "edge radius: greatest" in text
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_slot_of_blades_whose_corner_cuts_no_whole_flank_is_that_of_their_edge_radii(
+    member: MemberName, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To a tenth of the edge radius; on an upright machine the tip plane holds corner and deepest point alike."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    pinion, gear = (
+        replace(each, loaded=rounded(each.loaded, 0.6), opposite=rounded(each.from_opposite.loaded, 0.6))
+        for each in (pair.pinion, pair.gear)
+    )
+    pair = replace(pair, pinion=pinion, gear=gear)
+    sharp = land_widths(pair, member, ENDS)
+
+    def refused(surface: GeneratingSurface, *others: Any) -> ToothSide:
+        if surface.blade.edge_radius == 0.0:
+            raise GeometryError("undercut")
+        return tooth_side(surface, *others)
+
+    monkeypatch.setattr(land_width, "tooth_side", refused)
+    found = land_widths(pair, member, ENDS)
+    assert np.allclose(found.slot, sharp.slot, rtol=0.0, atol=0.1 * 0.6)
+    assert np.allclose(found.root_line, sharp.root_line, rtol=0.0, atol=1e-4)

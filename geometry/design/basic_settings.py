@@ -326,7 +326,14 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     """Settings near the start at which the measured errors vanish."""
     from scipy.optimize import root
 
-    found = root(error, start, tol=1e-14)
+    try:
+        found = root(error, start, tol=1e-14)
+    except GeometryError as lost:
+        raise GeometryError(
+            "no settings of the gear were found that give the blank's spiral angle and pressure angles: the search ran "
+            "to settings that cut no tooth of it; change cutter_radius, the spiral angle, hypoid_offset or the "
+            "pressure angles"
+        ) from lost
     if not np.max(np.abs(error(found.x))) < ANGLE_TOLERANCE:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: "

@@ -27,7 +27,9 @@ from .recut_flank import RecutFlank
 Array = NDArray[Any]
 
 EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is not determined
-GIVEN_UP = 0.01  # of a departure's root mean square, what combinations of little effect may leave of it in all
+GIVEN_UP = 0.01  # of a departure's root mean square, the most that combinations of little effect may leave of it in all
+LEAST_GIVEN_UP = 0.003  # the same where the points scatter so little that they tell these combinations
+SCATTER_SHARE = 3.0  # of the scatter of one point, what one combination may leave
 ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
 NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
 DIFFERENCE = 1e-3  # of a usual step, for derivatives
@@ -144,13 +146,19 @@ class SetUpFit:
         """Which combinations (m) a departure (n) [mm] takes: those determined, down to the last one that counts.
 
         To first order the combinations act at right angles to each other. Those of the least effect are left out while
-        their parts of the departure are in all less than ``GIVEN_UP`` of it.
+        their parts of the departure are in all no more than what the scatter of the points, which no setting can make,
+        would look like; at least ``LEAST_GIVEN_UP`` and at most ``GIVEN_UP`` of the departure.
         """
         acts = self.slopes @ self.effects[1][:, self.determined]
-        parts = acts.T @ target / np.linalg.norm(acts, axis=0)
+        acts = acts / np.linalg.norm(acts, axis=0)
+        parts = acts.T @ target
+        over = target.size - parts.size - (1 if self.one_rotation else len(self.flanks))
+        scatter = float(np.linalg.norm(target - acts @ parts)) / np.sqrt(max(over, 1))
+        in_all = np.sqrt(np.arange(parts.size, 0, -1))  # of the combinations from each one on
+        least, most = (share * float(np.linalg.norm(target)) for share in (LEAST_GIVEN_UP, GIVEN_UP))
         given_up = np.sqrt(np.cumsum(parts[::-1] ** 2)[::-1])
         found = self.determined.copy()
-        found[found] = given_up > GIVEN_UP * np.linalg.norm(target)
+        found[found] = given_up > np.clip(SCATTER_SHARE * scatter * in_all, least, most)
         return found
 
     def condition(self, target: Array) -> float:
@@ -179,7 +187,7 @@ class SetUpFit:
         return tuple(RootLine.of(flank.surface, flank.section) for flank in self.flanks)
 
     def steps(self, target: Array) -> Array:
-        """Small steps (m) whose departure is nearest to a measured one (n) [mm], but for ``GIVEN_UP`` of it."""
+        """Small steps (m) whose departure is nearest to a measured one (n) [mm], see ``needed``."""
         found = self._nearest(target, np.zeros(len(self.unknowns)))
         ways, change = self.effects[1][:, ~self.determined], self._root_changes(found)
         known = np.isfinite(change)

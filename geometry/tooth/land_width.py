@@ -12,7 +12,7 @@ from ...core.errors import GeometryError
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import PlacedFlank, named_member, placed_flanks, tooth_angle
-from .tooth_surface import tooth_side
+from .tooth_surface import FILLET_NODES, tooth_side
 
 Array = NDArray[Any]
 
@@ -74,22 +74,34 @@ def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
     tips = [side.at(axial, radial) for side in (front, back)]
     turn = into_tooth(tips[0].position, tips[0].normal)
     tooth, around = _width(tips[0].position, tips[1].position, turn)
-    feet = [_tip_path(side, fractions) for side in (front, back)]
+    feet, beside = zip(*(_tip_path(side, fractions) for side in (front, back)), strict=True)
     bottom, whole = _width(feet[0], feet[1], turn)
     pitch = 2.0 * np.pi / which.teeth
     middle = slice(lengthwise.size, 2 * lengthwise.size)
     heights = [section.height_above_root(foot[2], np.hypot(foot[0], foot[1]))[middle] for foot in feet]
-    return LandWidths(tooth * around, (pitch - bottom) * whole, np.stack(heights))
+    return LandWidths(tooth * around, (pitch - bottom) * whole + beside[0] + beside[1], np.stack(heights))
 
 
-def _tip_path(side: PlacedFlank, fractions: Array) -> Array:
-    """Points (3, n) [mm] that the tip of a blade without edge radius cuts; NaN where there is no whole flank."""
-    sharp = replace(side.surface, blade=replace(side.surface.blade, edge_radius=0.0))
-    try:
-        found = tooth_side(sharp, side.section, fractions, SIDE_NODES, 2)
-    except GeometryError:
-        return np.full((3, fractions.size), np.nan)
-    return found.turned(side.rotation).fillet[:, :, 0]
+def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
+    """Points (3, 3 n) [mm] that the tip of a blade cuts, and how far from its corner along the tip (n) [mm].
+
+    The tip is that of a blade without edge radius. Where this one, longer along the flank, cuts no whole flank, it is
+    the deepest point of the edge radius, beside the corner, which gives the slot to a tenth of that radius; NaN where
+    that cuts none either.
+    """
+    blade, places = side.surface.blade, fractions.reshape(3, -1)
+    points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])
+    for number in range(places.shape[1]):
+        for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
+            surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
+            try:
+                found = tooth_side(surface, side.section, places[:, number], SIDE_NODES, nodes)
+            except GeometryError:
+                continue
+            points[:, :, number] = found.turned(side.rotation).fillet[:, :, 0]
+            beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
+            break
+    return points.reshape(3, -1), beside
 
 
 def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:

@@ -25,7 +25,30 @@ def cells(row: VerificationRow) -> tuple[str, ...]:
     if not row.applicable:
         return row.quantity, f"not applicable: {row.compared}", "", "", "", WORDS[row.status]
     unit = "" if row.unit == "1" else row.unit
-    return row.quantity, row.compared, f"{row.difference:.2g}", f"{row.limit:.2g}", unit, WORDS[row.status]
+    return (
+        row.quantity,
+        row.compared,
+        difference_text(row.difference, row.limit),
+        f"{row.limit:.2g}",
+        unit,
+        WORDS[row.status],
+    )
+
+
+def difference_text(difference: float, limit: float) -> str:
+    """A difference, to as many digits as tell it from its limit.
+
+    Examples
+    --------
+    >>> difference_text(0.1034, 0.1), difference_text(0.0834, 0.1)
+    ('0.103', '0.083')
+    """
+    text = f"{difference:.2g}"
+    for digits in range(3, 6):
+        if difference <= limit or float(text) > limit:
+            break
+        text = f"{difference:.{digits}g}"
+    return text
 
 
 def head_lines() -> str:

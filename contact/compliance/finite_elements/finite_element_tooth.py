@@ -29,7 +29,7 @@ from .array_store import Shapes, kept, key_of
 from .bricks import require_right_way_round
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, SharedBody, flank_loads, foot_displacements, square_root
-from .neighbouring_teeth import body_modes, ring_size, with_body
+from .neighbouring_teeth import body_modes, ring_lattice, ring_size, with_body
 from .solid_shell import Counts, solid_shell
 from .stress_response import StressResponse, by_station, stress_functionals
 
@@ -198,12 +198,19 @@ def solid_shell_tooth(
 
 
 def require_solid_shell(pair: GearPair, member: MemberName) -> None:
-    """Refuse a tooth that cannot be a solid shell, without building it. Raises as ``solid_shell_tooth``."""
+    """Refuse a tooth that cannot be a solid shell on the body of all teeth, without building it.
+
+    Raises as ``solid_shell_tooth``.
+    """
     lattice = tooth_lattice(pair, member, solid_shell_size(pair, member)[0])
     try:
         require_right_way_round(lattice.nodes, lattice.cells[: lattice.body_bricks])
     except GeometryError as error:
         raise unfilled(member, error) from error
+    try:
+        _ = ring_lattice(pair, member, ring_size())
+    except GeometryError:  # as in ``_on_body``
+        _ = ring_lattice(pair, member, ring_size(2.0))
 
 
 def _tooth(pair: GearPair, member: MemberName) -> tuple[Any, ...]:
@@ -274,7 +281,9 @@ def _long_enough(size: LatticeSize) -> LatticeSize:
 
 
 def unfilled(member: str, error: GeometryError) -> GeometryError:
-    """Error for a member whose lattice has a brick turned inside out."""
+    """Error for a member whose lattice has a brick turned inside out, or that has no lattice."""
+    if SHELL_HINT in str(error):  # it says so already
+        return error
     return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
 
 

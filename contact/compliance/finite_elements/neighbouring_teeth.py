@@ -39,6 +39,11 @@ def ring_size(fineness: float = 1.0) -> LatticeSize:
     return replace(RING_SIZE.finer(fineness), beside=0)
 
 
+def ring_lattice(pair: GearPair, member: MemberName, size: LatticeSize, rim_depth: float | None = None) -> ToothLattice:
+    """Lattice of one pitch of the body with its tooth; ``size`` from ``ring_size``. Raises as ``tooth_lattice``."""
+    return tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES)
+
+
 def body_modes(
     pair: GearPair,
     member: MemberName,
@@ -62,7 +67,7 @@ def body_modes(
         The lattice, and arrays by name: ``shapes`` (q, nodes), the modes on the nodes of its flank; ``coupling``
         (N, q, q), see ``SharedBody``; ``own`` (q, q), what of that the sector of a single tooth contains already.
     """
-    lattice = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES)
+    lattice = ring_lattice(pair, member, size, rim_depth)
     teeth, loads = named_member(pair, member).teeth, flank_loads(lattice)
     if web is None:
         ring = ring_compliance(lattice, teeth, material, loads, np.unique(lattice.body[:, :, 0]))

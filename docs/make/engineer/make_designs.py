@@ -23,6 +23,7 @@ import easeoff
 from easeoff.study.cli import main as easeoff_command
 from easeoff.study.report.key_numbers import key_numbers
 from easeoff.verification import RowStatus
+from easeoff.verification.yardsticks.verification_table import difference_text
 
 PICTURES = IMAGES / "designs"
 #: Pages with the stem of their files' names; the results follow as ``STEM-NAME.nc``.
@@ -109,8 +110,10 @@ def verification_table(folder: Path, stem: str) -> str:
         row = rows.isel(comparison=number)
         unit = str(row["difference_unit"].values)
         unit = "" if unit == "1" else f" {unit}"
+        limit = float(row["limit"])
+        found = difference_text(float(row["difference"]), limit)
         lines.append(
-            f"| {row['quantity'].values} | {float(row['difference']):.2g}{unit} | {float(row['limit']):.2g}{unit} | "
+            f"| {row['quantity'].values} | {found}{unit} | {limit:.2g}{unit} | "
             f"{'outside' if outside[number] else 'within'} |"
         )
     return "\n".join(lines)
