@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
-from easeoff import GeometryError
+from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import Material
 from easeoff.contact.compliance.finite_elements.bricks import (
@@ -195,3 +196,13 @@ def test_calculix_on_the_same_tooth(tmp_path: Path) -> None:
     moved = np.isfinite(ours)
     assert np.abs(theirs[~moved]).max() == 0.0
     np.testing.assert_allclose(ours[moved], theirs[moved], rtol=0, atol=1e-5 * np.abs(theirs).max())
+
+
+@pytest.mark.parametrize("failure", [MemoryError(), RuntimeError("SUPERLU_MALLOC failed for buf in doubleCalloc()")])
+def test_a_factor_without_memory_is_refused(monkeypatch: pytest.MonkeyPatch, failure: Exception) -> None:
+    def splu(*_: Any, **__: Any) -> None:
+        raise failure
+
+    monkeypatch.setattr("scipy.sparse.linalg.splu", splu)
+    with pytest.raises(InputError, match="displacements = 3: must be fewer"):
+        solver_of(csc_array(np.eye(3)), "superlu")

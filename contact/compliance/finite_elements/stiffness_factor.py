@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.errors import MissingPackageError, how_to_install
+from ....core.errors import InputError, MissingPackageError, how_to_install
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -35,6 +35,8 @@ def solver_of(matrix: csc_array, factoriser: Factoriser = "auto") -> Callable[[A
 
     Raises
     ------
+    InputError
+        If SuperLU finds no memory for the factor.
     MissingPackageError
         If CHOLMOD is asked for and scikit-sparse is not installed.
     """
@@ -52,9 +54,17 @@ def solver_of(matrix: csc_array, factoriser: Factoriser = "auto") -> Callable[[A
         else:
             solve: Callable[[Array], Array] = cholesky(csc_matrix(matrix))
             return solve
-    factor = splu(
-        csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    try:
+        factor = splu(
+            csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except (MemoryError, RuntimeError) as error:
+        if isinstance(error, RuntimeError) and "MALLOC" not in str(error):
+            raise
+        raise InputError(
+            f"displacements = {matrix.shape[0]}: must be fewer, as SuperLU found no memory to factor their stiffness; "
+            "lower fineness under [compliance]"
+        ) from error
     return lambda loads: np.asarray(factor.solve(loads))
 
 
