@@ -6,6 +6,7 @@ import copy
 import random
 import tomllib
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from datetime import date, time
 from typing import Any
 
