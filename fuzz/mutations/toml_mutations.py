@@ -6,8 +6,8 @@ import copy
 import random
 import tomllib
 from collections.abc import Callable, Mapping
-from fractions import Fraction
 from datetime import date, time
+from fractions import Fraction
 from typing import Any
 
 from . import text_mutations
