@@ -189,6 +189,12 @@ def test_every_option_is_known_to_the_search() -> None:
     assert {words for words in given if " --" in words} <= known
 
 
+def test_every_command_gets_odd_options(bases: Bases, tmp_path: Path) -> None:
+    """There are words for each command, so that no seed ends the search."""
+    drawn = (draw(seed, Box(tmp_path / str(seed), bases), "options").args for seed in range(250))
+    assert set(OPTIONS) <= {words[0] for words in drawn if words}
+
+
 def test_a_cut_file_is_no_whole_one(bases: Bases, tmp_path: Path) -> None:
     whole = bases["grid.nc"].read_bytes()
     for name, data in (("a.nc", whole), ("b.nc", whole), ("cut.nc", whole[:-100])):

@@ -7,6 +7,7 @@ import random
 import tomllib
 from collections.abc import Callable, Mapping
 from datetime import date, time
+from fractions import Fraction
 from typing import Any
 
 from . import text_mutations
@@ -99,7 +100,7 @@ def scale(rng: random.Random, tree: Tree) -> None:
             [1e-3, 1e3, 25.4, 1 / 25.4, 0.1, 10.0, 0.5, 2.0, 0.9, 1.1, 0.99, 1.01, -1.0, 57.29578, 1 / 57.29578]
         )
         old = place[0][place[1]]
-        place[0][place[1]] = old * factor if isinstance(old, float) else round(old * factor)
+        place[0][place[1]] = old * factor if isinstance(old, float) else round(old * Fraction(factor))
 
 
 def other_type(rng: random.Random, tree: Tree) -> None:

@@ -212,8 +212,12 @@ def _stations(splines: FlankSplines, points: Array, step: float, extension: floa
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
     closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
     length = arc_length(splines, closest[:, None])[0]
-    count = max(int(np.ceil((length[-1] + 2.0 * extension) / step)), 2)
-    wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
+    # Cells of even length fill the line from end to end: where it ends at toe or heel so do they, without a part of a
+    # cell beyond the tooth or short of its end.
+    on_line = max(int(np.ceil(length[-1] / step)), 1)
+    step = length[-1] / on_line
+    beyond = int(np.ceil(extension / step))
+    wanted = step * (np.arange(-beyond, on_line + beyond) + 0.5)
     inside = np.clip(wanted, 0.0, length[-1])
     middle = np.stack([np.interp(inside, length, one) for one in closest])
     tangent = np.stack([np.interp(inside, length, np.gradient(one, length)) for one in closest])
