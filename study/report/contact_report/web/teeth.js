@@ -166,7 +166,9 @@ class Teeth {
     const angle = this.angle(gear, 0), turn = (v) => this.turned(v, gear.axis, angle);
     const up = unit(minus(turn(gear.flankGrid.at(i, gear.flankGrid.n - 1)), turn(gear.flankGrid.at(i, 0))));
     const out = turn(gear.flankGrid.normal(i, j));
-    const eye = unit(out.map((v, k) => 0.75 * v + 0.9 * up[k]));
+    // The pinion lies above the flank: past its end, on the side to which the flank faces, the contact can be seen.
+    const along = this.members.pinion.axis, side = Math.sign(dot3(out, along));
+    const eye = unit(out.map((v, k) => 0.75 * v + 0.3 * up[k] + 0.5 * side * along[k]));
     this.pitch = Math.asin(eye[2]);
     this.yaw = Math.atan2(eye[1], eye[0]);
   }
