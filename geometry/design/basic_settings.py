@@ -326,6 +326,7 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     """Settings near the start at which the measured errors vanish."""
     from scipy.optimize import root
 
+    error(start)  # what is wrong with the blank itself is told in its own words
     try:
         found = root(error, start, tol=1e-14)
     except GeometryError as lost:
