@@ -149,7 +149,7 @@ def substructures(
     bricks = _Bricks(np.where(fate[nodes] < 0, -1, nodes), stiffness, lattice_places(cells), counts)
     eliminations: list[Elimination] = []
     whole = _condensed(bricks, np.arange(len(nodes)), eliminations)
-    order = _displacements(np.searchsorted(whole.nodes, kept))
+    order = displacements(np.searchsorted(whole.nodes, kept))
     return Substructures(kept, whole.stiffness[np.ix_(order, order)], tuple(eliminations))
 
 
@@ -187,7 +187,7 @@ def _condensed(bricks: _Bricks, chosen: Integers, eliminations: list[Elimination
 def _one_brick(nodes: Integers, stiffness: Array) -> _Piece:
     moving = np.flatnonzero(nodes >= 0)
     if moving.size < nodes.size:
-        among = _displacements(moving)
+        among = displacements(moving)
         stiffness = stiffness[np.ix_(among, among)]
     return _Piece(nodes[moving], np.ones(moving.size, dtype=np.int64), stiffness)
 
@@ -205,7 +205,7 @@ def _joined(parts: list[_Piece], counts: Integers, eliminations: list[Eliminatio
     whole = np.zeros((3 * nodes.size, 3 * nodes.size))
     start = 0
     for part in parts:
-        among = _displacements(rank[places[start : start + part.nodes.size]])
+        among = displacements(rank[places[start : start + part.nodes.size]])
         whole[np.ix_(among, among)] += part.stiffness
         start += part.nodes.size
     inner, border = nodes[done], nodes[~done]
@@ -215,7 +215,7 @@ def _joined(parts: list[_Piece], counts: Integers, eliminations: list[Eliminatio
     except np.linalg.LinAlgError as error:
         raise GeometryError("a part of the body is free to move: hold more of its nodes") from error
     coupling = solve_triangular(factor, whole[:split, split:], lower=True, check_finite=False)
-    eliminations.append(Elimination(_displacements(inner), _displacements(border), factor, coupling))
+    eliminations.append(Elimination(displacements(inner), displacements(border), factor, coupling))
     return _Piece(border, here[~done], whole[split:, split:] - coupling.T @ coupling)
 
 
@@ -235,5 +235,6 @@ def _halves(bricks: _Bricks, chosen: Integers) -> tuple[Integers, Integers]:
     return chosen[best], chosen[~best]
 
 
-def _displacements(nodes: Integers) -> Integers:
-    return (3 * nodes[:, None] + np.arange(3)).ravel()
+def displacements(nodes: Integers) -> Integers:
+    """Numbers (3 n) of the displacements of nodes (n), x y z of a node together."""
+    return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel())

@@ -18,7 +18,7 @@ from ....geometry.tooth.tooth_lattice import ToothLattice
 from ....geometry.vectors import rotate_z
 from ..material import Material
 from .bricks import brick_stiffness
-from .substructures import substructures
+from .substructures import displacements, substructures
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -97,7 +97,7 @@ def ring_compliance(
     bricks = brick_stiffness(lattice.nodes, lattice.cells, material)
     matrix = substructures(lattice.cells, *bricks, held, kept).stiffness
     sides, within = slice(0, 3 * on_sides.size), slice(3 * on_sides.size, None)
-    to_sides, forces = matrix[within, sides], loads.tocsr()[_displacements(loaded)].toarray()
+    to_sides, forces = matrix[within, sides], loads.tocsr()[displacements(loaded)].toarray()
     moved = cho_solve(cho_factor(matrix[within, within]), np.concatenate([to_sides, forces], axis=1))
     of_sides, of_forces = moved[:, sides], moved[:, within]
     condensed = matrix[sides, sides] - to_sides.T @ of_sides
@@ -106,10 +106,6 @@ def ring_compliance(
     waves = _waves(0.5 * (turned + turned.T), _second_turned(by_forces, angle), teeth)
     alone = forces.T @ of_forces
     return RingCompliance(0.5 * (alone + alone.T), waves)
-
-
-def _displacements(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel())
 
 
 def _second_turned(rows: Array, angle: float) -> Array:
