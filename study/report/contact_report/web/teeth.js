@@ -25,6 +25,7 @@ void main() {
 }`;
 const STEEL = { gear: [0.80, 0.82, 0.85], pinion: [0.66, 0.74, 0.84] };
 const SHOWN = { gear: 4, pinion: 40 }; // teeth before and after the middle one, at most
+const NEAR = { gear: 2, pinion: 1 }; // of those, the teeth that the first view holds whole
 const BAND_HALF = 0.25; // least half width of a band as drawn [mm]
 const LIFT = 0.06; // of a band above its flank [mm]
 
@@ -153,11 +154,8 @@ class Teeth {
       for (const stored of own.others) new Grid(stored).triangles(() => STEEL[name], rest);
       this.members[name] = { ...own, name, flankGrid: new Grid(own.flank, own.outward), grid: new Grid(own.grid, own.outward), places: unpack(own.places), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
     }
-    const face = minus(this.members.gear.flankGrid.at(0, 7), this.members.gear.flankGrid.at(40, 7));
-    this.size = 1.4 * Math.hypot(...face);
-    this.middle = [...this.scene.middle];
-    // From the gear's axis outwards and from the side of the pinion, so that the loaded flanks face the reader.
     this.aim();
+    this.fit();
   }
 
   // Turns the eye to the loaded flank of the gear as it stands in mesh, a little from above its tip.
@@ -171,6 +169,30 @@ class Teeth {
     const eye = unit(out.map((v, k) => 0.75 * v + 0.3 * up[k] + 0.5 * side * along[k]));
     this.pitch = Math.asin(eye[2]);
     this.yaw = Math.atan2(eye[1], eye[0]);
+  }
+
+  // Centres the flanks next to the contact and lets them fill the picture.
+  fit() {
+    const [right, up] = this.view(), least = [Infinity, Infinity], greatest = [-Infinity, -Infinity];
+    for (const member of Object.values(this.members)) {
+      const grid = member.flankGrid, near = NEAR[member.name];
+      for (let pair = -near; pair <= near; pair++) {
+        const angle = this.angle(member, pair);
+        for (const i of [0, grid.m - 1]) {
+          for (const j of [0, grid.n - 1]) {
+            const point = this.turned(minus(grid.at(i, j), member.origin), member.axis, angle).map((v, k) => v + member.origin[k]);
+            [right, up].forEach((axis, k) => {
+              least[k] = Math.min(least[k], dot3(axis, point));
+              greatest[k] = Math.max(greatest[k], dot3(axis, point));
+            });
+          }
+        }
+      }
+    }
+    const [x, y] = least.map((v, k) => 0.5 * (v + greatest[k])), towards = times(right, up);
+    const depth = dot3(towards, this.scene.middle), aspect = this.canvas.width / this.canvas.height;
+    this.middle = right.map((v, k) => x * v + y * up[k] + depth * towards[k]);
+    this.size = (1.04 / 2) * Math.max(greatest[1] - least[1], (greatest[0] - least[0]) / aspect);
   }
 
   turned(v, axis, angle) {
