@@ -130,7 +130,8 @@ def design_pair(
         Whether the closest fit shall keep the tips of the pinion's blades on its root cone, see ``fit_pinion``.
     generated
         Whether the gear is generated; Formate if not. The fit of a generated gear starts from the pinion of its crown
-        gear and, where that stays off the target, from the conjugate pinion of the Formate gear.
+        gear and, where that stays off the target, from the same on a machine along the root cone and from the conjugate
+        pinion of the Formate gear.
     corrected
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
     edge_radii
@@ -182,7 +183,8 @@ def design_pair(
         return start(lambda k: along_the_root(made[k], blank) if upright else made[k])
 
     if method == "closest_fit":
-        pairs = [crown(upright=False), conjugate()] if generated else [conjugate()]
+        rolled_ones = [crown(upright=False), crown(upright=True)] if generated else []
+        pairs = [*rolled_ones, conjugate()]
         pinion = _closest(pairs, targets, free, follow_root, blank.clearance, steps)
     else:
         limits = SettingLimits() if limits is None else limits

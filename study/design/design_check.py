@@ -24,10 +24,17 @@ from ...geometry.design.pair_design import (
 from ...geometry.design.set_up.pinion_method import ADVICE, at_limit
 from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
-from ...geometry.pair.gear_pair import MEMBERS, FlankName, grid
+from ...geometry.pair.gear_pair import FlankName, grid
+from ...geometry.pair.tip_mates import unmet_tips
 from ...geometry.tooth.tooth_flanks import MemberName
-from .design_advice import cutter_radius_advice, limit_pressure_angle_advice, offset_advice, small_target_advice
-from .pair_warnings import UNDERCUT_LIMIT, narrow_top_lands, off_the_root, uncut_share, uncut_words, unfinished_teeth
+from .design_advice import (
+    cutter_radius_advice,
+    formate_advice,
+    limit_pressure_angle_advice,
+    offset_advice,
+    small_target_advice,
+)
+from .pair_warnings import missing_flanks, narrow_top_lands, off_the_root, uncut_share, unfinished_teeth
 from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
@@ -131,14 +138,12 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
             )
         for name in item.at_limit:
             warnings.append(f"{side}: {name} stands at its limit, see [pinion.limits]")
-        for name, share in zip(MEMBERS, item.uncut, strict=True):
-            if not share <= UNDERCUT_LIMIT:
-                warnings.append(
-                    f"{side}: {uncut_words(name, share)}; a {'smaller' if name == 'pinion' else 'larger'} "
-                    f"gear_mean_addendum_factor or "
-                    f"{'larger' if name == 'pinion' else 'smaller'} profile_shift_coefficient, a larger pressure angle "
-                    "or more teeth help"
-                )
+        for name, text in missing_flanks(unmet_tips(designed.pair(side))):
+            less, more = ("smaller", "larger") if name == "pinion" else ("larger", "smaller")
+            warnings.append(
+                f"{side}: {text}; a {less} gear_mean_addendum_factor or {more} profile_shift_coefficient, a larger "
+                "pressure angle or more teeth help"
+            )
         if not item.common_flank >= COMMON_FLANK_LIMIT:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         followed = design.pinion.follow_root
@@ -155,7 +160,11 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
     teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
     basic_data = blank_design(design.blank_design, teeth, design.pair)
     if warnings:
-        warnings += [*limit_pressure_angle_advice(basic_data), *cutter_radius_advice(basic_data)]
+        warnings += [
+            *limit_pressure_angle_advice(basic_data),
+            *cutter_radius_advice(basic_data),
+            *formate_advice(design, basic_data),
+        ]
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
     return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
 

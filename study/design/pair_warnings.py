@@ -17,14 +17,14 @@ from ...geometry.design.agma929.measured_proportions import measured_proportions
 from ...geometry.design.edge_radius import require_whole_tooth
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES
 from ...geometry.flanks.flank import Flank, NodeStatus
-from ...geometry.pair.gear_pair import MEMBERS, GearPair, Member, bodies, grid
+from ...geometry.pair.gear_pair import MEMBERS, GearPair, Member, bodies
+from ...geometry.pair.tip_mates import unmet_tips
 from ...geometry.tooth.tooth_flanks import MemberName
 from .tooth_spaces import ToothSpaces, tooth_spaces
 
 Array = NDArray[Any]
-NODES = (15, 11)
 TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
-UNDERCUT_LIMIT = 0.02  # share of a flank; a corner at the toe's root does no harm
+UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
 
 
 def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
@@ -54,10 +54,7 @@ def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
     warnings = list(narrow_top_lands(drive, proportions.mean_normal_module))
     warnings += [text for _, text in unfinished_teeth(drive, case.compliance.model)]
     for side, pair in zip(SIDES, (drive, coast), strict=True):
-        t, h = grid(NODES)
-        for name, flank in zip(MEMBERS, (pair.pinion.flank(t, h), pair.gear.flank(t, h)), strict=True):
-            if not (share := uncut_share(flank)) <= UNDERCUT_LIMIT:
-                warnings.append(f"{side}: {uncut_words(name, share)}")
+        warnings += [f"{side}: {text}" for _, text in missing_flanks(unmet_tips(pair))]
     try:
         spaces = tooth_spaces(drive, coast, proportions)
     except GeometryError as error:
@@ -107,9 +104,21 @@ def uncut_share(flank: Flank) -> float:
     return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
 
 
-def uncut_words(member: str, share: float) -> str:
-    """What a share of a member's flank that is not cut means."""
-    return f"{100 * share:.0f} % of the {member}'s flank, at its root, is undercut or out of the cutter's reach"
+def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
+    """Members whose flank ends before the mate's tip has passed it, each with a warning.
+
+    Parameters
+    ----------
+    unmet
+        Of ``unmet_tips``.
+    """
+    for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
+        if not share <= UNMET_LIMIT:
+            yield (
+                name,
+                f"the {mate}'s tip meets no flank on {100 * share:.0f} % of its length: there the {name}'s root is "
+                "undercut, or its fillet reaches too high",
+            )
 
 
 def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") -> Iterator[str]:
