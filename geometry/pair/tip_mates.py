@@ -1,0 +1,82 @@
+"""The mates of the tips: where the tip of a member's tooth runs along no flank of the other member."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.surface_points import SurfacePoints
+from ..flanks.flank import Flank, NodeStatus, solve_flank
+from ..flanks.flank_parts import pick
+from .ease_off import conjugate_motion, exact_ease_off
+from .gear_pair import GearPair
+
+Array = NDArray[Any]
+
+TIP_NODES = 41  # along a tip
+NOT_CUT = (NodeStatus.NO_SOLUTION, NodeStatus.UNDERCUT, NodeStatus.BEYOND_BLADE_TIP)
+
+
+def unmet_tips(pair: GearPair) -> tuple[float, float]:
+    """Shares of the tips of pinion and gear whose mates the other member's cutter has not cut.
+
+    A generated flank ends above the root cone, where the blade's tip leaves it. That does no harm while the mate's tip
+    does not come so far; where the flank is undercut, or its fillet is too high, that tip finds no flank.
+
+    Parameters
+    ----------
+    pair
+        The pair, with its misalignment.
+
+    Returns
+    -------
+    tuple
+        Share of the pinion's tip that meets no flank of the gear, and of the gear's that meets none of the pinion: of
+        those parts of the tips that run within the mate's face.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks do not meet, or a cutter meets no tooth of its blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> unmet_tips(gear_pair(read_case("nasa-12x36")))
+    (0.0, 0.0)
+    """
+    # With the middle of the gear's flank, which meets the pinion; its tip need not.
+    t, half_way_and_tip = np.linspace(0.0, 1.0, TIP_NODES), np.array([0.5, 1.0])
+    gear, pinion_tip, section = pair.gear.flank(t, half_way_and_tip), pair.pinion.flank(t, np.ones(1)), pair.gear.section
+    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    place = _conjugate_place(pair, pinion_tip)
+    lengthwise, _ = section.fractions(*place)
+    known = np.isfinite(lengthwise)
+    status = np.zeros(TIP_NODES, dtype=np.int8)
+    if np.any(known):
+        status[known] = solve_flank(pair.gear.loaded, section, *place[:, known]).status
+    tip = slice(1, None, 2)
+    of_gear = _share(gear.status[tip], found.status[tip], found.pinion_lengthwise[tip])
+    return _share(pinion_tip.status, status, lengthwise), of_gear
+
+
+def _conjugate_place(pair: GearPair, tip: Flank) -> Array:
+    """Axial and radial coordinate (2, n) [mm] of the gear's points that are conjugate to those of the pinion."""
+    middle = pair.gear.section.points(np.array([0.5]), np.array([0.5]))[:, 0]
+    motion = conjugate_motion(pair.pinion.loaded.on("profile"), pair.pinion.section, pair.assembly, middle)
+    places = []
+    with np.errstate(all="ignore"):
+        for part in pair.pinion.loaded.flank_parts:
+            on_part = replace(motion, surface=part)
+            places.append(on_part.conjugate_place(SurfacePoints.of(part, tip.parameters))[0])
+    return pick(places, tip.part)
+
+
+def _share(tip: NDArray[np.int8], status: NDArray[np.int8], lengthwise: Array) -> float:
+    """Share of the mates of a tip, by the status of both, that are not cut; those beyond the face do not count."""
+    beyond = (lengthwise < 0.0) | (lengthwise > 1.0)
+    counted = ~beyond & ~np.isin(tip, NOT_CUT)
+    return float(np.mean(np.isin(status[counted], NOT_CUT))) if np.any(counted) else 0.0
