@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import GearPair
-from .ease_off_residual import ROOT_WEIGHT
+from ..tooth.blade_tip import tip_gap
 from .fit_quality import residual_limits
+from .root_line import RootLine
 from .standard_steps import StandardSteps
-from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion
+from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost
 
 RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
 FOLD_MARGIN = 0.2  # of the conjugate gear's area; nodes nearer to a fold are no part of a fit from the crown gear
-LOST_ROOT_GAP = 10.0  # [mm]; weight of a root point that the cutter does not reach
+ROOT_PASSES = 4  # fits in which the blade tips come onto the root cone
+ROOT_TOLERANCE = 0.02  # [mm]; blade tips as near to the root cone are on it
 
 
 def best_fit(
@@ -84,9 +87,11 @@ def _stepped(
         return fit
     near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
     names = [name for name in fit.moved if name not in blade]
-    again = fit_pinion(near, target, free=names, follow_root=follow_root, fold_margin=fold_margin)
-    moved = {name: (start, get_setting(again.surface, name)) for name, (start, _) in fit.moved.items()}
-    return replace(again, moved=moved)
+    if fold_margin > 0.0:
+        again = _from_crown_gear(near, target, names, follow_root)
+    else:
+        again = fit_pinion(near, target, free=names, follow_root=follow_root)
+    return _started_from(pair.pinion.loaded, again, fit.moved)
 
 
 def _attempts(
@@ -97,11 +102,36 @@ def _attempts(
     choices = [free] if free is not None else [FREE_SETTINGS_WITH_ROOT_ANGLE, None] if follow_root else [None]
     for pair in crown_gear:
         for names in choices:
-            fit = partial(fit_pinion, pair, target, free=names, follow_root=follow_root, fold_margin=FOLD_MARGIN)
-            yield pair, FOLD_MARGIN, fit
+            yield pair, FOLD_MARGIN, partial(_from_crown_gear, pair, target, names, follow_root)
     yield conjugate, 0.0, partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
     if follow_root and free is None:
         yield conjugate, 0.0, partial(_form_first, conjugate, target)
+
+
+def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
+    """A fit from the pinion of the crown gear, its blade tips on the root cone itself.
+
+    What ``RootLine`` measures at blades that roll past is corrected by what it gives for the flank found.
+    """
+    fit: Synthesis | None = None
+    surface, section = pair.pinion.loaded, pair.pinion.section
+    for _ in range(ROOT_PASSES if follow_root else 1):
+        wanted = np.nan_to_num(RootLine.of(surface, section).gap(surface)[0] - tip_gap(surface, section))
+        near = replace(pair, pinion=replace(pair.pinion, loaded=surface))
+        again = fit_pinion(
+            near, target, free=free, follow_root=follow_root, fold_margin=FOLD_MARGIN, wanted_root=wanted
+        )
+        fit = _started_from(pair.pinion.loaded, again, again.moved)
+        if not np.any(np.abs(fit.root_gap) > ROOT_TOLERANCE):
+            break
+        surface = fit.surface
+    assert fit is not None
+    return fit
+
+
+def _started_from(start: GeneratingSurface, fit: Synthesis, names: Iterable[str]) -> Synthesis:
+    """The fit, with the settings of the flank at which the search began."""
+    return replace(fit, moved={name: (get_setting(start, name), get_setting(fit.surface, name)) for name in names})
 
 
 def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:
@@ -109,14 +139,13 @@ def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:
     form = fit_pinion(pair, target)
     near = replace(pair, pinion=replace(pair.pinion, loaded=form.surface))
     fit = fit_pinion(near, target, follow_root=True)
-    start = pair.pinion.loaded
-    return replace(fit, moved={name: (get_setting(start, name), end) for name, (_, end) in fit.moved.items()})
+    return _started_from(pair.pinion.loaded, fit, fit.moved)
 
 
 def _cost(fit: Synthesis, follow_root: bool) -> float:
     """Mean square of the residual [mm^2], with that of the root line as the fit weighs it."""
-    gap = np.nan_to_num(fit.root_gap, nan=LOST_ROOT_GAP) if follow_root else np.zeros(0)
-    return float(fit.rms**2 + np.sum((1e-3 * ROOT_WEIGHT * gap) ** 2) / fit.residual.size)
+    root = root_cost(fit) / fit.residual.size if follow_root else 0.0
+    return fit.rms**2 + root
 
 
 def _good(fit: Synthesis, target: EaseOffTarget, root_limit: float) -> bool:

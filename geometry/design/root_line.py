@@ -16,12 +16,16 @@ from ..newton import complex_steps, cramers_rule, solve
 Array = NDArray[Any]
 
 LENGTHWISE_FRACTIONS = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
-PROFILE_FRACTION = 0.15  # profile fraction of the nodes: near the root, yet on the flank
+PROFILE_FRACTIONS = (0.15, 0.3, 0.45)  # of the nodes: near the root, or higher up where no flank is cut there
 
 
 @dataclass(frozen=True)
 class RootLine:
     """Nodes near the root of a flank at toe, middle and heel, and the parameters that cut them.
+
+    It measures along the blade's axis where the blade cuts these nodes. A generated flank is cut while the blade rolls
+    past, so that the tip is not above its path there: ``blade_tip.tip_gap`` gives the height of that. What changes the
+    one changes the other by nearly as much.
 
     Parameters
     ----------
@@ -29,16 +33,25 @@ class RootLine:
         The blank.
     parameters
         Surface parameters (2, 3) of the nodes, a start for other settings.
+    profile
+        Their fraction from root to tip.
     """
 
     section: BlankSection
     parameters: Array
+    profile: float = PROFILE_FRACTIONS[0]
 
     @classmethod
     def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
         """The nodes of a flank. Raises GeometryError if the cutter meets no tooth of the blank."""
-        axial, radial = section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
-        return cls(section, solve_flank(surface, section, axial, radial).parameters)
+        lines = []
+        for profile in PROFILE_FRACTIONS:
+            axial, radial = section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, profile))
+            flank = solve_flank(surface, section, axial, radial)
+            lines.append(cls(section, flank.parameters, profile))
+            if np.all(np.isfinite(flank.position)):
+                return lines[-1]
+        return lines[0]
 
     def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
         """Distance of the blade's tip above the root cone (3) [mm], negative where it cuts deeper.
@@ -53,11 +66,11 @@ class RootLine:
         tuple
             The gap, NaN where the node is not found, and the nodes of this surface.
         """
-        target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
+        target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, self.profile))
         found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
         gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, found.parameters)
         parameters = np.where(found.converged, found.parameters, self.parameters)
-        return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters)
+        return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
 
     def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
         """Change of the gap (3) [mm] from one flank to another, to first order: one step of Newton's method.

@@ -14,7 +14,8 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
 from ..pair.ease_off import exact_ease_off
 from ..pair.gear_pair import GearPair, grid
-from .ease_off_residual import EaseOffResidual
+from ..tooth.blade_tip import tip_gap
+from .ease_off_residual import ROOT_WEIGHT, EaseOffResidual
 from .root_line import RootLine
 
 Array = NDArray[Any]
@@ -37,6 +38,8 @@ FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "slid
 # A pinion rolled with a crown gear follows its root cone by the root angle, as on a machine without tilt.
 FREE_SETTINGS_WITH_ROOT_ANGLE = (*FREE_SETTINGS, "machine_root_angle", "sliding_base")
 COMMON_FLANK_TOLERANCE = 1e-6  # relative change of the sum of squares at which a fit on the common flank ends
+
+LOST_ROOT_GAP = 10.0  # [mm]; weight of a root point that the cutter does not reach
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,8 @@ class Synthesis:
     residual
         Ease-off less target at the fit's nodes (n) [mm], its mean removed.
     root_gap
-        Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], negative where it cuts deeper.
+        Height of the path of the blade's tip above the root cone at toe, middle and heel (3) [mm], negative where it
+        cuts deeper, NaN where the flank is undercut or missing.
 
     Examples
     --------
@@ -124,6 +128,12 @@ class Synthesis:
         return float(np.max(np.abs(self.root_gap), initial=-np.inf, where=np.isfinite(self.root_gap)))
 
 
+def root_cost(fit: Synthesis) -> float:
+    """Sum of squares [mm^2] of the blade tips' heights above the root cone, as a fit weighs them."""
+    gap = np.nan_to_num(fit.root_gap, nan=LOST_ROOT_GAP)
+    return float(np.sum((1e-3 * ROOT_WEIGHT * gap) ** 2))
+
+
 def fit_pinion(
     pair: GearPair,
     target: Callable[[Array, Array], Array],
@@ -132,6 +142,7 @@ def fit_pinion(
     nodes: tuple[int, int] = (9, 7),
     follow_root: bool = False,
     fold_margin: float = 0.0,
+    wanted_root: Array | None = None,
 ) -> Synthesis:
     """Fit the pinion's settings to a target ease-off.
 
@@ -153,6 +164,9 @@ def fit_pinion(
     fold_margin
         Leaves out the nodes beyond either flank, and those so near to a fold of the conjugate gear that its area per
         pinion parameters is below this share of the median's. Zero keeps every node that the pinion reaches.
+    wanted_root
+        What ``RootLine.gap`` gives at toe, middle and heel (3) [mm] while the blade tips run along the root cone; zero
+        if left out.
 
     Returns
     -------
@@ -185,7 +199,7 @@ def fit_pinion(
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
     known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-    fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin)
+    fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A straight blade has no radius: begin a little curved.
@@ -213,4 +227,4 @@ def fit_pinion(
             "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
             f"settings than {', '.join(names)}, or start nearer to the target"
         )
-    return Synthesis(surface, moved, left, RootLine.of(surface, pinion.section).gap(surface)[0])
+    return Synthesis(surface, moved, left, tip_gap(surface, pinion.section))

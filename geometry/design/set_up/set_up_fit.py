@@ -19,12 +19,13 @@ from ...cutting.named_settings import get_setting, with_settings
 from ...flanks.blank_section import BlankSection
 from ...pair.ease_off import exact_ease_off
 from ...pair.gear_pair import FlankName, GearPair, grid
+from ...tooth.blade_tip import tip_gap
 from ..blank import BlankDimensions
-from ..ease_off_residual import ROOT_WEIGHT, EaseOffResidual, Tie
+from ..ease_off_residual import EaseOffResidual, Tie
 from ..fit_quality import BLANK_ADVICE, residual_limits
 from ..root_line import RootLine
 from ..standard_steps import StandardSteps
-from ..synthesis import EaseOffTarget, Synthesis
+from ..synthesis import EaseOffTarget, Synthesis, root_cost
 from .mean_slot import MeanSlot
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
 from .upright_machine import root_tie
@@ -252,7 +253,7 @@ def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> 
 
 def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
     """Mean square of the residuals [mm^2], with those of the root lines as the fit weighs them."""
-    return sum(fit.rms**2 + float(np.sum((1e-3 * ROOT_WEIGHT * fit.root_gap) ** 2)) for fit in fits.values())
+    return sum(fit.rms**2 + root_cost(fit) for fit in fits.values())
 
 
 def _good(fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], clearance: float) -> bool:
@@ -328,8 +329,8 @@ def _fit(
     )
     fit(found.x)
     return {
-        side: _synthesis(pair, part, found.x[fit.columns(k)], root)
-        for k, (part, (side, (pair, _, root))) in enumerate(zip(fit.parts, sides.items(), strict=True))
+        side: _synthesis(pair, part, found.x[fit.columns(k)])
+        for k, (part, (side, (pair, _, _))) in enumerate(zip(fit.parts, sides.items(), strict=True))
     }
 
 
@@ -347,7 +348,7 @@ def _residual(
     return residual
 
 
-def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array, on_root: Array) -> Synthesis:
+def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis:
     """The fitted flank, its tilt written as a positive angle."""
     surface, section = part.surface(steps), pair.pinion.section
     left = 1e-3 * part(steps)[: part.lever.size]
@@ -361,8 +362,7 @@ def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array, on_root: Arr
     moved = {
         name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
     }
-    off_root = np.zeros(3) if part.tie is not None else root_gap(surface, section) - on_root
-    return Synthesis(surface, moved, left, off_root)
+    return Synthesis(surface, moved, left, tip_gap(surface, section))
 
 
 def root_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
