@@ -22,6 +22,7 @@ from easeoff.verification import (
     flanks_in_mesh,
 )
 from easeoff.verification.flank_contact.flank_response import thinner_edges
+from easeoff.verification.flank_contact.surface_cells import cells_on_line
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"
@@ -102,3 +103,12 @@ def test_thin_bricks_at_the_edges() -> None:
         if ends == 2:
             np.testing.assert_allclose(after, 1.0 - after[::-1], atol=1e-15)
     assert thin.through is even.through
+
+
+def test_a_line_shorter_than_a_cell_is_filled_by_two() -> None:
+    flanks, _ = in_mesh()
+    middle = np.array([[0.5], [0.5]])
+    line = middle + np.linspace(0.0, 1e-3, 3) * np.array([[1.0], [0.0]])
+    cells = cells_on_line(flanks, line, 0.0, step=(0.4, 0.05), half_band=0.05, extension=0.0, widest_gap=1.0)
+    assert set(cells.station) == {0, 1}
+    assert cells.sides[cells.row == 0, 0].sum() == pytest.approx(1e-3 * flanks.pair.gear.section.face_width, rel=0.5)

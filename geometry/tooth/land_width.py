@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
-from ..pair.tooth_body import Z_AXIS
-from ..vectors import rotate
+from ..vectors import rotate_z
 from .blade_tip import tip_path
 from .tooth_flanks import PlacedFlank, named_member, placed_flanks, tooth_angle
 
@@ -86,7 +85,8 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
     """Points (3, 3 n) [mm] that the tip of a blade cuts, NaN where there are none, and ``tip_path``'s distances (n)."""
     places = fractions.reshape(3, -1).T
     paths, beside = zip(*(tip_path(side.surface, side.section, place) for place in places), strict=True)
-    return rotate(Z_AXIS, side.rotation, np.stack(paths, axis=2).reshape(3, -1)), np.array(beside)
+    points = np.stack(paths, axis=2).reshape(3, -1)
+    return rotate_z(np.asarray(side.rotation), points), np.array(beside)
 
 
 def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:

@@ -213,8 +213,8 @@ def _stations(splines: FlankSplines, points: Array, step: float, extension: floa
     closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
     length = arc_length(splines, closest[:, None])[0]
     # Cells of even length fill the line from end to end: where it ends at toe or heel so do they, without a part of a
-    # cell beyond the tooth or short of its end.
-    on_line = max(int(np.ceil(length[-1] / step)), 1)
+    # cell beyond the tooth or short of its end. Two are the fewest that have a direction.
+    on_line = max(int(np.ceil(length[-1] / step)), 2)
     step = length[-1] / on_line
     beyond = int(np.ceil(extension / step))
     wanted = step * (np.arange(-beyond, on_line + beyond) + 0.5)
