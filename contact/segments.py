@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
+from .compliance.free_end import free_end_deflection
+from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
+from .lines.end_distance import end_distances
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
@@ -192,18 +195,16 @@ class LineSegments:
         }
 
     def loaded_at(self, points: tuple[Array, Array]) -> dict[str, Array]:
-        """Places and depths of the segments where pinion and gear are loaded at points (2, m, count * g)."""
-        at_points = loaded_at(self.fields, points)
+        """Places and depths of the segments, and what free ends add, where both are loaded at (2, m, count * g)."""
+        at_points = loaded_at(self.fields, points, self.teeth.solid)
         return {name: self.mean(values) for name, values in at_points.items()}
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
         """What line contact leaves out; nothing beside plates, which are the dissertation's method."""
-        model = self.teeth.model
-        if model.condensed is None:
-            return []
-        materials = model.pinion, model.gear
-        return [SpreadDeflection.of(self.fields, *one) for one in zip(MEMBERS, materials, strict=True)]
+        materials = self.teeth.solid or ()
+        members = zip(MEMBERS, materials, strict=False)
+        return [SpreadDeflection.of(self.fields, *one) for one in members]
 
     def loads(self, points: tuple[Array, Array]) -> UnitLoads:
         """Unit loads on the segments where pinion and gear are loaded at points (2, m, count * g)."""
@@ -225,10 +226,20 @@ class LineSegments:
         return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
 
 
-def loaded_at(fields: FlankSplines, points: tuple[Array, Array]) -> dict[str, Array]:
-    """Places and depths of pinion and gear where they are loaded at points (2, ...) of the gear, by name."""
-    depths = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
-    return depths | {"pinion_point": points[0], "point": points[1]}
+def loaded_at(
+    fields: FlankSplines, points: tuple[Array, Array], solid: tuple[Material, Material] | None
+) -> dict[str, Array]:
+    """Places and depths of pinion and gear where they are loaded at points (2, ...) of the gear, by name.
+
+    And what free ends add to the line contact of ``solid`` teeth, see ``ElasticTeeth.solid``.
+    """
+    found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
+    found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
+    for member, loaded, material in zip(MEMBERS, points, solid or (), strict=False):  # none beside plates
+        depth = np.maximum(found[f"depth_{member}"], MATERIAL_DEPTH_MINIMUM)
+        from_ends = end_distances(fields, member, loaded)
+        found["free_end"] = found["free_end"] + free_end_deflection(depth, from_ends, material).sum(axis=0)
+    return found
 
 
 @dataclass(frozen=True)
@@ -317,7 +328,7 @@ class CycleSegments:
             {name: getattr(found, name) for name in names}
             | wrench
             | {
-                **loaded_at(self.fields, points),
+                **loaded_at(self.fields, points, self.on_lines.teeth.solid),
                 "position": edges.position,
                 "pair": edges.pair,
                 "searched": np.zeros(count, dtype=bool),
@@ -376,6 +387,7 @@ class CycleSegments:
             model.gear,
             model.foot_correction,
             overhang=table["overhang"],
+            free_end=table["free_end"],
         )
         for i, (k, own) in enumerate(parts.items()):
             here = {name: values[..., own] for name, values in table.items()}
