@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
-from .compliance.free_end import free_end_deflection
+from .compliance.free_end import free_end_deflection, remaining_depth
 from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
-from .lines.end_distance import end_distances
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
 from .lines.opposite_points import pinion_points
+from .lines.tooth_ends import tooth_ends
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 from .supports.mesh_wrench import MeshWrenches
@@ -235,10 +235,15 @@ def loaded_at(
     """
     found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
     found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
-    for member, loaded, material in zip(MEMBERS, points, solid or (), strict=False):  # none beside plates
-        depth = np.maximum(found[f"depth_{member}"], MATERIAL_DEPTH_MINIMUM)
-        from_ends = end_distances(fields, member, loaded)
-        found["free_end"] = found["free_end"] + free_end_deflection(depth, from_ends, material).sum(axis=0)
+    if solid is None:
+        return found
+    ends = [tooth_ends(fields, member, loaded) for member, loaded in zip(MEMBERS, points, strict=True)]
+    load_end = np.minimum(*(one.distance for one in ends))
+    for name, material, own in zip(DEPTHS, solid, ends, strict=True):
+        depth = np.maximum(found[name], MATERIAL_DEPTH_MINIMUM)
+        more = free_end_deflection(depth, own.distance, material, own.cosine)
+        found["free_end"] = found["free_end"] + more.sum(axis=0)
+        found[name] = depth * np.prod(remaining_depth(depth, load_end, own.distance, material), axis=0)
     return found
 
 

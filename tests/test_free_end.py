@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, Material, MeshCycle, WeberLineContact
-from easeoff.contact.compliance.free_end import free_end_deflection
-from easeoff.contact.lines.end_distance import end_distances
+from easeoff.contact.compliance.free_end import free_end_deflection, remaining_depth
+from easeoff.contact.lines.tooth_ends import tooth_ends
 from easeoff.geometry import pair_geometry
 from easeoff.verification import end_relief
 
@@ -66,21 +67,53 @@ def test_it_is_a_part_of_the_deflection_that_grows_with_the_load() -> None:
         WeberLineContact(*size, free_end=np.array(-1.0))
 
 
-def test_distances_from_both_ends_add_up_along_a_cross_section() -> None:
-    pair = gear_pair(read_case("nasa-12x36"))
-    geometry = pair_geometry(pair, (17, 11))
-    cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    fields = cycle.segments.fields
+@pytest.mark.thorough
+@pytest.mark.parametrize(("degrees", "within"), [(30.0, 0.05), (45.0, 0.09)])
+def test_an_oblique_line_gains_more(degrees: float, within: float) -> None:
+    found = end_relief(STEEL, oblique=math.radians(degrees), borders=9)
+    row = int(np.argmin(np.abs(found.depth - 1.0)))
+    depth, cosine = found.depth[row], math.cos(math.radians(degrees))
+    share = found.distance / depth
+    chosen = (share > 0.1) & (share < PART_OF_DEPTH[1])
+    reference = found.approach(row)[chosen]
+    formula = free_end_deflection(np.full(chosen.sum(), depth), cosine * found.distance[chosen], STEEL, cosine)
+    assert np.abs(formula - reference).max() * STEEL.plane_strain_modulus < within
+
+
+def test_the_end_of_a_load_takes_off_what_is_missing_beyond() -> None:
+    """Against Boussinesq's displacements under the line, integrated over the load beyond the end."""
+    depth, nu = 3.0, STEEL.poisson_ratio
+    for away in (0.5, 1.0, 3.0):
+
+        def approach(y: float) -> float:
+            r = math.hypot(y, depth)
+            return (1.0 / y - 1.0 / r - 0.5 * depth**2 / ((1.0 - nu) * r**3)) / math.pi
+
+        missing = quad(approach, away, np.inf)[0]
+        part = remaining_depth(np.array([depth]), np.array([away]), np.array([1e4]), STEEL)[0]
+        assert -2.0 / math.pi * math.log(part) == pytest.approx(missing, abs=0.02)
+
+
+def test_a_load_that_ends_with_its_body_takes_nothing_off() -> None:
+    distance = np.linspace(0.0, 9.0, 7)
+    assert np.all(remaining_depth(np.full(7, 3.0), distance, distance, STEEL) == 1.0)
+
+
+def test_distances_from_both_ends_are_at_right_angles_to_them() -> None:
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 11))
+    fields = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5).segments.fields
     points = np.stack([np.array([0.0, 0.25, 0.5, 1.0]), np.full(4, 0.5)])
-    of_gear = end_distances(fields, "gear", points)
-    assert of_gear[0, 0] == of_gear[1, 3] == 0.0
-    # A short step at right angles to the toe: along the gradient of the lengthwise fraction.
-    tangents = [fields("position", points[:, [1]], order)[:, 0] for order in ((1, 0), (0, 1))]
-    across = tangents[0] - tangents[1] * (tangents[0] @ tangents[1]) / (tangents[1] @ tangents[1])
-    assert of_gear[0, 1] == pytest.approx(0.25 * np.linalg.norm(across), rel=1e-9)
-    of_pinion = end_distances(fields, "pinion", points)
-    assert np.all(of_pinion >= 0.0)
-    assert of_pinion[:, 2] == pytest.approx(of_gear[:, 2], rel=0.25)
+    of_gear = tooth_ends(fields, "gear", points)
+    assert of_gear.distance[0, 0] == of_gear.distance[1, 3] == 0.0
+    along, up = (fields("position", points[:, [1]], order)[:, 0] for order in ((1, 0), (0, 1)))
+    across = along - up * (along @ up) / (up @ up)
+    assert of_gear.distance[0, 1] == pytest.approx(0.25 * np.linalg.norm(across), rel=1e-9)
+    roll = [fields("roll_angle", points[:, [1]], order)[0] for order in ((1, 0), (0, 1))]
+    line = roll[1] * along - roll[0] * up
+    assert of_gear.cosine[1] == pytest.approx(abs(line @ across) / np.linalg.norm(line) / np.linalg.norm(across))
+    of_pinion = tooth_ends(fields, "pinion", points)
+    assert np.all(of_pinion.distance >= 0.0)
+    assert of_pinion.distance[:, 2] == pytest.approx(of_gear.distance[:, 2], rel=0.25)
 
 
 def test_plates_know_nothing_of_it() -> None:
