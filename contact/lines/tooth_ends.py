@@ -70,4 +70,4 @@ def tooth_ends(splines: FlankSplines, member: str, points: Array) -> ToothEnds:
 
 def _gradient(dots: list[Array], first: Array, second: Array) -> Array:
     """Length of a gradient from its two derivatives, times the area of the fractions."""
-    return np.sqrt(dots[2] * first**2 - 2.0 * dots[1] * first * second + dots[0] * second**2)
+    return np.asarray(np.sqrt(dots[2] * first**2 - 2.0 * dots[1] * first * second + dots[0] * second**2))
