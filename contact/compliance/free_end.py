@@ -13,8 +13,8 @@ A line at an angle a to the normal of the end's edge gains more: q and h each ov
 hundredths of the depth s levels off.
 
 **Ends of a load.** Where one member's tooth ends, that of the other may go on. On a body that goes on a load indents
-its own end half as far as plane strain has it: the load is missing beyond. By Boussinesq's field of a half space what is
-missing from a distance s on has in the approach of flank and foot
+its own end half as far as plane strain has it: the load is missing beyond. By Boussinesq's field of a half space what
+is missing from a distance s on has in the approach of flank and foot
 
     m(s) = q (1 - nu^2) / (pi E) [ln(h / 2 s) + asinh(s / h) - (1 - s / r) / (2 (1 - nu))],    r^2 = s^2 + h^2,
 
