@@ -195,7 +195,7 @@ class LineSegments:
         }
 
     def loaded_at(self, points: tuple[Array, Array]) -> dict[str, Array]:
-        """Places and depths of the segments, and what free ends add, where both are loaded at (2, m, count * g)."""
+        """Means over the segments of ``loaded_at`` where both members are loaded at points (2, m, count * g)."""
         at_points = loaded_at(self.fields, points, self.teeth.solid)
         return {name: self.mean(values) for name, values in at_points.items()}
 
@@ -229,9 +229,10 @@ class LineSegments:
 def loaded_at(
     fields: FlankSplines, points: tuple[Array, Array], solid: tuple[Material, Material] | None
 ) -> dict[str, Array]:
-    """Places and depths of pinion and gear where they are loaded at points (2, ...) of the gear, by name.
+    """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and what line contact needs there.
 
-    And what free ends add to the line contact of ``solid`` teeth, see ``ElasticTeeth.solid``.
+    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them, and the
+    deflection that free ends add.
     """
     found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
     found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
