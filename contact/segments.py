@@ -229,10 +229,10 @@ class LineSegments:
 def loaded_at(
     fields: FlankSplines, points: tuple[Array, Array], solid: tuple[Material, Material] | None
 ) -> dict[str, Array]:
-    """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and what line contact needs there.
+    """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and the line contact there.
 
-    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them, and the
-    deflection that free ends add.
+    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them, and
+    the deflection that free ends add.
     """
     found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
     found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
