@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
+from .compliance.free_end import free_end_deflection, remaining_depth
+from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
@@ -20,6 +22,7 @@ from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
 from .lines.opposite_points import pinion_points
+from .lines.tooth_ends import tooth_ends
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 from .supports.mesh_wrench import MeshWrenches
@@ -192,18 +195,16 @@ class LineSegments:
         }
 
     def loaded_at(self, points: tuple[Array, Array]) -> dict[str, Array]:
-        """Places and depths of the segments where pinion and gear are loaded at points (2, m, count * g)."""
-        at_points = loaded_at(self.fields, points)
+        """Means over the segments of ``loaded_at`` where both members are loaded at points (2, m, count * g)."""
+        at_points = loaded_at(self.fields, points, self.teeth.solid)
         return {name: self.mean(values) for name, values in at_points.items()}
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
         """What line contact leaves out; nothing beside plates, which are the dissertation's method."""
-        model = self.teeth.model
-        if model.condensed is None:
-            return []
-        materials = model.pinion, model.gear
-        return [SpreadDeflection.of(self.fields, *one) for one in zip(MEMBERS, materials, strict=True)]
+        materials = self.teeth.solid or ()
+        members = zip(MEMBERS, materials, strict=False)
+        return [SpreadDeflection.of(self.fields, *one) for one in members]
 
     def loads(self, points: tuple[Array, Array]) -> UnitLoads:
         """Unit loads on the segments where pinion and gear are loaded at points (2, m, count * g)."""
@@ -225,10 +226,26 @@ class LineSegments:
         return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
 
 
-def loaded_at(fields: FlankSplines, points: tuple[Array, Array]) -> dict[str, Array]:
-    """Places and depths of pinion and gear where they are loaded at points (2, ...) of the gear, by name."""
-    depths = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
-    return depths | {"pinion_point": points[0], "point": points[1]}
+def loaded_at(
+    fields: FlankSplines, points: tuple[Array, Array], solid: tuple[Material, Material] | None
+) -> dict[str, Array]:
+    """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and the line contact there.
+
+    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them, and
+    the deflection that free ends add.
+    """
+    found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
+    found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
+    if solid is None:
+        return found
+    ends = [tooth_ends(fields, member, loaded) for member, loaded in zip(MEMBERS, points, strict=True)]
+    load_end = np.minimum(*(one.distance for one in ends))
+    for name, material, own in zip(DEPTHS, solid, ends, strict=True):
+        depth = np.maximum(found[name], MATERIAL_DEPTH_MINIMUM)
+        more = free_end_deflection(depth, own.distance, material, own.cosine)
+        found["free_end"] = found["free_end"] + more.sum(axis=0)
+        found[name] = depth * np.prod(remaining_depth(depth, load_end, own.distance, material), axis=0)
+    return found
 
 
 @dataclass(frozen=True)
@@ -317,7 +334,7 @@ class CycleSegments:
             {name: getattr(found, name) for name in names}
             | wrench
             | {
-                **loaded_at(self.fields, points),
+                **loaded_at(self.fields, points, self.on_lines.teeth.solid),
                 "position": edges.position,
                 "pair": edges.pair,
                 "searched": np.zeros(count, dtype=bool),
@@ -376,6 +393,7 @@ class CycleSegments:
             model.gear,
             model.foot_correction,
             overhang=table["overhang"],
+            free_end=table["free_end"],
         )
         for i, (k, own) in enumerate(parts.items()):
             here = {name: values[..., own] for name, values in table.items()}

@@ -62,6 +62,14 @@ def test_the_excess_over_the_greatest_pressure_inside_is_told() -> None:
     assert end_notes(line.drop_vars("max_pressure_line_end")) == []  # an older result
 
 
+@pytest.mark.parametrize(
+    ("end", "told"), [(LineEnd.GEAR_HEEL, True), (LineEnd.PINION_TOE, True), (LineEnd.PINION_TIP, False)]
+)
+def test_what_is_too_low_at_the_ends_of_teeth_is_told(end: LineEnd, told: bool) -> None:
+    (note,) = end_notes(one_line([840.0, *[700.0] * 10], end))
+    assert ("up to some 12 % too low where the mate's tooth goes on beyond this end" in note) == told
+
+
 def test_where_only_ends_carry_nothing_is_inside() -> None:
     (note,) = end_notes(one_line([840.0, 0.0, 0.0, 0.0, 0.0], LineEnd.GEAR_HEEL))
     assert "no pressure is inside" in note

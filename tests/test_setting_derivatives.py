@@ -93,7 +93,7 @@ def test_contact_on_lines_agrees_with_differences(name: str, monkeypatch: pytest
 )
 def test_loaded_contact_agrees_with_differences(name: str, edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
-    check_settings(name, "drive", [PairSetting("pinion", "radial_distance")], STEPS[::2], edges)
+    check_settings(name, "drive", [PairSetting("pinion", "radial_distance")], edges=edges)
 
 
 def touching(case: LoadedCase) -> Array:

@@ -18,6 +18,7 @@ corrective settings               ``correction_loop``: cut, measure, correct, cu
 solvers of the contact problem    ``problems`` of the ``PROBLEM_CLASSES``
 shell                             ``thesis_kinematics``, ``monomials``: the dissertation's own
 teeth on one body                 ``toothed_sector``: all teeth and their body as one lattice, solved whole
+free ends of teeth                ``end_relief``: bricks of a body with a free end face, at which a line load ends
 finite elements                   ``serendipity_functions``: the element of other programs
 ================================  =================================================================================
 """
@@ -26,6 +27,7 @@ from .case_verification import Verification, verify
 from .conventional_analysis import BothMethods, both_methods, line_differences, methods_compared, point_differences
 from .cutter_motion import cutter_position
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from .end_relief import EndRelief, end_relief
 from .envelope_condition import EnvelopeCondition, envelope_condition
 from .finite_element_bodies.serendipity_brick import serendipity_functions
 from .finite_element_bodies.toothed_sector import ToothedSector, toothed_sector
@@ -52,6 +54,7 @@ __all__ = [
     "BothMethods",
     "CorrectionLoop",
     "DirectionalCurvatures",
+    "EndRelief",
     "EnvelopeCondition",
     "FlankContact",
     "FlankGap",
@@ -74,6 +77,7 @@ __all__ = [
     "cutter_position",
     "directional_curvatures",
     "distance_along_normals",
+    "end_relief",
     "envelope_condition",
     "exact_gap",
     "flank_gap",

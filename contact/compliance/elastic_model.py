@@ -179,6 +179,13 @@ class ElasticTeeth:
         assert self.pair is not None
         return solid_shells(self.pair)
 
+    @property
+    def solid(self) -> tuple[Material, Material] | None:
+        """Materials of pinion and gear; ``None`` for plates, the dissertation's method, which know no more than it."""
+        if self.given is None:
+            return STEEL, STEEL  # as ``solid_shells``
+        return None if self.given.condensed is None else (self.given.pinion, self.given.gear)
+
     @cached_property
     def both(self) -> tuple[ElasticTooth, ElasticTooth]:
         """Pinion and gear."""

@@ -60,7 +60,7 @@ class _Bodies:
     width_squared: FloatArray
     overhang: FloatArray
     flexibility: float
-    correction: float
+    correction: FloatArray
 
     def strip(self, line_load: FloatArray) -> PressedStrip:
         """The pressed strip."""
@@ -114,7 +114,7 @@ class _Bodies:
 
 #: Arrays of a line contact with a value for every segment.
 _OF_SEGMENTS = (
-    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang"),
+    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang", "free_end"),
     *("_floor", "_start", "_bend", "_floor_energy"),
 )
 
@@ -144,12 +144,14 @@ class WeberLineContact:
     overhang
         Distance beyond the edge of a tooth at which the bodies would come closest [mm], negative before it; NaN if no
         edge is near.
+    free_end
+        Deflection per line load that free ends of the teeth add [mm/(N/mm)], see ``free_end_deflection``.
 
     Raises
     ------
     InputError
-        If an array is not positive and finite (the overhang: finite or NaN), the shapes do not broadcast, or an option
-        is out of range.
+        If an array is not positive and finite (the overhang: finite or NaN; the free end: zero, too), the shapes do not
+        broadcast, or an option is out of range.
 
     Examples
     --------
@@ -169,6 +171,7 @@ class WeberLineContact:
     foot_correction: float = 0.0
     floor_ratio: float = 1e-3
     overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    free_end: FloatArray = field(default_factory=lambda: np.array(0.0))
     _bodies: _Bodies = field(init=False, repr=False)
     _floor: FloatArray = field(init=False, repr=False)
     _start: FloatArray = field(init=False, repr=False)
@@ -176,7 +179,7 @@ class WeberLineContact:
     _floor_energy: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
+        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang", "free_end")
         arrays = [np.asarray(getattr(self, name), dtype=np.float64) for name in names]
         try:
             arrays = [np.array(array) for array in np.broadcast_arrays(*arrays)]
@@ -185,11 +188,13 @@ class WeberLineContact:
             raise InputError(f"arrays of shapes {shapes}: must broadcast together") from None
         for name, array in zip(names, arrays, strict=True):
             if name == "overhang":
-                allowed, bad = "finite or NaN", np.isinf(array)
+                allowed, bad = "finite or NaN [mm]", np.isinf(array)
+            elif name == "free_end":
+                allowed, bad = "at least 0 and finite [mm/(N/mm)]", ~(np.isfinite(array) & (array >= 0.0))
             else:
-                allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
+                allowed, bad = "positive and finite [mm]", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
-                raise InputError(f"{name} = {shown(array[bad][0])}: must be {allowed} [mm]")
+                raise InputError(f"{name} = {shown(array[bad][0])}: must be {allowed}")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         positive("foot_correction", self.foot_correction, zero=True)
@@ -206,7 +211,7 @@ class WeberLineContact:
             width_squared=self._width_squared,
             overhang=self.overhang,
             flexibility=self.flexibility,
-            correction=self.foot_correction * self.flexibility,
+            correction=self._correction,
         )
         floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / bodies.width_squared
         secant, tangent = bodies.secant(floor), bodies.tangent(floor)
@@ -239,6 +244,7 @@ class WeberLineContact:
             depth=np.stack([own.depth_pinion, own.depth_gear]),
             width_squared=own._width_squared,
             overhang=own.overhang,
+            correction=own._correction,
         )
         return own
 
@@ -246,6 +252,11 @@ class WeberLineContact:
     def _width_squared(self) -> FloatArray:
         """Square of the half-width over the line load."""
         return np.asarray(4.0 / math.pi * self.flexibility * self.equivalent_radius)
+
+    @property
+    def _correction(self) -> FloatArray:
+        """Deflection per line load beside that of half planes."""
+        return np.asarray(self.foot_correction * self.flexibility + self.free_end)
 
     @property
     def flexibility(self) -> float:
@@ -257,8 +268,8 @@ class WeberLineContact:
         """The formula's numbers (n, 14), as the compiled contact solution reads them.
 
         Length; depths, deflections per line load over the logarithm and contractions of pinion and gear; square of the
-        half-width per line load; overhang; the floor, and start and bend of the quadratic below it; correction; what a
-        cut adds.
+        half-width per line load; overhang; the floor, and start and bend of the quadratic below it; what foot of the
+        normal and free ends add; what a cut adds.
         """
         bodies, table = self._bodies, np.empty((self.length.size, 14))
         columns = (

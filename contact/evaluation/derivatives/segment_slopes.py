@@ -26,8 +26,10 @@ from .line_motion import LineMotion
 Array = NDArray[Any]
 
 STEP = 1e-5  # of the flank, and of the range of a field, in differences of smooth functions of the fields
+#: What follows from where both members are loaded.
+OF_PLACES = (*DEPTHS, "free_end")
 #: What a segment has of its own.
-NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *DEPTHS)
+NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *OF_PLACES)
 
 
 @dataclass(frozen=True)
@@ -158,9 +160,9 @@ class _Loaded:
         rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
         edges = traced.edges if near is None else flank_edges(traced.fields, near)
         found = chosen_elements(traced.fields, rotation, edges, edge, element)
-        on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
+        on_edges = {name: getattr(found, name) for name in NAMES if name not in OF_PLACES}
         there = pinion_points(traced.fields, found.points, rotation), found.points
-        on_edges |= loaded_at(traced.fields, there)
+        on_edges |= loaded_at(traced.fields, there, traced.on_lines.teeth.solid)
         joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
         on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
         return cls(joined, (np.concatenate([pinion, on_pinion], axis=1), np.concatenate([gear, on_gear], axis=1)))

@@ -10,6 +10,9 @@ from ....contact.evaluation.pressure_place import LineEnd, max_inner_pressure
 #: Part by which the greatest pressure at a line's end depends on where segments and mesh positions lie.
 END_UNCERTAINTY = 0.06
 INSIDE = (LineEnd.INSIDE, LineEnd.UNKNOWN)
+#: Part by which a line load is too low at an end of one member's tooth beyond which the other's goes on.
+TOO_LOW = 0.12
+TOOTH_ENDS = (LineEnd.GEAR_TOE, LineEnd.GEAR_HEEL, LineEnd.PINION_TOE, LineEnd.PINION_HEEL)
 
 
 def end_notes(loaded: xr.Dataset) -> list[str]:
@@ -47,8 +50,11 @@ def end_notes(loaded: xr.Dataset) -> list[str]:
         above = f"{100.0 * max(excess[most], 0.0):.0f} % above the greatest inside, {inner[most]:.0f} MPa"
     more = f"; likewise at {', '.join(f'{torques[n]:g}' for n in told if n != most)} N m" if len(told) > 1 else ""
     place = ends[most].name.lower().replace("_", " ")
+    low = ""
+    if ends[most] in TOOTH_ENDS:
+        low = f", and up to some {100 * TOO_LOW:.0f} % too low where the mate's tooth goes on beyond this end"
     return [
         f"Note: at {torques[most]:g} N m the greatest pressure, {greatest[most]:.0f} MPa, is at the end of a contact "
-        f"line ({place}): {above}; there it is uncertain by up to some {100 * END_UNCERTAINTY:.0f} %, and a real edge "
-        f"is rounded{more}."
+        f"line ({place}): {above}; there it is uncertain by up to some {100 * END_UNCERTAINTY:.0f} %{low}; "
+        f"a real edge is rounded{more}."
     ]
