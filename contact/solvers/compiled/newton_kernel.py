@@ -139,14 +139,14 @@ def _first_contact(separation: Any, arm: Any, shifted: Any) -> tuple[float, floa
 
 
 @_exact
-def _strip(p: Any, load: float) -> tuple[float, float]:
-    """Secant and tangent of the deflection over the line load, see ``weber_line_contact``."""
-    if load < p[FLOOR]:
-        bend = p[BEND] * max(load, 0.0)
-        return p[START] + bend, p[START] + 2.0 * bend
-    squared = p[WIDTH] * load
+def _strip(law: Any, i: int, load: float) -> tuple[float, float]:
+    """Secant and tangent of the deflection of a line contact over the line load, see ``weber_line_contact``."""
+    if load < law[i, FLOOR]:
+        bend = law[i, BEND] * max(load, 0.0)
+        return law[i, START] + bend, law[i, START] + 2.0 * bend
+    squared = law[i, WIDTH] * load
     half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
-    e = p[OVERHANG]
+    e = law[i, OVERHANG]
     before = e < 0.0 and e > -half
     if e >= 0.0 or before:  # not where it is NaN
         half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
@@ -154,9 +154,9 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
         ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
         growth, cut = ends / twice, 2.0 * e / ends
         slope = cut * (1.0 - 3.0 * half / twice)
-    secant, tangent = p[CORRECTION] + p[CUT] * cut, p[CORRECTION] + p[CUT] * slope
+    secant, tangent = law[i, CORRECTION] + law[i, CUT] * cut, law[i, CORRECTION] + law[i, CUT] * slope
     for body in range(2):
-        h, unit, contraction = p[DEPTHS + body], p[UNITS + body], p[CONTRACTIONS + body]
+        h, unit, contraction = law[i, DEPTHS + body], law[i, UNITS + body], law[i, CONTRACTIONS + body]
         s = math.sqrt(h * h + half * half)
         logarithm = math.log((h + s) / half) if h > half else math.asinh(h / half)
         share = h / (s + h)
@@ -177,16 +177,16 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
 
 
 @_exact
-def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
+def _pressed(law: Any, i: int, indentation: float, guess: float) -> tuple[float, float]:
     """Force and stiffness of a line contact at an indentation, from a force of the usual size."""
-    length = p[LENGTH]
+    length = law[i, LENGTH]
     load = guess / length
-    secant, tangent = _strip(p, load)
+    secant, tangent = _strip(law, i, load)
     error = indentation - secant * load
     load = load + error / tangent if abs(error) < NEAR * indentation else indentation / secant
     steps = 0
     while abs(error) > INVERSION_TOLERANCE * indentation and steps < MAX_INVERSION_STEPS:
-        secant, tangent = _strip(p, load)
+        secant, tangent = _strip(law, i, load)
         error = indentation - secant * load
         load = max(load + error / tangent, 0.0)
         steps += 1
@@ -293,6 +293,25 @@ def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
             gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
     for a in range(rank + (-rank) % 4):
         gram[a, a] += 1.0
+
+
+@_sums
+def _mixed_block(mixed: Any, matrix: Any, edge: int, first: int, shared: int, size: int, result: Any) -> None:
+    """M' S of one block, S being symmetric and behind the edge of a matrix; the size is a multiple of four."""
+    end = first + shared
+    for t in range(0, size, 4):
+        za, zb = mixed[t, first:end], mixed[t + 1, first:end]
+        zc, zd = mixed[t + 2, first:end], mixed[t + 3, first:end]
+        for k in range(shared):
+            row = matrix[edge + k, edge : edge + shared]
+            s0 = s1 = s2 = s3 = 0.0
+            for m in range(shared):
+                s0 += za[m] * row[m]
+                s1 += zb[m] * row[m]
+                s2 += zc[m] * row[m]
+                s3 += zd[m] * row[m]
+            result[t, first + k], result[t + 1, first + k] = s0, s1
+            result[t + 2, first + k], result[t + 3, first + k] = s2, s3
 
 
 @_sums
@@ -516,14 +535,19 @@ def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0:
 def _spread(blocks: Any, width: int, mixing: Any, plain: bool, shared: Any, result: Any) -> None:
     """Amplitudes of the shared columns in every block, M_b a."""
     first, count, local = blocks.shape[0] * width, mixing.shape[2], mixing.shape[1]
+    own = shared[first : first + count]
     for q in range(blocks.shape[0]):
         c0 = q * width + blocks[q, 3]
         if plain:
             for t in range(count):
-                result[c0 + t] = shared[first + t]
+                result[c0 + t] = own[t]
             continue
+        rows = mixing[q]
         for k in range(local):
-            result[c0 + k] = _dot(mixing[q, k], shared[first : first + count])
+            total = 0.0
+            for t in range(count):
+                total += rows[k, t] * own[t]
+            result[c0 + k] = total
 
 
 @_sums
@@ -538,10 +562,11 @@ def _gather(blocks: Any, width: int, mixing: Any, plain: bool, loads: Any) -> No
             for t in range(count):
                 own[t] += loads[c0 + t]
             continue
+        rows = mixing[q]
         for k in range(local):
-            load, row = loads[c0 + k], mixing[q, k]
+            load = loads[c0 + k]
             for t in range(count):
-                own[t] += load * row[t]
+                own[t] += load * rows[k, t]
 
 
 @_sums
@@ -583,7 +608,7 @@ def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: An
             weight = stiffness[x0]
             for x in range(x0, x1):
                 if gap[x] < 0.0:
-                    force[x], tangent = _pressed(law[segment[x]], -gap[x], force[x])
+                    force[x], tangent = _pressed(law, segment[x], -gap[x], force[x])
                     root[x] = math.sqrt(weight * tangent)
                     pull[x] = weight * force[x] / root[x]
                     low, high = min(low, x), x + 1
@@ -768,10 +793,11 @@ def _shared_direction(
             for t in range(count):
                 rest[t] -= local[c0 + t]
         else:
+            mixing_rows = mixing[q]
             for k in range(shared):
-                load, row = local[c0 + k], mixing[q, k]
+                load = local[c0 + k]
                 for t in range(count):
-                    rest[t] -= load * row[t]
+                    rest[t] -= load * mixing_rows[k, t]
     end, turning = whole[:padded_count], whole[padded_count]
     if stale:
         end[:] = 0.0
@@ -798,17 +824,12 @@ def _shared_direction(
             for k in range(shared):
                 for m in range(k):
                     matrix[edge + m, edge + k] = matrix[edge + k, edge + m]
+            mixing_rows = mixing[q]
             for k in range(shared):
-                held_row, moved, row = few[:count], last[edge + k], mixing[q, k]
+                moved = last[edge + k]
                 for t in range(count):
-                    turning[t] += moved * row[t]
-                held_row[:] = 0.0
-                for m in range(shared):
-                    factor, row = matrix[edge + k, edge + m], mixing[q, m]
-                    for t in range(count):
-                        held_row[t] += factor * row[t]
-                for t in range(count):
-                    stiff[t, q * shared + k] = held_row[t]
+                    turning[t] += moved * mixing_rows[k, t]
+            _mixed_block(mixed, matrix, edge, q * shared, shared, padded_count, stiff)
         if not plain:
             _mixed_gram(mixed, stiff, padded_count, end)
         _factor(end, padded_count)
@@ -1170,7 +1191,7 @@ def solve_batch(
                     if linear:
                         local_here[x] = local[i]
                     elif level == top:
-                        local_here[x] = _strip(law[i], guess / law[i, LENGTH])[0] / law[i, LENGTH]
+                        local_here[x] = _strip(law, i, guess / law[i, LENGTH])[0] / law[i, LENGTH]
                     stiff[x] = math.sqrt(weight / local_here[x]) if linear or level == top else weight
                     root[x] = 0.0
                 spans[q, 2] = 1
@@ -1260,7 +1281,7 @@ def solve_batch(
             if linear:
                 own_compliance = local[i]
             else:
-                own_compliance = _strip(law[i], sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
+                own_compliance = _strip(law, i, sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
                 secant_of[b, i] = own_compliance
             pull[i] = own_compliance * sep[x] + gap[x]
             lever[i] = own_compliance + bending[i]
