@@ -139,14 +139,14 @@ def _first_contact(separation: Any, arm: Any, shifted: Any) -> tuple[float, floa
 
 
 @_exact
-def _strip(law: Any, i: int, load: float) -> tuple[float, float]:
-    """Secant and tangent of the deflection of a line contact over the line load, see ``weber_line_contact``."""
-    if load < law[i, FLOOR]:
-        bend = law[i, BEND] * max(load, 0.0)
-        return law[i, START] + bend, law[i, START] + 2.0 * bend
-    squared = law[i, WIDTH] * load
+def _strip(p: Any, load: float) -> tuple[float, float]:
+    """Secant and tangent of the deflection over the line load, see ``weber_line_contact``."""
+    if load < p[FLOOR]:
+        bend = p[BEND] * max(load, 0.0)
+        return p[START] + bend, p[START] + 2.0 * bend
+    squared = p[WIDTH] * load
     half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
-    e = law[i, OVERHANG]
+    e = p[OVERHANG]
     before = e < 0.0 and e > -half
     if e >= 0.0 or before:  # not where it is NaN
         half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
@@ -154,9 +154,9 @@ def _strip(law: Any, i: int, load: float) -> tuple[float, float]:
         ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
         growth, cut = ends / twice, 2.0 * e / ends
         slope = cut * (1.0 - 3.0 * half / twice)
-    secant, tangent = law[i, CORRECTION] + law[i, CUT] * cut, law[i, CORRECTION] + law[i, CUT] * slope
+    secant, tangent = p[CORRECTION] + p[CUT] * cut, p[CORRECTION] + p[CUT] * slope
     for body in range(2):
-        h, unit, contraction = law[i, DEPTHS + body], law[i, UNITS + body], law[i, CONTRACTIONS + body]
+        h, unit, contraction = p[DEPTHS + body], p[UNITS + body], p[CONTRACTIONS + body]
         s = math.sqrt(h * h + half * half)
         logarithm = math.log((h + s) / half) if h > half else math.asinh(h / half)
         share = h / (s + h)
@@ -177,16 +177,16 @@ def _strip(law: Any, i: int, load: float) -> tuple[float, float]:
 
 
 @_exact
-def _pressed(law: Any, i: int, indentation: float, guess: float) -> tuple[float, float]:
+def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
     """Force and stiffness of a line contact at an indentation, from a force of the usual size."""
-    length = law[i, LENGTH]
+    length = p[LENGTH]
     load = guess / length
-    secant, tangent = _strip(law, i, load)
+    secant, tangent = _strip(p, load)
     error = indentation - secant * load
     load = load + error / tangent if abs(error) < NEAR * indentation else indentation / secant
     steps = 0
     while abs(error) > INVERSION_TOLERANCE * indentation and steps < MAX_INVERSION_STEPS:
-        secant, tangent = _strip(law, i, load)
+        secant, tangent = _strip(p, load)
         error = indentation - secant * load
         load = max(load + error / tangent, 0.0)
         steps += 1
@@ -608,7 +608,7 @@ def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: An
             weight = stiffness[x0]
             for x in range(x0, x1):
                 if gap[x] < 0.0:
-                    force[x], tangent = _pressed(law, segment[x], -gap[x], force[x])
+                    force[x], tangent = _pressed(law[segment[x]], -gap[x], force[x])
                     root[x] = math.sqrt(weight * tangent)
                     pull[x] = weight * force[x] / root[x]
                     low, high = min(low, x), x + 1
@@ -729,7 +729,7 @@ def _shared_direction(
     amplitudes, _ = at
     _, root, _, lever, _, z = state
     loads, spans, mixing, plain = work
-    grams, held, local, rows, few, whole, mixed, stiff = factors
+    grams, held, local, rows, _, whole, mixed, stiff = factors
     width, count, shared = z.shape[0], mixing.shape[2], mixing.shape[1]
     first, extended = blocks.shape[0] * width, shared + 1 + (-shared - 1) % 4
     padded_count = count + (-count) % 4
@@ -1191,7 +1191,7 @@ def solve_batch(
                     if linear:
                         local_here[x] = local[i]
                     elif level == top:
-                        local_here[x] = _strip(law, i, guess / law[i, LENGTH])[0] / law[i, LENGTH]
+                        local_here[x] = _strip(law[i], guess / law[i, LENGTH])[0] / law[i, LENGTH]
                     stiff[x] = math.sqrt(weight / local_here[x]) if linear or level == top else weight
                     root[x] = 0.0
                 spans[q, 2] = 1
@@ -1281,7 +1281,7 @@ def solve_batch(
             if linear:
                 own_compliance = local[i]
             else:
-                own_compliance = _strip(law, i, sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
+                own_compliance = _strip(law[i], sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
                 secant_of[b, i] = own_compliance
             pull[i] = own_compliance * sep[x] + gap[x]
             lever[i] = own_compliance + bending[i]
