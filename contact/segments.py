@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
+from .compliance.elastic_model import ElasticTeeth, unit_loads
 from .compliance.free_end import free_end_deflection, remaining_depth
 from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
@@ -210,7 +210,7 @@ class LineSegments:
         """Unit loads on the segments where pinion and gear are loaded at points (2, m, count * g)."""
         weights = self.quadrature[1]
         pinion, gear = (np.reshape(one, (2, -1, weights.size)) for one in points)
-        return UnitLoads(self.loads_on((pinion, gear), weights), coupling=body_coupling(self.teeth.both))
+        return UnitLoads(self.loads_on((pinion, gear), weights), coupling=self.teeth.coupling)
 
     def loads_on(self, points: tuple[Array, Array], weights: Array) -> Loads:
         """Both teeth's unit loads on segments (n) with quadrature points (2, n, g), see ``unit_loads``."""

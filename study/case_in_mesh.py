@@ -6,7 +6,7 @@ import datetime
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,11 @@ def checked_case(case: Case | str | Path) -> Case:
     return case if isinstance(case, Case) else read_case(case)
 
 
+@cache
+def _own_version() -> str:
+    return version("easeoff")
+
+
 def case_attributes(case: Case, what: str) -> dict[str, Any]:
     """Attributes of every file: conventions, title, names of case and supports, version, computation, and the case.
 
@@ -53,7 +58,7 @@ def case_attributes(case: Case, what: str) -> dict[str, Any]:
     >>> case_attributes(read_case("nasa-12x36"), "analyze")["Conventions"]
     'CF-1.11'
     """
-    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
+    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), _own_version()
     names = {"case_name": case.name, "supports_name": case.supports_name}
     return {
         "Conventions": "CF-1.11",

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.modal_basis import ModalBasis
-from ..problem.shared_modes import with_shared_modes
+from ..problem.modal_basis import SharedModes
 
 Array = NDArray[Any]
 DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which change no digit of a result, are left out
@@ -44,23 +43,25 @@ class BodyCoupling:
             start = own.stop
         return result
 
-    def coupled(self, basis: ModalBasis, pairs: Sequence[int] | NDArray[np.int64], loads: Array) -> ModalBasis:
-        """Modes of tooth pairs and those of the bodies that they share.
+    def shared_modes(
+        self, pairs: Sequence[int] | NDArray[np.int64], segments: Sequence[NDArray[np.intp]], loads: Array
+    ) -> SharedModes:
+        """Modes of the bodies that tooth pairs share.
 
         Parameters
         ----------
-        basis
-            Modes of the pairs, a block for each.
         pairs
-            Their numbers (p).
+            Numbers of the pairs (p).
+        segments
+            Segments of each pair.
         loads
             Unit loads on the segments in the modes of the bodies (n, q).
         """
         root = self._root(tuple(int(pair) for pair in pairs))
-        on_root = np.concatenate([loads[rows] @ own for (rows, _), own in zip(basis.blocks, root, strict=True)])
+        on_root = np.concatenate([loads[rows] @ own for rows, own in zip(segments, root, strict=True)])
         values, vectors = np.linalg.eigh(on_root.T @ on_root)
         kept = values > DROPPED_SHARE * values[-1]
-        return with_shared_modes(basis, loads, root @ vectors[:, kept])
+        return SharedModes(loads, root @ vectors[:, kept])
 
     def _root(self, pairs: tuple[int, ...]) -> Array:
         """Y (p, q, r) such that the compliance between the modes of tooth pairs is Y Y^T."""

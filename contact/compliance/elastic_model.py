@@ -191,6 +191,11 @@ class ElasticTeeth:
         """Pinion and gear."""
         return elastic_teeth(self.plates, self.model)
 
+    @cached_property
+    def coupling(self) -> BodyCoupling | None:
+        """Coupling of tooth pairs, the same in every assembly."""
+        return body_coupling(self.both)
+
 
 def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``unit_loads`` needs, by name."""

@@ -70,10 +70,10 @@ class UnitLoads:
         """
         numbers = np.unique(pairs)
         blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
-        basis = basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks])
-        if self.coupling is None:
-            return basis
-        return self.coupling.coupled(basis, numbers, self._rows(rows, "on_bodies"))
+        shared = None
+        if self.coupling is not None:
+            shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, "on_bodies"))
+        return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks], shared)
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""

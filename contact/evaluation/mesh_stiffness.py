@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..compliance import WeberLineContact
 from ..loaded_cases import LoadedCase
-from ..problem.compliance_matrix import ModalCompliance
 from ..solvers.parametric.touching_form import touching_stiffness
 
 Array = NDArray[Any]
@@ -60,6 +59,5 @@ def mesh_stiffnesses(cases: Sequence[LoadedCase]) -> Array:
     tangents = np.split(contacts.tangent(np.concatenate(forces)), np.cumsum([force.size for force in forces])[:-1])
     for number, force, tangent in zip(certified, forces, tangents, strict=True):
         here = cases[number].segments
-        compliance = ModalCompliance(tangent, here.bending)
-        result[number] = 1e-9 * touching_stiffness(compliance, here.lever_arm, force > 0.0)
+        result[number] = 1e-9 * touching_stiffness(tangent, here.bending, here.lever_arm, force > 0.0)
     return result

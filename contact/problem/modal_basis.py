@@ -262,7 +262,9 @@ def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedMode
     return SharedModes(columns, mixing)
 
 
-def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array]) -> ModalBasis:
+def basis_of_blocks(
+    size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array], shared: SharedModes | None = None
+) -> ModalBasis:
     """The basis of compressed blocks.
 
     Parameters
@@ -273,6 +275,8 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Seq
         Segments of each block (m); together each of the n segments once.
     compressed
         U of each block (m, r) [(mm/N)^0.5], see ``compressed_block``.
+    shared
+        Modes that the blocks share.
     """
     longest = max(own.size for own in rows)
     rank = max(block.shape[1] for block in compressed)
@@ -281,7 +285,7 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Seq
     for number, (own, block) in enumerate(zip(rows, compressed, strict=True)):
         index[number, : own.size] = own
         modes[number, : own.size, : block.shape[1]] = block
-    basis = ModalBasis(size, index, modes)
+    basis = ModalBasis(size, index, modes, shared)
     shapes = [block.shape for block in compressed]
     known = [(own, modes[number, :m, :k]) for number, (own, (m, k)) in enumerate(zip(rows, shapes, strict=True))]
     basis.__dict__["blocks"] = known

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import InputError
 from ....geometry.pair.gear_pair import MEMBERS
-from ...compliance.elastic_model import body_coupling, member_points
+from ...compliance.elastic_model import member_points
 from ...compliance.finite_elements.flank_compliance import FlankCompliance
 from ...compliance.material import Material
 from ...compliance.spread_deflection import SpreadDeflection, gaussians
@@ -111,7 +111,7 @@ class BendingSlopes:
             Their forces (s) [N].
         """
         result = np.zeros((force.size, self.members[0].motion.shape[-1]))
-        coupling, pairs = body_coupling(self.on_lines.teeth.both), np.unique(pair)
+        coupling, pairs = self.on_lines.teeth.coupling, np.unique(pair)
         on_bodies = []
         for member in self.members:
             by_force: list[tuple[Array, Array]] = []

@@ -296,6 +296,25 @@ def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
 
 
 @_sums
+def _mixed_block(mixed: Any, matrix: Any, edge: int, first: int, shared: int, size: int, result: Any) -> None:
+    """M' S of one block, S being symmetric and behind the edge of a matrix; the size is a multiple of four."""
+    end = first + shared
+    for t in range(0, size, 4):
+        za, zb = mixed[t, first:end], mixed[t + 1, first:end]
+        zc, zd = mixed[t + 2, first:end], mixed[t + 3, first:end]
+        for k in range(shared):
+            row = matrix[edge + k, edge : edge + shared]
+            s0 = s1 = s2 = s3 = 0.0
+            for m in range(shared):
+                s0 += za[m] * row[m]
+                s1 += zb[m] * row[m]
+                s2 += zc[m] * row[m]
+                s3 += zd[m] * row[m]
+            result[t, first + k], result[t + 1, first + k] = s0, s1
+            result[t + 2, first + k], result[t + 3, first + k] = s2, s3
+
+
+@_sums
 def _mixed_gram(y: Any, z: Any, size: int, gram: Any) -> None:
     """I + Y Z', the lower triangle; its size is a multiple of four."""
     for a in range(0, size, 4):
@@ -516,14 +535,19 @@ def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0:
 def _spread(blocks: Any, width: int, mixing: Any, plain: bool, shared: Any, result: Any) -> None:
     """Amplitudes of the shared columns in every block, M_b a."""
     first, count, local = blocks.shape[0] * width, mixing.shape[2], mixing.shape[1]
+    own = shared[first : first + count]
     for q in range(blocks.shape[0]):
         c0 = q * width + blocks[q, 3]
         if plain:
             for t in range(count):
-                result[c0 + t] = shared[first + t]
+                result[c0 + t] = own[t]
             continue
+        rows = mixing[q]
         for k in range(local):
-            result[c0 + k] = _dot(mixing[q, k], shared[first : first + count])
+            total = 0.0
+            for t in range(count):
+                total += rows[k, t] * own[t]
+            result[c0 + k] = total
 
 
 @_sums
@@ -538,10 +562,11 @@ def _gather(blocks: Any, width: int, mixing: Any, plain: bool, loads: Any) -> No
             for t in range(count):
                 own[t] += loads[c0 + t]
             continue
+        rows = mixing[q]
         for k in range(local):
-            load, row = loads[c0 + k], mixing[q, k]
+            load = loads[c0 + k]
             for t in range(count):
-                own[t] += load * row[t]
+                own[t] += load * rows[k, t]
 
 
 @_sums
@@ -704,7 +729,7 @@ def _shared_direction(
     amplitudes, _ = at
     _, root, _, lever, _, z = state
     loads, spans, mixing, plain = work
-    grams, held, local, rows, few, whole, mixed, stiff = factors
+    grams, held, local, rows, _, whole, mixed, stiff = factors
     width, count, shared = z.shape[0], mixing.shape[2], mixing.shape[1]
     first, extended = blocks.shape[0] * width, shared + 1 + (-shared - 1) % 4
     padded_count = count + (-count) % 4
@@ -768,10 +793,11 @@ def _shared_direction(
             for t in range(count):
                 rest[t] -= local[c0 + t]
         else:
+            mixing_rows = mixing[q]
             for k in range(shared):
-                load, row = local[c0 + k], mixing[q, k]
+                load = local[c0 + k]
                 for t in range(count):
-                    rest[t] -= load * row[t]
+                    rest[t] -= load * mixing_rows[k, t]
     end, turning = whole[:padded_count], whole[padded_count]
     if stale:
         end[:] = 0.0
@@ -798,17 +824,12 @@ def _shared_direction(
             for k in range(shared):
                 for m in range(k):
                     matrix[edge + m, edge + k] = matrix[edge + k, edge + m]
+            mixing_rows = mixing[q]
             for k in range(shared):
-                held_row, moved, row = few[:count], last[edge + k], mixing[q, k]
+                moved = last[edge + k]
                 for t in range(count):
-                    turning[t] += moved * row[t]
-                held_row[:] = 0.0
-                for m in range(shared):
-                    factor, row = matrix[edge + k, edge + m], mixing[q, m]
-                    for t in range(count):
-                        held_row[t] += factor * row[t]
-                for t in range(count):
-                    stiff[t, q * shared + k] = held_row[t]
+                    turning[t] += moved * mixing_rows[k, t]
+            _mixed_block(mixed, matrix, edge, q * shared, shared, padded_count, stiff)
         if not plain:
             _mixed_gram(mixed, stiff, padded_count, end)
         _factor(end, padded_count)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
+from ...problem.modal_basis import ModalBasis
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
 from .dense_touching import DenseTouching, TouchingFactor
 from .modal_touching import ModalTouching
@@ -39,19 +40,22 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
     return DenseTouching(matrix.dense, lever_arm, active)
 
 
-def touching_stiffness(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> float:
+def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> float:
     """Return the torque that turns the gear by one radian while these segments keep contact [N mm/rad].
 
-    It is dT / dtheta = r_A' C_AA^-1 r_A; NaN where C_AA is singular.
+    It is dT / dtheta = r_A' C_AA^-1 r_A for C = diag(local) + modes; NaN where C_AA is singular.
     """
-    index = np.flatnonzero(active)
-    if index.size > DENSE_FIRST_SIZE and isinstance(matrix, ModalCompliance):
-        return ModalTouching(matrix.local, matrix.modes.basis, lever_arm, active).stiffness
-    part = part_of(matrix, index)
-    if isinstance(part, tuple):
-        local, factor = part
-        part = factor @ factor.T
-        part.reshape(-1)[:: local.size + 1] += local
+    if np.count_nonzero(active) > DENSE_FIRST_SIZE:
+        return ModalTouching(local, basis, lever_arm, active).stiffness
+    touching = [(own, active[own]) for own, _ in basis.blocks]
+    index = np.concatenate([own[chosen] for own, chosen in touching])
+    shared = basis.shared_factor[index]
+    part, start = shared @ shared.T, 0
+    for (_, chosen), (_, modes) in zip(touching, basis.blocks, strict=True):
+        here = modes[chosen]
+        block = slice(start, start := start + len(here))
+        part[block, block] += here @ here.T
+    part.reshape(-1)[:: index.size + 1] += local[index]
     known = TouchingFactor.of(part, lever_arm[index])
     return np.nan if known is None else known.moment
 
