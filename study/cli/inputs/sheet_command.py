@@ -43,8 +43,8 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     """Write the summary sheet of a case: what an operator sets.
 
     Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
-    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS the settings alone. The case stays as it is; 'easeoff design
-    --round' writes rounded settings into a case.
+    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
+    case stays as it is; 'easeoff design --round' writes rounded settings into a case.
     """
     from ....cases import read_case, write_rexs
     from ....cases.recording import with_blanks
