@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,24 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from extreme_designs import EXTREMES
 
 from easeoff import InputError
-from easeoff.cases import case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
+from easeoff.cases import (
+    Case,
+    case_toml,
+    gear_pair,
+    parse_case,
+    parse_design,
+    read_case,
+    read_rexs,
+    shipped_cases,
+    write_case,
+)
 from easeoff.cases.changes import changed_case
+from easeoff.cases.recording import with_blanks
 from easeoff.geometry import MachineResolution, ease_off
-from easeoff.study import rounded_case, rounding_effect, summary_sheet
+from easeoff.study import design_case, rounded_case, rounding_effect, summary_sheet
 from easeoff.study.cli import main
 from easeoff.study.design.pair_warnings import case_warnings, unusual_set_ups
 from easeoff.study.design.rounded_settings import FLANKS, step_of_key
@@ -150,19 +163,133 @@ def test_sheet_tells_set_ups_that_no_method_of_the_shop_makes() -> None:
 
 
 def test_command_writes_sheets(tmp_path: Path) -> None:
-    for name in ("sheet.txt", "sheet.html"):
+    for name in ("sheet.txt", "sheet.html", "sheet.rexs"):
         outcome = CliRunner().invoke(
             main, ["sheet", "fm-11x41", "-o", str(tmp_path / name), "--resolution", "length=0.01,angle=0.05"]
         )
         assert outcome.exit_code == 0, outcome.output
         assert "ease-off by up to" in outcome.output
-        assert "0.05" in (tmp_path / name).read_text(encoding="utf-8")
+        assert ("0.05" in (tmp_path / name).read_text(encoding="utf-8")) or name == "sheet.rexs"
+
+
+def _tables(page: str) -> dict[str, list[list[str]]]:
+    """Tables of a page by heading, read as XML, in texts of cells."""
+    body = ET.fromstring(page.replace("<!DOCTYPE html>", "").replace('<meta charset="utf-8">', "")).find("body")
+    assert body is not None
+    found: dict[str, list[list[str]]] = {}
+    heading = ""
+    for element in body:
+        if element.tag == "h2":
+            heading = element.text or ""
+        if element.tag == "table":
+            found[heading] = [["".join(cell.itertext()).strip() for cell in row] for row in element.iter("tr")]
+    return found
+
+
+def _text_tables(text: str) -> dict[str, list[list[str]]]:
+    """The same of the sheet as text: columns stand where the dashes of the rule stand."""
+    found: dict[str, list[list[str]]] = {}
+    lines = text.splitlines()
+    for number in (n for n, line in enumerate(lines) if line.startswith("---")):
+        columns = [match.span() for match in re.finditer("-+", lines[number])]
+        last = next(n for n in range(number, len(lines)) if not lines[n].strip())
+        rows = [lines[number - 1], *lines[number + 1 : last]]
+        found[lines[number - 3]] = [[row[low:high].strip() for low, high in columns] for row in rows]
+    return found
+
+
+def _read_back(folder: Path, case: Case) -> None:
+    """Every number of a sheet, in all three files, is that of the case within half its step."""
+    path = folder / "case.toml"
+    write_case(case, path)
+    for suffix in ("txt", "html", "rexs"):
+        outcome = CliRunner().invoke(main, ["sheet", str(path), "-o", str(folder / f"sheet.{suffix}")])
+        assert outcome.exit_code == 0, outcome.output
+    page = _tables((folder / "sheet.html").read_text(encoding="utf-8"))
+    text = _text_tables((folder / "sheet.txt").read_text(encoding="utf-8"))
+    assert page == text
+    whole = with_blanks(case)
+    for label, *row in page["Blanks"][1:]:
+        key = label.replace(" ", "_")
+        for name, shown in zip(("pinion", "gear"), row[1:], strict=True):
+            member, blank = getattr(whole, name), getattr(whole, name).blank
+            if key in ("number_of_teeth", "hand_of_spiral"):
+                hand = case.pinion.hand_of_spiral
+                other = "left" if hand == "right" else "right"
+                wanted = {
+                    "number_of_teeth": str(member.number_of_teeth),
+                    "hand_of_spiral": (hand, other)[name == "gear"],
+                }
+                assert shown == wanted[key]
+            else:
+                value = getattr(whole.pair, key, None)
+                assert float(shown) == pytest.approx(getattr(blank, key) if value is None else value, abs=5.001e-5)
+    again, _ = read_rexs(folder / "sheet.rexs")
+    seen = 0
+    for heading, table in (("Cutters", "cutter"), ("Machine settings", "machine")):
+        head, *rows = page[heading]
+        flanks = [name.split() for name in head[4:]]
+        order: dict[str, int] = {}
+        for _, dotted, _, step, *cells in rows:
+            moves, _, key = dotted.rpartition(".")
+            if not key:
+                continue
+            order[dotted] = order.get(dotted, -1) + 1
+            for (member, side), shown in zip(flanks, cells, strict=True):
+                values, read = (getattr(getattr(getattr(each, member), side), table) for each in (case, again))
+                if moves:
+                    values, read = (getattr(each.motions, key) for each in (values, read))
+                    place = order[dotted]
+                    value, back = (each[place] if place < len(each) else 0.0 for each in (values, read))
+                else:
+                    value, back = getattr(values, key), getattr(read, key)
+                if shown == "-":
+                    assert value is None
+                    continue
+                reach = 0.5 * float(step) * (1 + 1e-6) if step != "-" else 1e-6 * abs(value)
+                assert abs(float(shown) - value) <= reach, (dotted, shown, value)
+                assert back == pytest.approx(float(shown), abs=1e-9, rel=1e-9), (dotted, shown, back)
+                seen += 1
+    assert seen >= 30
+
+
+@pytest.mark.parametrize("name", list(shipped_cases()))
+@pytest.mark.quick(2)
+def test_sheet_reads_back_as_the_case(name: str, tmp_path: Path) -> None:
+    _read_back(tmp_path, read_case(name))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [
+        ("ratio 6", "modified_roll"),
+        ("shaft angle 75, generated", "fixed_setting"),
+        ("wide hypoid offset", "tilt"),
+        ("module 0.5, hobbed", "completing"),
+        ("uniform depth, generated", "completing"),
+        ("Zerol", "closest_fit"),
+    ],
+)
+def test_sheet_of_a_design_reads_back_within_its_stated_effect(name: str, method: str, tmp_path: Path) -> None:
+    """Rounded settings are analysed anew on another grid than the statement's."""
+    case, _ = design_case(parse_design(EXTREMES[name].text(method)))
+    _read_back(tmp_path, case)
+    again, _ = read_rexs(tmp_path / "sheet.rexs")
+    stated = rounding_effect(case, rounded_case(case))
+    for side in SIDES:
+        before, after = (ease_off(gear_pair(each, side), (13, 9)) for each in (case, again))
+        known = before["inside"].values.astype(bool) & after["inside"].values.astype(bool)
+        lever = before["lever_arm"].values[known]
+        change = 1e-3 * (after["ease_off"].values - before["ease_off"].values)[known]
+        change = change - lever * (lever @ change) / (lever @ lever)
+        assert np.abs(change).max() < 1.2 * stated[side]
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["sheet", "fm-11x41", "-o", "x.pdf"], ["x.pdf", ".txt or .html"]),
+        (["sheet", "fm-11x41", "-o", "x.pdf"], ["x.pdf", ".txt, .html or .rexs"]),
         (["sheet", "fm-11x41", "-o", "x.txt", "--resolution", "tilt=1"], ["'tilt'", "must be one of", "angle"]),
         (["sheet", "fm-11x41", "-o", "x.txt", "--resolution", "angle=0"], ["resolution of angle = 0", "above 0"]),
         (["design", "fm-11x41", "-o", "x.toml", "--resolution", "angle=0.1"], ["--resolution", "--round"]),

@@ -81,7 +81,7 @@ class MemberTable(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     mean_normal_circular_thickness: Number | None = number(
-        "in the middle of the flank; from the cutter, or the mate's slot, if left out",
+        "in the middle of the flank; from the cutter, or about the mate's slot, if left out",
         "mm",
         default=None,
         gt=0,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import solve_flank
 from ..pair.assembly import Assembly
+from ..pair.backlash import filling_thickness
 from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
 from ..pair.tooth_body import middle_angle
 from ..tooth.tooth_flanks import MemberName
@@ -62,8 +64,8 @@ class PairDesign:
         Normal circular thickness of the gear's tooth in the middle of the flank [mm], where the cutter does not fix
         it (face hobbing); ``None`` where it does.
     pinion_thickness
-        That of the pinion's tooth, where one cutter cuts both its flanks (face-milled, completing); ``None`` elsewhere:
-        it fills the gear's slot.
+        That of the pinion's tooth: what one cutter leaves that cuts both its flanks (face-milled, completing), else
+        what leaves the blank's backlash in the gear's slot.
     """
 
     blank: BlankDimensions
@@ -196,8 +198,9 @@ def design_pair(
         require_usable(side, pinion[side].largest_residual, targets[side], ADVICE[method])
     thickness = _middle_thickness(blank, gear) if groups else None
     designed = PairDesign(blank, assembly, gear, pinion, thickness)
-    if method == "completing" and not groups:
-        designed = replace(designed, pinion_thickness=_left_thickness(designed.pair().pinion))
+    left = method == "completing" and not groups
+    find = _left_thickness if left else partial(_thickness_in_slot, blank)
+    designed = replace(designed, pinion_thickness=find(designed.pair()))
     for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:
             designed = _with_fitting_edges(designed, name, require, steps)
@@ -240,8 +243,15 @@ def _with_fitting_edges(
     )
 
 
-def _left_thickness(pinion: Member) -> float:
+def _thickness_in_slot(blank: BlankDimensions, pair: GearPair) -> float:
+    """Normal circular thickness of the pinion's tooth [mm], in the middle of the flank, that leaves the backlash."""
+    both = blank.pinion.mean_normal_thickness + blank.gear.mean_normal_thickness
+    return filling_thickness(pair) - (math.pi * blank.mean_normal_module - both)
+
+
+def _left_thickness(pair: GearPair) -> float:
     """Normal circular thickness that one cutter leaves of the pinion's tooth, in the middle of the flank [mm]."""
+    pinion = pair.pinion
     assert pinion.opposite is not None  # a designed pinion has both flanks
     _, angle = middle_angle(pinion.section, pinion.loaded, pinion.opposite)
     return angle % (2.0 * math.pi / pinion.teeth) * thickness_per_angle(pinion)

@@ -325,7 +325,8 @@ def tooth_angles(pair: GearPair) -> tuple[float, float]:
     """Angular thickness of the teeth of pinion and gear in the middle of the flank [rad].
 
     The gear's is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
-    pinion's is the one given, or else it fills the gear's slot without backlash.
+    pinion's is the one given, or else that of the gear's slot in the middle of the gear's flank: thicker than the slot
+    admits where the middles do not meet, see ``backlash``.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Thickness of the teeth in the middle of the flank, and its derivatives by settings.
 
 Most settings leave it as it is: the other flank of a tooth stands where the thickness puts it. Where a gear is cut from
-one set-up its cutter leaves the tooth, and the pinion's fills the slot.
+one set-up its cutter leaves the tooth, and the pinion's is as thick as the slot is wide.
 """
 
 from __future__ import annotations

@@ -37,26 +37,34 @@ resolution_option = click.option(
 @click.command(cls=Command)
 @click.argument("case", shell_complete=case_names)
 @allow_outside_option
-@output_option("Sheet to write, .txt or .html.")
+@output_option("Sheet to write, .txt, .html or .rexs.")
 @resolution_option
 def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
     """Write the summary sheet of a case: what an operator sets.
 
     Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
-    changes of the ease-off, and what is doubtful of teeth and set-ups. The case stays as it is; 'easeoff design
-    --round' writes rounded settings into a case.
+    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
+    case stays as it is; 'easeoff design --round' writes rounded settings into a case.
     """
-    from ....cases import read_case
+    from ....cases import read_case, write_rexs
+    from ....cases.recording import with_blanks
     from ....core.errors import InputError
     from ....core.writing.output_file import check_writable, whole_file
+    from ...design.rounded_settings import rounded_case
     from ...report.summary_sheet import summary_sheet
 
     check_writable(output, case)
-    if output.suffix.lower() not in (".txt", ".html"):
-        raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt or .html")
-    made = summary_sheet(read_case(case, allow_outside=outside_allowed()), resolution)
-    with whole_file(output) as temporary:
-        _ = temporary.write_text(made.page() if output.suffix.lower() == ".html" else made.text(), encoding="utf-8")
+    suffix = output.suffix.lower()
+    if suffix not in (".txt", ".html", ".rexs"):
+        raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
+    checked = read_case(case, allow_outside=outside_allowed())
+    made = summary_sheet(checked, resolution)
+    if suffix == ".rexs":
+        for note in write_rexs(with_blanks(rounded_case(checked, resolution)), output):
+            echo(note)
+    else:
+        with whole_file(output) as temporary:
+            _ = temporary.write_text(made.page() if suffix == ".html" else made.text(), encoding="utf-8")
     echo(f"wrote {output}")
     for note in made.notes:
         echo(note, err=True)

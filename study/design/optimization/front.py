@@ -18,11 +18,14 @@ from ....core.errors import GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
-from .trust_region import GAIN_TOLERANCE
+from .trust_region import GAIN_TOLERANCE, Tolerance
 
 Array = NDArray[np.float64]
 
 
+#: Of the search for a point. Rounding changes as much, and steps towards less mostly fail: they would take a third of
+#: all analyses.
+FRONT_TOLERANCE = Tolerance(2.0 * GAIN_TOLERANCE, 1.0)
 #: Attempts for each point that is wanted, and ratios that differ by less are the same.
 ATTEMPT_COUNT, SAME_RATIO = 2, GAIN_TOLERANCE
 

@@ -33,10 +33,11 @@ from .assembly_sample import constant_assemblies, sampled_assemblies
 from .blade_tip_gap import usual_root_line_change
 from .contact_quantity import NEEDED, ContactQuantity, QuantityLimit
 from .free_setting import SettingSpace, free_settings, with_limits
-from .front import best_of, front
+from .front import FRONT_TOLERANCE, best_of, front
 from .search_record import front_points, front_record, require_same_search, search_record
 from .setting_search import Outcome, SettingSearch, first_workshop
 from .step_programme import FORMS, Form
+from .trust_region import USUAL_TOLERANCE
 
 Array = NDArray[np.float64]
 Flanks = Literal["drive", "coast", "both"]
@@ -174,7 +175,10 @@ def optimize(
     workshop, readings = first_workshop(rough)
     bounded = with_limits(space.free, workshop.units, move, limit_settings or {})
     workshop = replace(workshop, space=replace(space, free=bounded))
-    searching = SettingSearch(workshop, readings, steps=steps, progress=told(progress), stage=stage)
+    tolerance = FRONT_TOLERANCE if form == "pareto" else USUAL_TOLERANCE
+    searching = SettingSearch(
+        workshop, readings, steps=steps, tolerance=tolerance, progress=told(progress), stage=stage
+    )
     judgement = Judgement(aim, _references(searching, aim))
     start = searching.begun(judgement)
     if resume is not None:

@@ -20,13 +20,13 @@ from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
 from .setting_rounding import rounded_settings
 from .step_programme import LocalModel, StepAnswer, StepProgramme
-from .trust_region import FIRST_RADIUS, GAIN_TOLERANCE, Search, Step, search
+from .trust_region import FIRST_RADIUS, USUAL_TOLERANCE, Search, Step, Tolerance, search
 
 Array = NDArray[np.float64]
 
 #: The most searches, each with teeth built anew.
 ROUND_LIMIT = 3
-#: A later search begins with at least this trust region [um].
+#: A later search begins with at least this trust region, and with at most the first one [um].
 LATER_RADIUS = 0.5
 
 
@@ -107,6 +107,8 @@ class SettingSearch:
         Analyses of the start.
     steps
         The most programmes for one aim.
+    tolerance
+        A predicted gain, or a loss by rounding, below it ends a search.
     progress
         Called after every programme.
     stage
@@ -119,10 +121,11 @@ class SettingSearch:
         start: Readings,
         *,
         steps: int,
+        tolerance: Tolerance = USUAL_TOLERANCE,
         progress: Callable[[], None] | None = None,
         stage: Callable[[str], None] | None = None,
     ) -> None:
-        self._workshop, self._start, self._steps = workshop, start, steps
+        self._workshop, self._start, self._steps, self._tolerance = workshop, start, steps, tolerance
         self._progress, self._stage = progress, stage
         self._programmes: dict[str, StepProgramme] = {}
         self._name = "search"
@@ -165,16 +168,17 @@ class SettingSearch:
                 partial(self._programme, judgement),
                 steps=self._steps - len(done),
                 radius=radius,
+                tolerance=self._tolerance,
                 progress=self._progress,
             )
             done += [(number, step) for step in found.steps]
             if outcomes and found.point is here:
                 break
             outcomes.append(self._rounded(found, judgement))
-            enough = outcomes[-1].rounding_loss <= GAIN_TOLERANCE or len(done) >= self._steps
+            enough = outcomes[-1].rounding_loss <= self._tolerance.gain or len(done) >= self._steps
             if enough or not outcomes[-1].point.differentiable:
                 break
-            here, radius = outcomes[-1].point, max(found.radius, LATER_RADIUS)
+            here, radius = outcomes[-1].point, float(np.clip(found.radius, LATER_RADIUS, FIRST_RADIUS))
         best = min(outcomes, key=lambda one: one.point.merit.total)
         return replace(best, steps=tuple(done), converged=found.converged)
 

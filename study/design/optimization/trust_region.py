@@ -29,6 +29,29 @@ MENDING_LIMIT, MENDING_RADIUS_RATIO, HOPELESS_LOSS = 1, 0.35, 0.3
 
 
 @dataclass(frozen=True)
+class Tolerance:
+    """Predicted gain below which a search ends.
+
+    Parameters
+    ----------
+    gain
+        Within a trust region like the usual first one, or a larger one.
+    share
+        Least share of it; within a smaller trust region the tolerance is smaller in proportion.
+    """
+
+    gain: float = GAIN_TOLERANCE
+    share: float = TOLERANCE_SHARE
+
+    def within(self, radius: float) -> float:
+        """Within a trust region [um]."""
+        return float(self.gain * np.clip(radius / FIRST_RADIUS, self.share, 1.0))
+
+
+USUAL_TOLERANCE = Tolerance()
+
+
+@dataclass(frozen=True)
 class Merit:
     """What settings reach.
 
@@ -130,6 +153,7 @@ def search(
     *,
     steps: int = 30,
     radius: float = FIRST_RADIUS,
+    tolerance: Tolerance = USUAL_TOLERANCE,
     progress: Callable[[], None] | None = None,
 ) -> Search:
     """Improve settings until no programme predicts a gain.
@@ -144,6 +168,8 @@ def search(
         The most programmes.
     radius
         Of the first trust region [um].
+    tolerance
+        A predicted gain below it ends the search.
     progress
         Called after every programme.
 
@@ -158,7 +184,7 @@ def search(
         model = best.model(radius)
         answer = programme(model).solve(model, radius)
         predicted = best.merit.total - answer.merit
-        converged = answer.solved and predicted < GAIN_TOLERANCE * np.clip(radius / FIRST_RADIUS, TOLERANCE_SHARE, 1.0)
+        converged = answer.solved and predicted < tolerance.within(radius)
         if converged or len(done) >= steps or radius < RADIUS_MINIMUM:
             return Search(best, tuple(done), converged, answer, radius)
         here = best
