@@ -134,7 +134,7 @@ def test_numbers_under_load_are_those_of_their_variables(result: tuple[Any, xr.D
             values = values.max([name for name in values.dims if name != "torque"])
         if operation:  # as the row says it: × a length [mm], or over its square and another
             lengths = [float(length) for length in re.findall(r"([\d.]+) mm", operation)]
-            scale = {1: lambda a: 1e-3 * a, 2: lambda a, b: 1e6 / a**2 / b}[len(lengths)](*lengths)
+            scale = 1e-3 * lengths[0] if len(lengths) == 1 else 1e6 / lengths[0] ** 2 / lengths[1]
             tolerance = 1e-3  # the lengths have four digits
             for cell, value in zip(cells, scale * values.values, strict=True):
                 assert float(cell) == pytest.approx(
