@@ -72,3 +72,11 @@ def test_every_shell_has_its_script(shell: str, mark: str) -> None:
 
 def test_another_shell_is_a_mistake() -> None:
     assert CliRunner().invoke(main, ["completion", "tcsh"]).exit_code == 2
+
+
+def test_help_has_the_command_of_each_shell_on_a_line_of_its_own() -> None:
+    words = CliRunner().invoke(main, ["completion", "--help"]).output
+    assert "\\b" not in words
+    lines = [line.split() for line in words.splitlines()]
+    for shell in ("bash", "zsh", "fish"):
+        assert [shell, "easeoff", "completion", shell] in [line[:4] for line in lines]

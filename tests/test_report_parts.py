@@ -13,13 +13,21 @@ import xarray as xr
 from browser import Browser, chromium
 from click.testing import CliRunner
 from numpy.typing import NDArray
-from report_content import coarse, content, unpacked
+from report_content import (
+    checked_pattern,
+    coarse,
+    content,
+    strength_result,
+    supported_result,
+    unpacked,
+    worn_flanks,
+)
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
 from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
-from easeoff.study import WearLaw, analyze_load_cases, result_summary, vh_check, wear, write_report
+from easeoff.study import analyze_load_cases, result_summary, write_report
 from easeoff.study.cli import main
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults
 from easeoff.study.report.contact_report.report_file import report_page
@@ -56,30 +64,22 @@ ITEMS = {
 
 @pytest.fixture(scope="module")
 def strength() -> xr.DataTree:
-    """With friction and root stress."""
-    case = coarse(mesh_positions=4, segments_per_line=9)
-    model = case.compliance.model_copy(update={"model": "fe", "fineness": 0.2})
-    with without_compiled_code():
-        return analyze(case.model_copy(update={"compliance": model}), torques=[40.0, 400.0], speed=[1000.0, 3000.0])
+    return strength_result()
 
 
 @pytest.fixture(scope="module")
 def supported() -> xr.DataTree:
-    with without_compiled_code():
-        return analyze(coarse(mesh_positions=4), torques=[200.0, 50.0], supports="axle-fm-11x41")
+    return supported_result()
 
 
 @pytest.fixture(scope="module")
 def check() -> xr.Dataset:
-    with without_compiled_code():
-        return vh_check(coarse(lengthwise_nodes=11, profile_nodes=7), grid=(3, 2))
+    return checked_pattern()
 
 
 @pytest.fixture(scope="module")
 def worn() -> xr.Dataset:
-    law = WearLaw(1e-11, 1e-11, revolutions=1e5)
-    with without_compiled_code():
-        return wear(coarse(), law, torque=100.0)
+    return worn_flanks()
 
 
 def one(tree: xr.DataTree) -> Any:
@@ -450,7 +450,55 @@ def test_paper_has_every_torque_and_the_teeth_name_their_ends(browser: Browser, 
             "heel",
         ]
         assert browser.run("document.querySelector('#r0-teeth select').value") == "both"
-    assert browser.run("document.querySelectorAll('#r0-ease_off-gear text.level').length") > 2
+
+
+@pytest.mark.thorough
+def test_names_of_contour_lines_stand_inside_the_common_flank_and_apart(browser: Browser) -> None:
+    """Every corner of a label lies within the dashed boundary, and no two labels overlap."""
+    script = """[...document.querySelectorAll('[id$="-ease_off-gear"]')].map(figure => {
+        const inside = figure.querySelector('polygon[stroke-dasharray]');
+        const boxes = [...figure.querySelectorAll('text.level')].map(e => e.getBBox());
+        const point = inside.ownerSVGElement.createSVGPoint();
+        const corners = b => [0, 1].flatMap(i => [0.2, 0.8].map(j => [b.x + i * b.width, b.y + j * b.height]));
+        const clear = b => corners(b).every(([x, y]) => {
+            [point.x, point.y] = [x, y];
+            return inside.isPointInFill(point);
+        });
+        const before = (a, b) => a.x + a.width < b.x || a.y + 0.8 * a.height < b.y;
+        const apart = (a, b) => before(a, b) || before(b, a);
+        return [boxes.length, boxes.every(clear), boxes.every((a, i) => boxes.slice(i + 1).every(b => apart(a, b)))];
+    })"""
+    found = browser.run(script)
+    assert len(found) == 2
+    for count, inside, apart in found:
+        assert count > 2
+        assert inside
+        assert apart
+
+
+@pytest.mark.thorough
+def test_tables_and_pictures_name_their_variables_on_paper_too(browser: Browser) -> None:
+    browser.send("Emulation.setEmulatedMedia", media="print")
+    hidden = (
+        "[...document.querySelectorAll('td.variable, figcaption code')].filter(e => !e.getClientRects().length).length"
+    )
+    shown = "[...document.querySelectorAll('#comparison td.variable')].map(e => e.textContent)"
+    try:
+        assert browser.run(hidden) == 0
+        assert "loaded/pinion_peak_to_peak" in browser.run(shown)
+    finally:
+        browser.send("Emulation.setEmulatedMedia", media="")
+
+
+@pytest.mark.thorough
+def test_efficiencies_beyond_the_formula_are_hatched(browser: Browser, strength: xr.DataTree) -> None:
+    """Where a twentieth of the power loss or more is extrapolated, by the variable itself."""
+    share = strength["friction"].to_dataset()["extrapolated_share"].squeeze().transpose("torque", "speed").values
+    rows = "[...document.querySelectorAll('#friction table.heat tr')].slice(1)"
+    cells = f"{rows}.map(r => [...r.cells].slice(1).map(c => getComputedStyle(c).backgroundImage !== 'none'))"
+    hatched = np.array(browser.run(cells))
+    assert np.array_equal(hatched, share >= 0.05)
+    assert hatched.sum() > 0
 
 
 @pytest.mark.thorough

@@ -18,7 +18,7 @@ VARIABLE = "_EASEOFF_COMPLETE"
 @click.command(cls=Command)
 @click.argument("shell", type=click.Choice(list(SHELLS)))
 def completion(shell: str) -> None:
-    r"""Print the completion script of a SHELL.
+    """Print the completion script of a SHELL.
 
     With it the tab key completes commands, options, the names of shipped cases, designs, supports, oils and solvers,
     and files:
@@ -29,7 +29,7 @@ def completion(shell: str) -> None:
         fish    easeoff completion fish > ~/.config/fish/completions/easeoff.fish
 
     A new shell has it. In bash it needs version 4.4 or later.
-    """
+    """  # noqa: D301 (click keeps the lines of a paragraph that begins with a backspace)
     from click.shell_completion import get_completion_class
 
     found = get_completion_class(shell)

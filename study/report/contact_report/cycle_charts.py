@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....core.ordered_values import ordered
 from ...plot.transmission_error_chart import unloaded_curves
+from ..notes.ranges import TOLD_SHARE
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
@@ -355,13 +356,16 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
 
 
 def efficiency_map(friction: xr.Dataset, at: dict[str, int]) -> dict[str, Any] | None:
-    """Efficiency [%] over torque and speed; ``None`` unless there are several of both."""
+    """Efficiency [%] over torque and speed, and the share of the loss beyond the formula; ``None`` unless several."""
     if min(friction.sizes["torque"], friction.sizes["speed"]) < 2:
         return None
     here = friction.isel(temperature=at["temperature"], roughness=at["roughness"])
     here = here.sortby("torque").sortby("speed")
+    outside = here["extrapolated_share"].transpose("torque", "speed").values if "extrapolated_share" in here else None
     return {
         "torques": here["torque"].values.tolist(),
         "speeds": here["speed"].values.tolist(),
         "values": packed_exactly(100.0 * here["efficiency"].transpose("torque", "speed").values),
+        "outside": None if outside is None else packed_exactly(outside),
+        "told": TOLD_SHARE,
     }

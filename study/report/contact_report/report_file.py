@@ -29,6 +29,7 @@ from .report_tables import (
     misalignment_rows,
     supports_rows,
     unloaded_numbers,
+    with_signs,
 )
 from .stored_case import stored_case
 
@@ -141,8 +142,8 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "name": name,
         "title": printable(str(tree.attrs["title"])),
         "flank": str(tree.attrs["flank"]),
-        "head": [[left, _signed(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
-        "notes": [_signed(printable(note)) for note in result_notes(tree)],
+        "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
+        "notes": [with_signs(printable(note)) for note in result_notes(tree)],
         "misalignment": misalignment_rows(tree),
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
@@ -197,11 +198,6 @@ def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
     if not history or not history[-1].strip():
         return []
     return [("analysed", HISTORY_TIME.sub(r"\1 \2 UTC,", history[-1]))]
-
-
-def _signed(text: str) -> str:
-    """A text with the signs of its units, which terminals may lack."""
-    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
 
 
 def _middle(values: NDArray[Any]) -> int:

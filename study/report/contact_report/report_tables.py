@@ -14,11 +14,12 @@ from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....cases.schema.usual_names import usual_name
 from ....core.ordered_values import ordered
+from ....core.printable import printable
 from ....geometry.pair.gear_pair import MEMBERS
 from ..key_numbers import key_numbers
 from ..summary.contact_tables import end_name
 from ..summary.deflection_report import misalignment_over_torque
-from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns
+from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns, variable_of
 from ..summary.supports_report import supports_tables
 from .implied_dimensions import dimension_rows
 
@@ -237,9 +238,20 @@ def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
     tables = []
     for columns in (input_columns(numbers), result_columns(numbers)):
         rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
-        tables.append({"heads": [_headed(head) for head in columns], "rows": rows})
+        variables = [f"load_cases/{variable_of(head)}" for head in columns]
+        tables.append({"heads": [_headed(head) for head in columns], "rows": rows, "variables": variables})
     duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
-    return {"tables": tables, "duty": duty, "notes": load_case_notes(tree)}
+    notes = [with_signs(printable(note)) for note in load_case_notes(tree)]
+    return {"tables": tables, "duty": duty, "notes": notes}
+
+
+def with_signs(text: str) -> str:
+    """A text with the signs of its units, which terminals may lack.
+
+    >>> with_signs("0.8 um at 90 degC")
+    '0.8 µm at 90 °C'
+    """
+    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
 
 
 def _headed(head: str) -> str:

@@ -19,6 +19,7 @@ ERRORS = {
     "G\nmm": ("misalignment_gear_axial", 1.0),
     "Sigma\ndeg": ("misalignment_shaft_angle", 180.0 / np.pi),
 }
+OPERATION = {"speed\n1/min": ("speed", 1.0), "share\n%": ("share", 100.0)}
 RESULTS = {
     "peak to\npeak urad": ("peak_to_peak", "{:.2f}", 1.0),
     "contact\nratio": ("contact_ratio", "{:.2f}", 1.0),
@@ -70,10 +71,20 @@ def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
         "torque\nN m": [f"{torque:g}" for torque in numbers["torque"].values],
         **{head: [f"{factor * v:+.4g}" for v in numbers[name].values] for head, (name, factor) in ERRORS.items()},
     }
-    for head, name, factor in (("speed\n1/min", "speed", 1.0), ("share\n%", "share", 100.0)):
+    for head, (name, factor) in OPERATION.items():
         if name in numbers:
             columns[head] = [f"{factor * value:.4g}" for value in numbers[name].values]
     return columns
+
+
+def variable_of(head: str) -> str:
+    r"""Variable of the group ``load_cases`` that a column shows, by its head.
+
+    >>> variable_of("load case"), variable_of("pressure\nMPa")
+    ('load_case', 'max_pressure')
+    """
+    named = {**ERRORS, **OPERATION, **RESULTS}
+    return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
 
 
 def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:

@@ -1,6 +1,6 @@
 // Charts: curves over one quantity, and the map of efficiencies. The pointer reads values off and chooses a part.
 
-const CHART = { width: 560, height: 270, left: 62, right: 14, top: 12, bottom: 44 };
+const CHART = { width: 560, height: 270, left: 74, right: 14, top: 12, bottom: 44 };
 const OTHERS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8a6d00", "#56B4E9"];
 
 function figure(parent, title, source) {
@@ -88,7 +88,7 @@ class LineChart {
     }
     for (const x of ticks(...this.shown, 8)) {
       svg("line", { x1: left + this.px(x), x2: left + this.px(x), y1: bottom, y2: bottom + 4, class: "axis" }, this.drawing);
-      const words = written(x), last = this.px(x) + 3.5 * words.length > CHART.width - left;
+      const words = written(x), last = this.px(x) + 4.5 * words.length > CHART.width - left;
       svg("text", { x: last ? CHART.width - 1 : left + this.px(x), y: bottom + 17, "text-anchor": last ? "end" : "middle" }, this.drawing, words);
     }
     svg("line", { x1: left, x2: left + wide, y1: bottom, y2: bottom, class: "axis" }, this.drawing);
@@ -207,7 +207,7 @@ class LineChart {
 // Efficiencies as a table with coloured cells: torque to the right, speed upwards.
 function efficiencyMap(parent, map, condition) {
   const box = figure(parent, "Efficiency over torque and speed [%]", "friction/efficiency");
-  const values = unpack(map.values), rows = map.torques.length, columns = map.speeds.length;
+  const values = unpack(map.values), outside = map.outside && unpack(map.outside), rows = map.torques.length, columns = map.speeds.length;
   const finite = [...values].filter(Number.isFinite);
   const low = Math.min(...finite), high = Math.max(...finite);
   const table = element("table", "heat", box);
@@ -220,10 +220,17 @@ function efficiencyMap(parent, map, condition) {
     for (let j = 0; j < columns; j++) {
       const value = values[i * columns + j];
       const cell = element("td", "", row, Number.isFinite(value) ? value.toFixed(2) : "–");
-      cell.title = `friction/efficiency at ${written(torque)} N m, ${written(map.speeds[j])} / min`;
-      if (Number.isFinite(value)) cell.style.background = css(colour("green", 0.05 + 0.45 * (value - low) / (high - low || 1)));
+      cell.title = `friction/efficiency at ${written(torque)} N m, ${written(map.speeds[j])} 1/min`;
+      if (outside && outside[i * columns + j] >= map.told) {
+        cell.className = "outside";
+        cell.title += `\n${(100 * outside[i * columns + j]).toFixed(0)} % of the power loss outside the range of the friction formula (friction/extrapolated_share)`;
+      }
+      if (Number.isFinite(value)) cell.style.backgroundColor = css(colour("green", 0.05 + 0.45 * (value - low) / (high - low || 1)));
     }
   });
   element("p", "small", box, `at ${written(condition.temperature)} °C, Rq ${written(condition.roughness)} µm`);
+  if (outside && outside.some((share) => share >= map.told)) {
+    element("p", "small", box, `hatched: ${100 * map.told} % of the power loss or more lies outside the range of the friction formula (friction/extrapolated_share)`);
+  }
   return rows;
 }

@@ -153,21 +153,44 @@ class FlankPicture {
     context.restore();
   }
 
-  // Values of the lines between bands, along the middle of the flank and across it, where there is room.
+  // Values of the lines between bands, along the middle of the flank and across it, where there is room: clear of each
+  // other and of the boundary. A line that has none there is named elsewhere, if it has room.
   nameLevels() {
-    const { low, high, levels } = this.field, size = 13 * this.unit, taken = [];
+    const { low, high, levels } = this.field, size = 13 * this.unit, taken = [], named = new Set();
     const step = (high - low) / levels, band = ([t, h]) => Math.floor((this.value(t, h) - low) / step);
     const steps = Array.from({ length: 241 }, (_, k) => k / 240);
-    for (const way of [steps.map((t) => [t, 0.5]), ...[0.12, 0.5, 0.88].map((t) => steps.map((h) => [t, h]))]) {
+    const along = (h) => steps.map((t) => [t, h]), across = (t) => steps.map((h) => [t, h]);
+    const name = (way, once) => {
       for (let k = 0; k + 1 < way.length; k++) {
-        const [a, b] = [band(way[k]), band(way[k + 1])];
-        if (!Number.isFinite(a) || !Number.isFinite(b) || a === b) continue;
-        const [x, y] = project(this.plane, ...way[k]);
-        if (taken.some(([u, v]) => Math.abs(u - x) < 3 * size && Math.abs(v - y) < 1.2 * size)) continue;
+        const [a, b] = [band(way[k]), band(way[k + 1])], level = Math.max(a, b);
+        if (!Number.isFinite(a) || !Number.isFinite(b) || a === b || (once && named.has(level))) continue;
+        const [x, y] = project(this.plane, ...way[k]), words = written(low + step * level);
+        const wide = (0.3 * words.length + 0.25) * size, high = 0.6 * size;
+        if (taken.some(([u, v]) => Math.abs(u - x) < 3 * size && Math.abs(v - y) < 1.5 * size)) continue;
+        if (![-1, 1].every((i) => [-1, 1].every((j) => this.clear(x + i * wide, y + j * high)))) continue;
         taken.push([x, y]);
-        svg("text", { x, y: -y + 0.35 * size, "text-anchor": "middle", "font-size": size, class: "level" }, this.group, written(low + step * Math.max(a, b)));
+        named.add(level);
+        svg("text", { x, y: -y + 0.35 * size, "text-anchor": "middle", "font-size": size, class: "level", style: `--level: ${20 * this.unit}px` }, this.group, words);
+      }
+    };
+    for (const way of [along(0.5), ...[0.12, 0.5, 0.88].map(across)]) name(way, false);
+    for (const way of [...[0.06, 0.25, 0.75, 0.94].map(across), along(0.25), along(0.75)]) name(way, true);
+  }
+
+  // Whether a point [mm] of the plane lies on the flank, and on the common flank if there is one.
+  clear(x, y) {
+    const [t, h] = fractions(this.plane, x, y);
+    if (!(t > 0 && t < 1 && h > 0 && h < 1)) return false;
+    const { common } = this.result.flanks[this.member];
+    let crossings = 0;
+    for (const stored of common) {
+      const points = unpack(stored), n = points.length / 2;
+      for (let i = 0, j = n - 1; i < n; j = i++) {
+        const [ax, ay, bx, by] = [points[i], points[n + i], points[j], points[n + j]];
+        if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) crossings++;
       }
     }
+    return !common.length || crossings % 2 === 1;
   }
 
   // Nothing is drawn beyond the common flank.

@@ -28,7 +28,11 @@ function table(parent, heads, rows, caption) {
   const body = element("tbody", "", node);
   for (const cells of rows) {
     const row = element("tr", "", body);
-    cells.forEach((text, i) => element("td", heads[i] === "variable" ? "variable" : "", row, text));
+    cells.forEach((text, i) => {
+      if (heads[i] !== "variable") return element("td", "", row, text);
+      const cell = element("td", "variable", row);
+      for (const part of text.split(/(?<=[/_])/)) cell.append(part, document.createElement("wbr")); // may end a line there
+    });
   }
   return node;
 }
@@ -355,13 +359,13 @@ function friction() {
     if (several) element("h3", "", node, result.name);
     if (!result.friction) { element("p", "none", node, `${result.name} has no friction: it was made without a speed.`); continue; }
     const own = result.friction, at = own.condition;
-    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${written(at.roughness)} µm, charts over the mesh cycle at ${written(at.speed)} / min.`);
+    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${written(at.roughness)} µm, charts over the mesh cycle at ${written(at.speed)} 1/min.`);
     const grid = element("div", "grid", node);
     for (const name of ["sliding_velocity", "pv", ...Object.keys(own.fields)]) {
       const source = { sliding_velocity: "friction/sliding_velocity", pv: "loaded/pressure × friction/sliding_velocity" }[name] || `friction/${name}`;
       new FlankPicture(grid, result, "gear", {
         id: name, title: title(`${FRICTION[name][0]}, gear flank`, result), source, keys: ["torque", "speed"], field: () => frictionField(result, name),
-        words: () => `${name === "sliding_velocity" ? "" : torqueWords(result) + ", "}${written(own.speeds[nearest(own.speeds, state.speed)])} / min`,
+        words: () => `${name === "sliding_velocity" ? "" : torqueWords(result) + ", "}${written(own.speeds[nearest(own.speeds, state.speed)])} 1/min`,
       });
     }
     for (const chart of result.charts.friction) new LineChart(grid, result, { ...chart, title: title(chart.title, result) });
@@ -442,7 +446,6 @@ function loadCases() {
   for (const one of data.load_cases) {
     if (data.load_cases.length > 1) element("h3", "", node, one.name);
     for (const each of one.tables) storedTable(node, each);
-    element("p", "small", node, "Variables: those of the group load_cases of the result.");
     for (const words of one.duty) element("p", "", node, words);
     for (const note of one.notes) element("p", "note", node, note);
   }

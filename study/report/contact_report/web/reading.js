@@ -42,6 +42,7 @@ const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 function written(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
+  if (size >= 1e6) return value.toExponential(3).replace(/\.?0*e\+/, "·10^").replace(/\^(\d+)$/, (_, power) => [...power].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]).join(""));
   if (size >= 1000) return value.toFixed(0);
   if (size > 0 && size < 1e-3) return value.toExponential(2);
   return String(Number(value.toPrecision(4)));
