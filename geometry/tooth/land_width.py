@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.errors import GeometryError
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
-from ..vectors import rotate_z
-from .blade_tip import tip_path
 from .tooth_flanks import PlacedFlank, named_member, placed_flanks, tooth_angle
+from .tooth_surface import FILLET_NODES, tooth_side
 
 Array = NDArray[Any]
 
 LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is taken
+SIDE_NODES = 5  # up the flank, of which the ends are used
 
 
 @dataclass(frozen=True)
@@ -82,11 +83,25 @@ def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
 
 
 def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
-    """Points (3, 3 n) [mm] that the tip of a blade cuts, NaN where there are none, and ``tip_path``'s distances (n)."""
-    places = fractions.reshape(3, -1).T
-    paths, beside = zip(*(tip_path(side.surface, side.section, place) for place in places), strict=True)
-    points = np.stack(paths, axis=2).reshape(3, -1)
-    return rotate_z(np.asarray(side.rotation), points), np.array(beside)
+    """Points (3, 3 n) [mm] that the tip of a blade cuts, and how far from its corner along the tip (n) [mm].
+
+    The tip is that of a blade without edge radius. Where this one, longer along the flank, cuts no whole flank, it is
+    the deepest point of the edge radius, beside the corner, which gives the slot to a tenth of that radius; NaN where
+    that cuts none either.
+    """
+    blade, places = side.surface.blade, fractions.reshape(3, -1)
+    points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])
+    for number in range(places.shape[1]):
+        for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
+            surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
+            try:
+                found = tooth_side(surface, side.section, places[:, number], SIDE_NODES, nodes)
+            except GeometryError:
+                continue
+            points[:, :, number] = found.turned(side.rotation).fillet[:, :, 0]
+            beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
+            break
+    return points.reshape(3, -1), beside
 
 
 def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:
