@@ -21,7 +21,6 @@ from ...core.compiled.compiled_use import compiling
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
 from ...core.printable import printable, shortened
-from ...core.processes.freed_memory import keep_freed_memory
 from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
@@ -120,7 +119,6 @@ def analyze_batch(batch: Batch) -> Block:
     >>> block.status.tolist(), block.numbers["peak_to_peak"].shape
     ([[0]], (1, 1))
     """
-    keep_freed_memory()
     loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
     found: dict[int, xr.Dataset] = {}
     status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)

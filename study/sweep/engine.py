@@ -20,7 +20,12 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
-from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
+from ...core.processes.child_environment import (
+    KEPT_MEMORY_VARIABLES,
+    THREAD_VARIABLES,
+    child_environment,
+    children_without_interrupts,
+)
 from .batch_analysis import Batch, Block, PointStatus, analyze_batch
 
 #: Times that a batch is begun whose process ends, before its points count as failed.
@@ -61,7 +66,8 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
             while True:
                 while len(running) < workers and (batch := again.pop() if again else next(batches, None)) is not None:
                     again.append(batch)  # until it runs: a pool that is broken takes none
-                    with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
+                    variables = dict.fromkeys(THREAD_VARIABLES, "1") | KEPT_MEMORY_VARIABLES
+                    with child_environment(variables), children_without_interrupts():
                         running[pool.submit(analyze_batch, batch)] = again.pop()
                 if not running:
                     pool.shutdown()
