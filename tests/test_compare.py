@@ -214,10 +214,20 @@ def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Pat
     assert set(by_settings["raw"]["claim"]) == {"solved"}
 
 
-def test_solver_of_the_page_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).parents[1] / "docs" / "researcher" / "compare.md").read_text(encoding="utf-8")
-    code = page.split("```python\n")[1].split("```")[0]
-    (tmp_path / "my_solver.py").write_text(code, encoding="utf-8")
+OWN_SOLVER = """
+import qpsolvers
+
+
+def by_daqp(problem, time_limit=10.0):
+    answer = qpsolvers.solve_problem(problem, solver="daqp", time_limit=time_limit)
+    if answer.x is None:
+        raise RuntimeError("no answer")
+    return answer.x, -answer.y[0]
+"""
+
+
+def test_function_of_a_module_is_a_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "my_solver.py").write_text(OWN_SOLVER, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     adapter = load_adapter("my_solver:by_daqp")
     for settings in ("scaled", "polished", "raw"):
