@@ -27,8 +27,8 @@ from .case_verification import Verification, verify
 from .conventional_analysis import BothMethods, both_methods, line_differences, methods_compared, point_differences
 from .cutter_motion import cutter_position
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
-from .end_relief import EndRelief, end_relief
 from .envelope_condition import EnvelopeCondition, envelope_condition
+from .finite_element_bodies.end_relief import EndRelief, end_relief
 from .finite_element_bodies.serendipity_brick import serendipity_functions
 from .finite_element_bodies.toothed_sector import ToothedSector, toothed_sector
 from .flank_contact.flank_contact import FlankContact, contact_of_flanks

@@ -4,7 +4,7 @@
 free end face cannot carry. Taken off the end face of a quarter space under an even line load q that ends there, this
 stress lets the flank sink deeper the nearer the end is: at the distance s from it flank and foot of the normal, at the
 depth h, approach by a function of s / h alone, which falls off as its logarithm. Finite elements of the quarter space
-(``verification.end_relief``) give, within 0.012 q (1 - nu^2) / E from s = h / 10 to 3 h for nu up to 0.4,
+(``verification.end_relief``) give, within 0.012 q (1 - nu^2) / E from s = 0.03 h to 3 h for nu up to 0.4,
 
     delta = q / (pi E) nu (0.55 + 2.93 nu) ln(1 + nu (2.15 - 1.55 nu) h / s).
 

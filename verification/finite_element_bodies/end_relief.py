@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ..contact.compliance.finite_elements.bricks import quadratic
-from ..contact.compliance.finite_elements.elastic_body import elastic_body
-from ..contact.compliance.material import Material
-from ..geometry.tooth.lattice_spacing import with_middles
+from ...contact.compliance.finite_elements.bricks import quadratic
+from ...contact.compliance.finite_elements.elastic_body import elastic_body
+from ...contact.compliance.material import Material
+from ...geometry.tooth.lattice_spacing import with_middles
 
 Array = NDArray[Any]
 FACE_GAUSS_POINTS = 8  # in each direction of a brick's face; the stress is singular at the load
