@@ -95,6 +95,8 @@ def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
         (table(VALUES, deviation_unit="mil"), "deviation_unit = 'mil': must be one of um, mm"),
         (table(VALUES) + "1;2;3\n", "line 10: '1;2;3': 3 values, expected 9 as in line 5"),
         (table(VALUES).replace("\n", "\n;;;;\n") + "1;2;3;x;5;6;7;8;9\n", "line 19: 'x': must be a finite number"),
+        (table(VALUES).replace("-", "x", 1), "line 5: 'x"),
+        (table(VALUES, flank="convex\n# flank: concave"), "line 2: flank = 'concave': must be 'convex', as it is"),
         (table(VALUES).replace(";", ","), "line 5: .* 18 columns|whole numbers, or decimal commas"),
         (table(VALUES[:1]), "rows = 1: must be at least 2"),
     ],

@@ -80,15 +80,16 @@ class DeviationTable:
 
 
 def is_table(content: str) -> bool:
-    r"""Whether the first line that is no comment holds numbers alone.
+    r"""Whether the first line that is no comment holds numbers, and is neither a point nor column names.
 
     Examples
     --------
-    >>> is_table("# rows: root to tip\n1,5;-2;0"), is_table("flank,row,column")
-    (True, False)
+    >>> is_table("# rows: root to tip\n1,5;-2;0"), is_table("1.5,abc,0"), is_table("flank,row,column")
+    (True, True, False)
     """
     lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
-    return bool(lines) and all(_is_number(cell) for cell in cells(lines[0], separator(lines[0])))
+    first = cells(lines[0], separator(lines[0])) if lines else []
+    return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
 
 
 def parsed_table(content: str, source: str) -> DeviationTable:
@@ -203,8 +204,8 @@ def _margins(attributes: Attributes) -> EdgeMargins:
     return EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
 
 
-def _is_number(cell: str) -> bool:
+def _is_number(cell: str, *, finite: bool = True) -> bool:
     try:
-        return bool(np.isfinite(float(cell)))
+        return bool(np.isfinite(float(cell))) or not finite
     except ValueError:
         return False

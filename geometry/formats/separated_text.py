@@ -84,7 +84,7 @@ def parted(content: str, source: str) -> tuple[Attributes, Lines]:
     Raises
     ------
     InputError
-        If a comment has another form, or there is no other line.
+        If a comment has another form or contradicts one above, or there is no other line.
     """
     attributes: Attributes = {}
     lines: Lines = []
@@ -94,7 +94,10 @@ def parted(content: str, source: str) -> tuple[Attributes, Lines]:
             key, colon, value = said.partition(":")
             if not colon:
                 raise InputError(f"{source}, line {number}: '# {said}': a comment must have the form '# key: value'")
-            attributes[key.strip()] = _attribute(key.strip(), value.strip(), f"{source}, line {number}")
+            key, where = key.strip(), f"{source}, line {number}"
+            found = _attribute(key, value.strip(), where)
+            if attributes.setdefault(key, found) != found:
+                raise InputError(f"{where}: {key} = {found!r}: must be {attributes[key]!r}, as it is above")
         elif line.strip(' \t;,"'):
             lines.append((number, line))
     if not lines:
