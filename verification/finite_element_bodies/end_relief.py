@@ -41,6 +41,14 @@ class EndRelief:
         Displacements into the body under the line (n, m) [mm].
     slant
         How much farther along the line the body begins per depth: the tangent of the angle of the end face.
+
+    Examples
+    --------
+    A flank that sinks by 2 nm where the point 1 mm below it sinks by 1 nm has come 1 nm nearer:
+
+    >>> even = EndRelief(np.arange(3.0), np.array([0.0, 1.0]), np.array([[2e-6, 1e-6]] * 3), slant=0.0)
+    >>> even.approach(1).tolist()
+    [1e-06, 1e-06, 1e-06]
     """
 
     distance: Array
