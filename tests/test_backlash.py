@@ -44,7 +44,7 @@ def measured_backlash(pair: GearPair, turns: Array) -> float:
     for tooth, slot in zip(teeth, slots, strict=True):
         wall = points(pair.gear, slot)
         azimuth = np.unwrap(np.unwrap(np.arctan2(wall[1], wall[0]), axis=0), axis=1)
-        spline = RectBivariateSpline(*(np.linspace(0.0, 1.0, n) for n in NODES), azimuth)
+        spline = RectBivariateSpline(np.linspace(0.0, 1.0, NODES[0]), np.linspace(0.0, 1.0, NODES[1]), azimuth)
         middle = slot.at(*pair.gear.section.points(np.array([0.5]), np.array([0.5])))
         out = np.sign(middle.position[0] * middle.normal[1] - middle.position[1] * middle.normal[0])
         own = points(pair.pinion, tooth).reshape(3, -1)
