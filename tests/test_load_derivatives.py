@@ -70,7 +70,9 @@ def test_losses_and_place_of_the_load_agree_with_differences(
     spots = [load_spot(one) for _, one in both]
     for name in spots[0]:
         change = (spots[0][name][1] - spots[1][name][1]) / (2.0 * step)
-        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-4, err_msg=name)
+        # At one torque the derivative may be next to nothing, and rounding of the difference is not.
+        rounding = 1e-5 * np.abs(change).max()
+        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-4, atol=rounding, err_msg=name)
     ahead, behind = (loss_of(*one) for one in both)
     for name in ("mean_power_loss", "efficiency", "mean_friction_coefficient"):
         change = ((ahead[name] - behind[name]) / (2.0 * step)).values

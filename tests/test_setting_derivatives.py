@@ -38,8 +38,8 @@ FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 TORQUES = {"fm-11x41": 250.0, "nasa-12x36": 100.0}
 MOTIONS = ("sliding_base_motion_1", "cutter_tilt_motion_2")
 #: Steps of the differences, over the usual step of a setting. Long ones are for what hardly moves the flanks, where
-#: rounding rules; of others a short one meets no change of the touching segments.
-STEPS = (1e-4, 3e-3, 1e-5, 3e-6)
+#: rounding rules; of others a short one meets no change of the touching segments, and curves less.
+STEPS = (1e-4, 3e-3, 1e-5, 3e-6, 1e-6)
 TOLERANCE = 1e-6
 #: What rounding leaves of the rotation [rad]; over a step it is the least error a difference can have.
 ROTATION_ROUNDING = 3e-15
