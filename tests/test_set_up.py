@@ -26,9 +26,10 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
+from easeoff.geometry.design.root_line import root_gap
 from easeoff.geometry.design.set_up.mean_slot import MeanSlot
 from easeoff.geometry.design.set_up.pinion_method import SettingLimits, SetUpMethod, at_limit, shared_settings
-from easeoff.geometry.design.set_up.set_up_fit import root_gap, set_up_residual, with_positive_tilt
+from easeoff.geometry.design.set_up.set_up_fit import set_up_residual, with_positive_tilt
 from easeoff.geometry.design.set_up.upright_machine import along_the_root
 from easeoff.study import DesignReport, design_case
 

@@ -15,7 +15,7 @@ from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import GearPair
 from ..tooth.blade_tip import tip_gap
 from .fit_quality import residual_limits
-from .root_line import RootLine
+from .root_line import root_gap
 from .standard_steps import StandardSteps
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost
 
@@ -115,8 +115,9 @@ def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] 
     """
     fit: Synthesis | None = None
     surface, section = pair.pinion.loaded, pair.pinion.section
+    height = tip_gap(surface, section)
     for _ in range(ROOT_PASSES if follow_root else 1):
-        wanted = np.nan_to_num(RootLine.of(surface, section).gap(surface)[0] - tip_gap(surface, section))
+        wanted = np.nan_to_num(root_gap(surface, section) - height)
         near = replace(pair, pinion=replace(pair.pinion, loaded=surface))
         again = fit_pinion(
             near, target, free=free, follow_root=follow_root, fold_margin=FOLD_MARGIN, wanted_root=wanted
@@ -124,7 +125,7 @@ def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] 
         fit = _started_from(pair.pinion.loaded, again, again.moved)
         if not np.any(np.abs(fit.root_gap) > ROOT_TOLERANCE):
             break
-        surface = fit.surface
+        surface, height = fit.surface, fit.root_gap
     assert fit is not None
     return fit
 

@@ -91,6 +91,11 @@ class RootLine:
         return above_tip(behind) - above_tip(ahead)
 
 
+def root_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
+    """Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], see ``RootLine``."""
+    return RootLine.of(surface, section).gap(surface)[0]
+
+
 def _above_tip(surface: GeneratingSurface, parameters: Array) -> Array:
     """Height of flank points above the tip of the blade, along its axis (n) [mm]."""
     _, _, coordinates = surface.evaluate(parameters)

@@ -50,11 +50,8 @@ def unmet_tips(pair: GearPair) -> tuple[float, float]:
     """
     # With the middle of the gear's flank, which meets the pinion; its tip need not.
     t, half_way_and_tip = np.linspace(0.0, 1.0, TIP_NODES), np.array([0.5, 1.0])
-    gear, pinion_tip, section = (
-        pair.gear.flank(t, half_way_and_tip),
-        pair.pinion.flank(t, np.ones(1)),
-        pair.gear.section,
-    )
+    gear, section = pair.gear.flank(t, half_way_and_tip), pair.gear.section
+    pinion_tip = pair.pinion.flank(t, np.ones(1))
     found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     place = _conjugate_place(pair, pinion_tip)
     lengthwise, _ = section.fractions(*place)

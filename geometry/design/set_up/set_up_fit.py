@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 from ....core.errors import GeometryError
 from ...cutting.generating_surface import GeneratingSurface
 from ...cutting.named_settings import get_setting, with_settings
-from ...flanks.blank_section import BlankSection
 from ...pair.ease_off import exact_ease_off
 from ...pair.gear_pair import FlankName, GearPair, grid
 from ...tooth.blade_tip import tip_gap
 from ..blank import BlankDimensions
 from ..ease_off_residual import EaseOffResidual, Tie
 from ..fit_quality import BLANK_ADVICE, residual_limits
-from ..root_line import RootLine
+from ..root_line import RootLine, root_gap
 from ..standard_steps import StandardSteps
 from ..synthesis import EaseOffTarget, Synthesis, root_cost
 from .mean_slot import MeanSlot
@@ -363,11 +362,6 @@ def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis
         name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
     }
     return Synthesis(surface, moved, left, tip_gap(surface, section))
-
-
-def root_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
-    """Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], see ``RootLine``."""
-    return RootLine.of(surface, section).gap(surface)[0]
 
 
 def with_positive_tilt(surface: GeneratingSurface) -> GeneratingSurface:
