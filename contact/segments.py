@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, unit_loads
-from .compliance.free_end import free_end_deflection, remaining_depth
+from .compliance.finite_elements.flank_compliance import FlankCompliance
+from .compliance.free_end import end_loads, remaining_depth
 from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
@@ -217,7 +218,8 @@ class LineSegments:
         bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
         members = zip(self.spread, points, strict=False)  # no spread deflection beside plates
         spread = [one.loads(self.fields, points[1], loaded, weights).T for one, loaded in members]
-        return Loads(np.concatenate([*bending, *spread], axis=1), on_bodies)
+        ends = end_loads_at(self.fields, points, self.teeth) @ weights
+        return Loads(np.concatenate([*bending, *spread, ends.T], axis=1), on_bodies)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:
@@ -231,21 +233,33 @@ def loaded_at(
 ) -> dict[str, Array]:
     """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and the line contact there.
 
-    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them, and
-    the deflection that free ends add.
+    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them.
     """
     found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
-    found |= {"pinion_point": points[0], "point": points[1], "free_end": np.zeros(points[1].shape[1:])}
+    found |= {"pinion_point": points[0], "point": points[1]}
     if solid is None:
         return found
     ends = [tooth_ends(fields, member, loaded) for member, loaded in zip(MEMBERS, points, strict=True)]
     load_end = np.minimum(*(one.distance for one in ends))
     for name, material, own in zip(DEPTHS, solid, ends, strict=True):
         depth = np.maximum(found[name], MATERIAL_DEPTH_MINIMUM)
-        more = free_end_deflection(depth, own.distance, material, own.cosine)
-        found["free_end"] = found["free_end"] + more.sum(axis=0)
-        found[name] = depth * np.prod(remaining_depth(depth, load_end, own.distance, material), axis=0)
+        found[name] = depth * np.prod(remaining_depth(depth, load_end, material, own.cosine), axis=0)
     return found
+
+
+def end_loads_at(fields: FlankSplines, points: tuple[Array, Array], teeth: ElasticTeeth) -> Array:
+    """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded at points (2, ...) of the gear.
+
+    None on plates, which know no more than the dissertation's method.
+    """
+    found = [np.zeros((0, *points[1].shape[1:]))]
+    for name, member, material, tooth, loaded in zip(DEPTHS, MEMBERS, teeth.solid or (), teeth.both, points, strict=False):
+        assert isinstance(tooth, FlankCompliance)
+        depth = np.maximum(fields(name, loaded), MATERIAL_DEPTH_MINIMUM)
+        distances = tooth_ends(fields, member, loaded).distance
+        ends = zip(distances, tooth.end_slants, strict=True)
+        found += [end_loads(depth, distance, slant, material) for distance, slant in ends]
+    return np.concatenate(found)
 
 
 @dataclass(frozen=True)
@@ -393,7 +407,6 @@ class CycleSegments:
             model.gear,
             model.foot_correction,
             overhang=table["overhang"],
-            free_end=table["free_end"],
         )
         for i, (k, own) in enumerate(parts.items()):
             here = {name: values[..., own] for name, values in table.items()}

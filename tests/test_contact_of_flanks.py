@@ -94,12 +94,12 @@ def test_impossible_numbers_are_refused(name: str, value: float) -> None:
 
 def test_thin_bricks_at_the_edges() -> None:
     even = LatticeSpacing.of_size(LatticeSize(lengthwise=10, upward=6))
-    thin = thinner_edges(even, 0.25)
+    thin = thinner_edges(even, (0.25, 0.5))
     for before, after, ends in ((even.lengthwise, thin.lengthwise, 2), (even.upward, thin.upward, 1)):
         assert after.size == before.size
         assert (after[0], after[-1]) == (0.0, pytest.approx(1.0))
         ratio = np.diff(after[::2]) / np.diff(before[::2])
-        np.testing.assert_allclose(ratio[[-2, -1]] / ratio[3], [0.5, 0.25])
+        np.testing.assert_allclose(ratio[[-2, -1]] / ratio[3], [0.5 if ends == 2 else 1.0, 0.25])
         if ends == 2:
             np.testing.assert_allclose(after, 1.0 - after[::-1], atol=1e-15)
     assert thin.through is even.through

@@ -114,7 +114,7 @@ class _Bodies:
 
 #: Arrays of a line contact with a value for every segment.
 _OF_SEGMENTS = (
-    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang", "free_end"),
+    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang"),
     *("_floor", "_start", "_bend", "_floor_energy"),
 )
 
@@ -144,14 +144,12 @@ class WeberLineContact:
     overhang
         Distance beyond the edge of a tooth at which the bodies would come closest [mm], negative before it; NaN if no
         edge is near.
-    free_end
-        Deflection per line load that free ends of the teeth add [mm/(N/mm)], see ``free_end_deflection``.
 
     Raises
     ------
     InputError
-        If an array is not positive and finite (the overhang: finite or NaN; the free end: zero, too), the shapes do not
-        broadcast, or an option is out of range.
+        If an array is not positive and finite (the overhang: finite or NaN), the shapes do not broadcast, or an option
+        is out of range.
 
     Examples
     --------
@@ -171,7 +169,6 @@ class WeberLineContact:
     foot_correction: float = 0.0
     floor_ratio: float = 1e-3
     overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))
-    free_end: FloatArray = field(default_factory=lambda: np.array(0.0))
     _bodies: _Bodies = field(init=False, repr=False)
     _floor: FloatArray = field(init=False, repr=False)
     _start: FloatArray = field(init=False, repr=False)
@@ -179,7 +176,7 @@ class WeberLineContact:
     _floor_energy: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang", "free_end")
+        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
         arrays = [np.asarray(getattr(self, name), dtype=np.float64) for name in names]
         try:
             arrays = [np.array(array) for array in np.broadcast_arrays(*arrays)]
@@ -189,8 +186,6 @@ class WeberLineContact:
         for name, array in zip(names, arrays, strict=True):
             if name == "overhang":
                 allowed, bad = "finite or NaN [mm]", np.isinf(array)
-            elif name == "free_end":
-                allowed, bad = "at least 0 and finite [mm/(N/mm)]", ~(np.isfinite(array) & (array >= 0.0))
             else:
                 allowed, bad = "positive and finite [mm]", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
@@ -256,7 +251,7 @@ class WeberLineContact:
     @property
     def _correction(self) -> FloatArray:
         """Deflection per line load beside that of half planes."""
-        return np.asarray(self.foot_correction * self.flexibility + self.free_end)
+        return np.full(self.length.shape, self.foot_correction * self.flexibility)
 
     @property
     def flexibility(self) -> float:
@@ -269,7 +264,7 @@ class WeberLineContact:
 
         Length; depths, deflections per line load over the logarithm and contractions of pinion and gear; square of the
         half-width per line load; overhang; the floor, and start and bend of the quadratic below it; what foot of the
-        normal and free ends add; what a cut adds.
+        normal adds; what a cut adds.
         """
         bodies, table = self._bodies, np.empty((self.length.size, 14))
         columns = (

@@ -25,9 +25,13 @@ from ...geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lat
 from .surface_compliance import surface_compliance
 
 Array = NDArray[Any]
-EDGE_BRICK_RATIO = 0.07  # thickness of the bricks at tip, toe and heel over that of the others
+# Thicknesses of bricks over that of the others, the outermost first: at tip, toe and heel, and below the loaded flank.
+# A tooth ends in wedges; with bricks as thick as the load is far from the end, a sharp one would be much too stiff.
+EDGE_BRICKS = (0.05, 0.12, 0.3, 0.65)
+THROUGH_BRICKS = (0.04, 0.1, 0.25, 0.7, 1.0, 0.3)
+EDGE_SHARE = 4  # at most every so many bricks are thinner at one edge
 LOADED_PROFILE_LIMIT = 0.02  # of the nodes that are loaded; the fillet below is too strongly curved for a half space
-STORE_VERSION = 1  # of what is kept; raise it when the same input gives other arrays
+STORE_VERSION = 2  # of what is kept; raise it when the same input gives other arrays
 
 
 @dataclass(frozen=True)
@@ -84,16 +88,23 @@ def cubic_shares(points: Array, wanted: Array) -> tuple[NDArray[np.int64], Array
     return index.astype(np.int64), shares
 
 
-def thinner_edges(points: LatticeSpacing, ratio: float) -> LatticeSpacing:
-    """Points of as many bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
-    heel = _thinner_end(points.lengthwise, ratio)
-    both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
-    return LatticeSpacing(both, _thinner_end(points.upward, ratio), points.through)
+def thinner_edges(points: LatticeSpacing, ratios: tuple[float, ...]) -> LatticeSpacing:
+    """Points of as many bricks, those at tip, toe and heel thinner by ratios, the outermost by the first."""
+    heel = _thinner_end(points.lengthwise, ratios)
+    both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratios)[::-1]
+    enough = points.through.size == 2 * len(THROUGH_BRICKS) + 1
+    through = _points(np.array(THROUGH_BRICKS)) if enough else points.through
+    return LatticeSpacing(both, _thinner_end(points.upward, ratios), through)
 
 
-def _thinner_end(points: Array, ratio: float) -> Array:
+def _thinner_end(points: Array, ratios: tuple[float, ...]) -> Array:
     sizes = np.diff(points[::2])
-    sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
+    count = min(len(ratios), max(sizes.size // EDGE_SHARE, 1))
+    sizes[-count:] *= ratios[count - 1 :: -1]
+    return _points(sizes)
+
+
+def _points(sizes: Array) -> Array:
     return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
 
 
@@ -131,7 +142,7 @@ def flank_response(
     (35, 35)
     """
     lattice = tooth_lattice(
-        pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICK_RATIO)
+        pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS)
     )
     key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}

@@ -13,10 +13,12 @@ from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_lattice import LatticeSize
 from .flank_contact import FlankContact
+from .flank_response import THROUGH_BRICKS
 
 Array = NDArray[Any]
 BRICKS_PER_MILLIMETRE = 0.55  # along the face
-FEWEST_BRICKS, MOST_BRICKS = 20, 28  # along the face
+FEWEST_BRICKS, MOST_BRICKS = 24, 32  # along the face
+THIN_BRICKS = 4  # of these
 
 
 @dataclass(frozen=True)
@@ -106,17 +108,17 @@ def edge_distance(section: BlankSection, place: Array) -> float:
 
 
 def response_size(pair: GearPair, member: MemberName, *, finer: bool = False) -> LatticeSize:
-    """Bricks of a tooth for its response: a little more than those of the analysis, or many more.
+    """Bricks of a tooth for its response: more than those of the analysis, thin ones at its ends, or many more.
 
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
     >>> response_size(gear_pair(read_case("nasa-12x36")), "gear").lengthwise
-    20
+    24
     """
     one = getattr(pair, member)
     trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
     length = float(np.linalg.norm(np.diff(trace, axis=1), axis=0).sum())
-    along = int(np.clip(round(BRICKS_PER_MILLIMETRE * length), FEWEST_BRICKS, MOST_BRICKS))
-    usual = LatticeSize(lengthwise=along, upward=7)
-    return replace(usual, lengthwise=usual.lengthwise + 8, upward=9, through=6, slot=3) if finer else usual
+    along = int(np.clip(round(BRICKS_PER_MILLIMETRE * length) + THIN_BRICKS, FEWEST_BRICKS, MOST_BRICKS))
+    usual = LatticeSize(lengthwise=along, upward=13, through=len(THROUGH_BRICKS))
+    return replace(usual, lengthwise=usual.lengthwise + 8, upward=17, slot=3) if finer else usual

@@ -14,6 +14,7 @@ from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....core.processes.memory import require_memory
 from ....geometry.pair.gear_pair import GearPair
+from ....geometry.tooth.end_slants import end_slants
 from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
     DEPTH_PER_HEIGHT,
@@ -132,7 +133,9 @@ def finite_element_tooth(
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(found["stations"], found["stress"])
-    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
+    flank = _flank(found, pair, member)
+    if neighbours:
+        flank = _on_body(flank, pair, member, material, rim_depth, web, key)
     return FiniteElementTooth(flank, root, reason)
 
 
@@ -193,7 +196,9 @@ def solid_shell_tooth(
         _flank_arrays(size),
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
-    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
+    flank = _flank(found, pair, member)
+    if neighbours:
+        flank = _on_body(flank, pair, member, material, rim_depth, web, key)
     return FiniteElementTooth(flank, None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
@@ -225,8 +230,9 @@ def _flank_arrays(size: LatticeSize) -> Shapes:
     return {"lengthwise": (along,), "profile": (along, up), "factor": (None, along * up)}
 
 
-def _flank(found: Mapping[str, Array]) -> FlankCompliance:
-    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"])
+def _flank(found: Mapping[str, Array], pair: GearPair, member: MemberName) -> FlankCompliance:
+    slants = end_slants(named_member(pair, member))
+    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"], end_slants=slants)
 
 
 def _on_body(

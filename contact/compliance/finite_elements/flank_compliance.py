@@ -62,12 +62,15 @@ class FlankCompliance:
     body
         The body shared with the other teeth, whose compliance comes to that of ``factor``; ``None`` if each tooth is on
         a body of its own.
+    end_slants
+        Angles of toe and heel faces against the normal of the flank [rad], positive where the tooth is a sharp wedge.
     """
 
     lengthwise: Array
     profile: Array
     factor: Array
     body: SharedBody | None = None
+    end_slants: tuple[float, float] = (0.0, 0.0)
 
     def whitened(self, points: Array, weights: Array) -> Array:
         """Whitened unit loads on segments: their inner products are the compliances.

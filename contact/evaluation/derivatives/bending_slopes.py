@@ -20,7 +20,7 @@ from ...compliance.material import Material
 from ...compliance.spread_deflection import SpreadDeflection, gaussians
 from ...lines.flank_splines import SLOPES
 from ...lines.opposite_points import PINION_FRACTIONS
-from ...segments import LineSegments
+from ...segments import LineSegments, end_loads_at
 from .field_directions import FieldDirections
 from .segment_slopes import SegmentSlopes
 
@@ -64,14 +64,14 @@ class BendingSlopes:
         Unit loads of both members.
     weights
         Of the quadrature points of a segment (g).
-    spread
-        Spread deflection's unit loads (n, k) and their derivatives (j, n, k).
+    beside
+        Unit loads (n, k) of the spread deflection and of the free ends, and their derivatives (j, n, k).
     """
 
     on_lines: LineSegments
     members: tuple[MemberLoads, ...]
     weights: Array
-    spread: tuple[Array, Array]
+    beside: tuple[Array, Array]
 
     @classmethod
     def of(cls, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
@@ -96,7 +96,9 @@ class BendingSlopes:
             loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
             members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
-        return cls(on_lines, tuple(members), weights, _spread(on_lines, directions, segments))
+        beside = (_spread(on_lines, directions, segments), _ends(on_lines, directions, segments))
+        loads, change = (np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True))
+        return cls(on_lines, tuple(members), weights, (loads, change))
 
     def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
         """Changes of the deflections (s, j) [mm] by the settings, under held forces.
@@ -139,7 +141,7 @@ class BendingSlopes:
                     held = np.concatenate([np.zeros(member.own), answer[number, columns]])
                     result[rows] += self._moved(member, chosen[rows], held)
                     result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
-        loads, change = self.spread
+        loads, change = self.beside
         for one in pairs if loads.shape[1] else ():
             rows = np.flatnonzero(pair == one)
             own, moved = loads[chosen[rows]], change[:, chosen[rows]]
@@ -192,6 +194,24 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
     loads, slopes = zip(*found, strict=True)
     return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _ends(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
+    """Unit loads (n, k) of the free ends of both members, and their derivatives (j, n, k)."""
+    points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
+    loads = end_loads_at(directions.base, points, on_lines.teeth) @ weights
+    slopes = np.zeros((segments.steps.size, *loads.T.shape))
+    for j, step in enumerate(segments.steps):
+        ahead, behind = (
+            end_loads_at(
+                directions.moved(j, sign * step),
+                (points[0] + sign * step * moved[0][..., j], points[1] + sign * step * moved[1][..., j]),
+                on_lines.teeth,
+            )
+            for sign in (1.0, -1.0)
+        )
+        slopes[j] = ((ahead - behind) @ weights).T / (2.0 * step)
+    return loads.T, slopes
 
 
 def _with_motion(directions: FieldDirections, name: str, points: Array, motion: Array) -> tuple[Array, Array]:

@@ -140,7 +140,6 @@ def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Arr
     for name in ("depth_pinion", "depth_gear"):
         inside = getattr(contact, name)[:, None] > MATERIAL_DEPTH_MINIMUM
         sizes[name] = np.where(inside, slopes[name], 0.0)
-    sizes["free_end"] = slopes["free_end"]
     if np.any(np.isfinite(contact.overhang)):
         sizes["overhang"] = slopes["overhang"]
     return sizes
@@ -158,6 +157,4 @@ def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
         ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
         for one, values in zip(found, np.split((ahead - behind) / (2.0 * step), ends), strict=True):
             one[name] = values
-    for one, case in zip(found, cases, strict=True):
-        one["free_end"] = case.solution.force / case.segments.length
     return found

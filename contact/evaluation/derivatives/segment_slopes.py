@@ -26,10 +26,8 @@ from .line_motion import LineMotion
 Array = NDArray[Any]
 
 STEP = 1e-5  # of the flank, and of the range of a field, in differences of smooth functions of the fields
-#: What follows from where both members are loaded.
-OF_PLACES = (*DEPTHS, "free_end")
-#: What a segment has of its own.
-NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *OF_PLACES)
+#: What a segment has of its own; the depths follow from where both members are loaded.
+NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *DEPTHS)
 
 
 @dataclass(frozen=True)
@@ -160,7 +158,7 @@ class _Loaded:
         rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
         edges = traced.edges if near is None else flank_edges(traced.fields, near)
         found = chosen_elements(traced.fields, rotation, edges, edge, element)
-        on_edges = {name: getattr(found, name) for name in NAMES if name not in OF_PLACES}
+        on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
         there = pinion_points(traced.fields, found.points, rotation), found.points
         on_edges |= loaded_at(traced.fields, there, traced.on_lines.teeth.solid)
         joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
