@@ -253,7 +253,9 @@ def end_loads_at(fields: FlankSplines, points: tuple[Array, Array], teeth: Elast
     None on plates, which know no more than the dissertation's method.
     """
     found = [np.zeros((0, *points[1].shape[1:]))]
-    for name, member, material, tooth, loaded in zip(DEPTHS, MEMBERS, teeth.solid or (), teeth.both, points, strict=False):
+    for name, member, material, tooth, loaded in zip(
+        DEPTHS, MEMBERS, teeth.solid or (), teeth.both, points, strict=False
+    ):
         assert isinstance(tooth, FlankCompliance)
         depth = np.maximum(fields(name, loaded), MATERIAL_DEPTH_MINIMUM)
         distances = tooth_ends(fields, member, loaded).distance

@@ -141,9 +141,7 @@ def flank_response(
     >>> response.beyond_half_space.shape
     (35, 35)
     """
-    lattice = tooth_lattice(
-        pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS)
-    )
+    lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS))
     key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}
     found = kept(key, shapes, lambda: _response(lattice, material, member))
