@@ -67,7 +67,7 @@ def test_the_excess_over_the_greatest_pressure_inside_is_told() -> None:
 )
 def test_what_is_too_low_at_the_ends_of_teeth_is_told(end: LineEnd, told: bool) -> None:
     (note,) = end_notes(one_line([840.0, *[700.0] * 10], end))
-    assert ("up to some 12 % too low where the mate's tooth goes on beyond this end" in note) == told
+    assert ("up to some 8 % too low where the mate's tooth goes on beyond this end" in note) == told
 
 
 def test_where_only_ends_carry_nothing_is_inside() -> None:

@@ -12,9 +12,9 @@ import pytest
 from easeoff import analyze, read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
-from easeoff.contact.compliance.free_end import MODES
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
+from easeoff.contact.compliance.free_end import MODES
 from easeoff.contact.lines.closest_approach import across_line, one_step
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines

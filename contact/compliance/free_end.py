@@ -1,7 +1,7 @@
 """Line contact near the end of a tooth, and near the end of a load on a tooth that goes on.
 
-**Ends of a load.** Plane line contact takes the load to go on. Where it ends, by Boussinesq's field of a half space what
-is missing from a distance s on has in the approach of flank and foot of the normal, at the depth h,
+**Ends of a load.** Plane line contact takes the load to go on. Where it ends, by Boussinesq's field of a half space,
+what is missing from a distance s on has in the approach of flank and foot of the normal, at the depth h,
 
     m(s) = q (1 - nu^2) / (pi E) [ln(h / 2 s) + asinh(s / h) - (1 - s / r) / (2 (1 - nu))],    r^2 = s^2 + h^2.
 

@@ -11,7 +11,7 @@ from ....contact.evaluation.pressure_place import LineEnd, max_inner_pressure
 END_UNCERTAINTY = 0.06
 INSIDE = (LineEnd.INSIDE, LineEnd.UNKNOWN)
 #: Part by which a line load is too low at an end of one member's tooth beyond which the other's goes on.
-TOO_LOW = 0.12
+TOO_LOW = 0.08
 TOOTH_ENDS = (LineEnd.GEAR_TOE, LineEnd.GEAR_HEEL, LineEnd.PINION_TOE, LineEnd.PINION_HEEL)
 
 
