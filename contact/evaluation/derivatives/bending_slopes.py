@@ -27,6 +27,7 @@ from .segment_slopes import SegmentSlopes
 Array = NDArray[Any]
 
 POINT_STEP = 1e-6  # fraction of the flank; shape functions are quadratic
+END_STEP_SHARE = 0.05  # of the usual steps: unit loads of free ends fall off in hundredths of a millimetre
 PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetres wide
 
 
@@ -201,7 +202,7 @@ def _ends(on_lines: LineSegments, directions: FieldDirections, segments: Segment
     points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
     loads = end_loads_at(directions.base, points, on_lines.teeth) @ weights
     slopes = np.zeros((segments.steps.size, *loads.T.shape))
-    for j, step in enumerate(segments.steps):
+    for j, step in enumerate(END_STEP_SHARE * segments.steps):
         ahead, behind = (
             end_loads_at(
                 directions.moved(j, sign * step),
