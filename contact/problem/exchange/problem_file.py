@@ -268,7 +268,7 @@ def read_attributes(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
     """A file of contact problems in memory; InputError if it is none."""
-    dataset = read_dataset(path)
+    dataset = read_dataset(path, square=True)
     if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
         raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
     version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
