@@ -103,6 +103,9 @@ class ContactSolution:
         The method and what happened, in plain words.
     words
         The solver's own message, as it is.
+    stiffness
+        Torque that turns the gear by one radian while the touching segments keep contact, their line contacts yielding
+        by the tangent [N mm/rad]; NaN where the method does not give it.
     exchanges
         Exchanges of segments that the polish made: zero if the active set of the solver was right.
     times
@@ -132,6 +135,7 @@ class ContactSolution:
     exchanges: int = 0
     times: CallTimes = CallTimes()
     words: str = ""
+    stiffness: float = math.nan
 
     def __repr__(self) -> str:
         """Solver and how it ended; of a certified solution segments in contact, rotation and certificate."""
@@ -236,6 +240,7 @@ def judged(
     method: str = "",
     polished: bool = False,
     message: str = "",
+    stiffness: float = math.nan,
 ) -> ContactSolution:
     """Return the solution with the status that the certificate of an answer gives it.
 
@@ -251,7 +256,7 @@ def judged(
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     claim
         The solver's own report; by default that of the certificate.
-    iterations, method, polished, message
+    iterations, method, polished, message, stiffness
         Passed on to the solution.
     """
     status = Status.NOT_CERTIFIED if suspicion is None else suspicion
@@ -269,6 +274,7 @@ def judged(
         polished=polished,
         tolerance=tolerance,
         message=message,
+        stiffness=stiffness,
     )
 
 
