@@ -26,7 +26,7 @@ from .supports.held_members import HeldMembers
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
 EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
-EDGE_SEARCH_POSITIONS = 4  # mesh positions at which the rotation is found first, to search edges for all
+EDGE_SEARCH_POSITIONS = 2  # mesh positions at which the rotation is found first, to search edges for all
 EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge must be met to be taken in
 
 
