@@ -22,7 +22,6 @@ from easeoff.contact.solvers import registry
 from easeoff.contact.solvers.compiled import compiled_answer
 from easeoff.contact.solvers.compiled.compiled_answer import (
     compiled_code,
-    line_contact_answer,
     line_contact_answers,
     linear_answer,
 )
@@ -255,7 +254,7 @@ def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> Non
     expected = newton_answers(bendings, LineContacts(contacts), [None] * 4)
     for bending, contact, other in zip(bendings, contacts, expected, strict=True):
         assert other is not None
-        found = line_contact_answer(bending, contact.parameters)
+        found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
         assert np.abs(force - other[0].force).max() <= 1e-11 * force.max()
@@ -273,7 +272,7 @@ def test_torques_solved_together_are_those_solved_alone() -> None:
     contact, first = contact_of(62, 3, edges=True), ContactProblem.of_modes(*parts)
     bendings = [first.with_torque(torque) for torque in (3e6, 1e2, 1e5)]
     for bending, found in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True):
-        alone = line_contact_answer(bending, contact.parameters)
+        alone = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         assert alone is not None
         assert found.answer.force.tolist() == alone.answer.force.tolist()

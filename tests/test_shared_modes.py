@@ -38,7 +38,7 @@ from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
 from easeoff.contact.problem.proof.residuals import exact_residuals
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answer, linear_answer
+from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answers, linear_answer
 from easeoff.contact.solvers.parametric.dense_touching import DenseTouching
 from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
@@ -280,7 +280,7 @@ def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
     for bending, contact, other in zip(bendings, contacts, plain, strict=True):
         assert other is not None
         assert bending.modal_basis is not None
-        found = line_contact_answer(bending, contact.parameters)
+        found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
         assert found.answer.certificate.worst <= 1e-11

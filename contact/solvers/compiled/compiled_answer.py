@@ -118,11 +118,6 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     return force, gap, numbers, counts
 
 
-def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer | None:
-    """Solve a contact problem with load-dependent line contact; see `line_contact_answers`."""
-    return line_contact_answers([bending], law)[0]
-
-
 def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list[CompiledAnswer | None]:
     """Solve contact problems of the same segments with load-dependent line contact at several torques.
 
