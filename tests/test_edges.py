@@ -19,7 +19,6 @@ from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from easeoff.contact.lines.mesh_edges import EDGES, EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.lines.mesh_lines import lines_at, mesh_rotations
 from easeoff.contact.lines.opposite_points import OppositePoints, pinion_points
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments
@@ -321,23 +320,6 @@ def test_lines_end_where_their_closest_approach_meets_an_edge(name: str) -> None
         _, pinion = exact_gap(flanks, closest, rotation)
         border = np.min(np.abs([*closest, *(1.0 - closest), *pinion, *(1.0 - pinion)]), axis=0)
         assert np.nanmax(border) < 1e-2
-
-
-def test_a_line_over_a_corner_shrinks_to_nothing() -> None:
-    """As they are traced, lines leave the flank while their closest approach is some tenths of a millimetre long."""
-    geometry = pair_geometry(gear_pair(read_case("fm-11x41")).misaligned(Misalignment(0.05, -0.03)))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    pitch = geometry.pair.assembly.pinion_pitch
-    mesh = lines_at(fields, pitch, mesh_rotations(pitch, 512)[404:418])
-    ended = lines_to_edges(fields, mesh)
-    length = ended.lines.length[ended.pair == -1]
-    assert ended.position[ended.pair == -1].tolist() == list(range(length.size))
-    assert np.all(np.diff(length) < 0.0)
-    assert np.ptp(np.diff(length)) < 0.04
-    assert length[-1] < 0.08
-    traced = np.count_nonzero(mesh.pair == -1)
-    assert traced <= length.size - 3
-    assert length[traced - 1] > 0.2
 
 
 def test_edges_begin_exactly_where_lines_end() -> None:

@@ -3,9 +3,8 @@
 A contact line is the curve of conjugate contact, clipped to both flanks. The flanks come closest a little beside it, on
 steep ease-offs by some tenths of a millimetre. Where a line runs into an edge at a small angle, its last part can have
 its closest approach beyond the edge. There is no flank there: the edge itself touches, see ``mesh_edges``. At the other
-end the closest approach can lie on both flanks though the line has left them, and so it can where the whole line has,
-over a corner of the flank. Here a line is cut or extended to where its closest approach lies on both flanks, so that
-edges begin exactly where lines end.
+end the closest approach can lie on both flanks though the line has left them. Here a line is cut or extended to where
+its closest approach lies on both flanks, so that edges begin exactly where lines end.
 """
 
 from __future__ import annotations
@@ -47,10 +46,8 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     mesh
         Contact lines from ``lines_in_mesh``.
     """
-    lines = mesh.lines
-    source, position, pair = _with_lines_beyond(mesh)
-    rotation = (mesh.rotations[position] - pair * mesh.pinion_pitch)[:, None]
-    points = onto_level(splines, _extended(lines)[:, source], rotation, beyond=EXTRAPOLATION_LIMIT)
+    lines, rotation = mesh.lines, line_rotations(mesh)[:, None]
+    points = onto_level(splines, _extended(lines), rotation, beyond=EXTRAPOLATION_LIMIT)
     first, last, found = _inside(_margin(splines, points, rotation))
     rows, span = np.flatnonzero(found), np.linspace(0.0, 1.0, POINTS_PER_LINE)
     at = first[rows, None] + (last - first)[rows, None] * span
@@ -64,27 +61,8 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     )
     kept = length[:, -1] > LENGTH_RATIO_LIMIT * lines.length.max()
     chosen = rows[kept]
-    ended = ContactLines(lines.level[source[chosen]], curves[:, kept], length[kept, -1])
-    return MeshLines(mesh.rotations, ended, position[chosen], pair[chosen], mesh.pinion_pitch)
-
-
-def _with_lines_beyond(mesh: MeshLines) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Lines (m) to start from, mesh positions and tooth pairs of the lines and of those that have just left the flank.
-
-    The latter have a roll angle less or greater than any line, and start from the nearest.
-    """
-    roll = line_rotations(mesh)
-    reach = EXTRAPOLATION_LIMIT * float(np.ptp(roll))
-    numbers = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
-    positions, pairs = (each.ravel() for each in np.meshgrid(np.arange(mesh.rotations.size), numbers, indexing="ij"))
-    here = mesh.rotations[positions] - pairs * mesh.pinion_pitch
-    away = np.maximum(here - roll.max(), roll.min() - here)
-    near = (away > 0.0) & (away < reach)
-    nearest = np.argmin(np.abs(roll - here[near, None]), axis=1)
-    position = np.concatenate([mesh.position, positions[near]])
-    pair = np.concatenate([mesh.pair, pairs[near]])
-    order = np.lexsort((pair, position))
-    return np.concatenate([np.arange(roll.size), nearest])[order], position[order], pair[order]
+    ended = ContactLines(lines.level[chosen], curves[:, kept], length[kept, -1])
+    return MeshLines(mesh.rotations, ended, mesh.position[chosen], mesh.pair[chosen], mesh.pinion_pitch)
 
 
 def line_rotations(mesh: MeshLines) -> Array:
