@@ -97,9 +97,9 @@ def unloaded_contact(
     Returns
     -------
     xr.Dataset
-        Transmission error (pair, mesh_position) and envelope, which is there on a finer grid, too; path of contact with the edge it runs on, ends of the
-        contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the
-        dissertation's tables.
+        Transmission error (pair, mesh_position) and envelope, which is there on a finer grid, too; path of contact with
+        the edge it runs on, ends of the contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to
+        peak, harmonics and rms as in the dissertation's tables.
 
     Raises
     ------
