@@ -89,6 +89,7 @@ def _notebook_bar(**options: Any) -> Iterator[Any]:
     from tqdm.auto import tqdm
 
     tqdm.monitor_interval = 0  # no thread, see terminal_bar
+    bar: Any
     widgets = "tqdm.notebook" in sys.modules and issubclass(tqdm, sys.modules["tqdm.notebook"].tqdm_notebook)
     if not widgets:
         with tqdm(leave=False, **options) as bar:

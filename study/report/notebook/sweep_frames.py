@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -56,6 +56,11 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
     return frames
 
 
+def _along(variable: Any, sizes: dict[Any, int]) -> Any:
+    """A variable repeated along the dimensions that it lacks."""
+    return variable.set_dims(sizes)
+
+
 def _whole(dataset: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
     """All numbers of a dataset over some dimensions; what does not depend on one of them is repeated along it."""
     beside = [str(name) for name in dataset.coords if name not in dataset.dims and set(dataset[name].dims) <= {*index}]
@@ -64,6 +69,6 @@ def _whole(dataset: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
     )
     sizes = {name: dataset.sizes[name] for name in index}
     repeated = {
-        name: variable.variable.set_dims({**sizes, **variable.sizes}) for name, variable in data.data_vars.items()
+        name: _along(variable.variable, {**sizes, **variable.sizes}) for name, variable in data.data_vars.items()
     }
     return frame_over(data.drop_vars(list(data.data_vars)).assign(repeated), index)
