@@ -34,7 +34,7 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
     --------
     >>> import easeoff
     >>> frames = sweep_frames(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
-    >>> list(frames)[:2], frames["points"].index.names
+    >>> list(frames)[:2], list(frames["points"].index.names)
     (['points', 'percentiles'], ['E [mm]', 'torque [N m]'])
     """
     loads = [name for name in LOADS if name in dataset.dims]
