@@ -143,7 +143,7 @@ class ContactSolution:
         if not self.certified:
             return f"{head}\n  {self.message}" if self.message else head
         touching = f"{np.count_nonzero(self.active)} of {self.force.size} segments in contact"
-        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate}"
+        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate.told(self.tolerance)}"
 
     @property
     def certified(self) -> bool:
@@ -225,8 +225,13 @@ class ContactSolution:
 
     @property
     def active(self) -> NDArray[np.bool_]:
-        """Segments that carry load, (n): the warm start of a neighbouring problem."""
-        return self.force > 0.0
+        """Segments that carry load, (n): the warm start of a neighbouring problem.
+
+        An exact answer, of the native solver or polished, has zero on all others. In the answer of another solver a
+        force up to its `tolerance` of the greatest is none: the certificate could not tell it from zero.
+        """
+        exact = self.polished or self.solver == "native"
+        return self.force > (0.0 if exact else self.tolerance * float(self.force.max()))
 
 
 def judged(

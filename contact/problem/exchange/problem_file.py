@@ -43,6 +43,7 @@ from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays
 from ..problem_dataset import ATTRIBUTES
 from ..problem_dataset import FORMAT as SINGLE_FORMAT
+from .problem_set import require_problems
 from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
 from .reference_solutions import reference_variables, require_answers
 
@@ -98,8 +99,7 @@ def write_problems(
     ...     read_labels(Path(folder, "problems.nc"))["mesh_position"].tolist()
     [0.25]
     """
-    if not problems:
-        raise InputError("problems = []: must hold at least one contact problem")
+    require_problems(problems)
     require_answers(problems, answers)
     dataset = _dataset(problems)
     if answers is not None:
