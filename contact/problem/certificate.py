@@ -50,7 +50,7 @@ class Certificate:
         max of min(F, Y), each by its scale: no segment carries load across a gap.
     duality_gap
         ``|F'CF + S'F - theta T|``, S and theta from first contact: work on the segments less work of the torque. Over
-        the sum of |F| times that mean deflection plus the sum of |F S|.
+        the sum of ``|F|`` times that mean deflection plus the sum of ``|F S|``.
     resolution
         Bound of the rounding in these five, relative to the same scales.
     cancellation
