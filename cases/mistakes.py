@@ -117,7 +117,9 @@ def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> s
         place = f"[{'.'.join(map(str, table))}]" if table else f"a {model.__name__.lower()} file"
         listed = "" if table in told else f"; known are: {', '.join(known)}"
         told.add(table)
-        return f"is not a key of {place}{listed}{near}"
+        others = _tables_with(model, str(item["loc"][-1]))
+        there = f"; it is one of {' and '.join(others)}, whose line must stand above it" if others else near
+        return f"is not a key of {place}{listed}{there}"
     if kind == "value_error":
         return str(context["error"])
     if kind in LIMIT_MESSAGES:
@@ -135,6 +137,12 @@ def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> s
 def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
     """Keys of the table ``table`` of a case or design."""
     return sorted(_node(model, tuple(part for part in table if isinstance(part, str))).get("properties", {}))
+
+
+def _tables_with(model: type[BaseModel], key: str) -> list[str]:
+    """The tables of a case or design, in brackets, that have a key; none if it stands outside of all tables."""
+    tables = _known_keys(model, ())
+    return [f"[{table}]" for table in tables if key in _known_keys(model, (table,)) and key not in tables]
 
 
 def _unit(model: type[BaseModel], key: tuple[Any, ...]) -> str:

@@ -13,20 +13,20 @@ from ..core.checks import array
 from ..core.ordered_values import ordered
 from ..core.processes.blas_threads import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
-from .line_contact.line_contact_law import LineContacts, solve_line_contacts
+from .line_contact.line_contact_law import LineContacts, solve_at_torques
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, loaded_dataset
 from .segments import CycleSegments, LineSegments, Segments
-from .solvers import SolverChoice, Status
+from .solvers import SolverChoice
 from .supports.held_members import HeldMembers
 
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
 EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
-EDGE_SEARCH_POSITIONS = 4  # mesh positions at which the rotation is found first, to search edges for all
+EDGE_SEARCH_POSITIONS = 2  # mesh positions at which the rotation is found first, to search edges for all
 EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge must be met to be taken in
 
 
@@ -239,13 +239,11 @@ def solve_all(
     """
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
     contacts = LineContacts([here.line_contact for _, here in present])
-    starts: list[Array | None] = [None] * len(present)
+    order, problems = np.argsort(torques, kind="stable"), [here.bending_problem for _, here in present]
     cases = []
-    for index in np.argsort(torques, kind="stable"):
-        problems = [here.bending_problem.with_torque(1e3 * ratio * float(torques[index])) for _, here in present]
-        solved = solve_line_contacts(problems, contacts, tuple(starts), solver, **options)
-        for i, ((k, here), (solution, secant)) in enumerate(zip(present, solved, strict=True)):
-            starts[i] = solution.force if solution.status == Status.CERTIFIED else None
+    at_torques = solve_at_torques(problems, contacts, 1e3 * ratio * torques[order], solver, **options)
+    for index, solved in zip(order, at_torques, strict=True):
+        for (k, here), (solution, secant) in zip(present, solved, strict=True):
             cases.append(LoadedCase(int(index), k, here, solution, secant))
             if progress is not None:
                 progress()

@@ -32,6 +32,10 @@ from .supports.support_modes import SupportModes
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
 RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact
+#: Points (2, 2, 5) in the middle of the height of toe and heel.
+END_MIDDLES = np.stack(
+    [np.linspace([0.0, 1.0], [0.25, 0.75], 5, axis=1), np.full((2, 5), 0.5)]
+)
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
@@ -253,14 +257,15 @@ def end_loads_at(fields: FlankSplines, points: tuple[Array, Array], teeth: Elast
     None on plates, which know no more than the dissertation's method.
     """
     found = [np.zeros((0, *points[1].shape[1:]))]
-    for name, member, material, tooth, loaded in zip(
-        DEPTHS, MEMBERS, teeth.solid or (), teeth.both, points, strict=False
-    ):
+    members = zip(MEMBERS, teeth.solid or (), teeth.both, points, strict=False)
+    for member, material, tooth, loaded in members:
         assert isinstance(tooth, FlankCompliance)
-        depth = np.maximum(fields(name, loaded), MATERIAL_DEPTH_MINIMUM)
-        distances = tooth_ends(fields, member, loaded).distance
-        ends = zip(distances, tooth.end_slants, strict=True)
-        found += [end_loads(depth, distance, slant, material) for distance, slant in ends]
+        depth, height = fields.evaluate([f"depth_{member}", f"shell_height_{member}"], loaded).values()
+        depth = np.maximum(depth, MATERIAL_DEPTH_MINIMUM)
+        middle = fields(f"depth_{member}", END_MIDDLES).mean(axis=-1)
+        distance = tooth_ends(fields, member, loaded).distance
+        for end, slant in enumerate(tooth.end_slants):
+            found.append(end_loads(depth, distance[end], height, slant, material, float(middle[end])))
     return np.concatenate(found)
 
 

@@ -97,9 +97,9 @@ def unloaded_contact(
     Returns
     -------
     xr.Dataset
-        Transmission error (pair, mesh_position) and envelope, path of contact with the edge it runs on, ends of the
-        contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the
-        dissertation's tables.
+        Transmission error (pair, mesh_position) and envelope, which is there on a finer grid, too; path of contact with
+        the edge it runs on, ends of the contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to
+        peak, harmonics and rms as in the dissertation's tables.
 
     Raises
     ------
@@ -147,10 +147,15 @@ def unloaded_contact(
         {
             **data,
             "transmission_error_envelope": ("mesh_position", 1e6 * envelope),
+            "fine_envelope": ("fine_position", fine),
             "carrying_pair": ("mesh_position", np.where(np.isfinite(envelope), carrying, np.nan)),
             "pinion_rotation": ("mesh_position", mesh.rotations),
         },
-        coords={"pair": errors.pairs, "mesh_position": np.arange(mesh.rotations.size) / mesh.rotations.size},
+        coords={
+            "pair": errors.pairs,
+            "mesh_position": np.arange(mesh.rotations.size) / mesh.rotations.size,
+            "fine_position": np.arange(fine.size) / fine.size,
+        },
         attrs={
             "separation": separation,
             "attribute_units": "peak_to_peak, harmonics, rms: urad; separation: um",

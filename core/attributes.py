@@ -16,6 +16,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "lengthwise": ("1", "place along the face", "0 at the toe, 1 at the heel"),
     "profile": ("1", "place up the profile", "0 at the root, 1 at the tip"),
     "mesh_position": ("1", "mesh position", "fraction of a pinion pitch"),
+    "fine_position": ("1", "mesh position, closer", "fraction of a pinion pitch"),
     "pinion_rotation": ("rad", "pinion rotation", "drive sense, zero at the middle of its flank"),
     "torque": ("N m", "torque at the pinion"),
     "order": ("1", "harmonic order of the mesh frequency"),
@@ -90,6 +91,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     # unloaded
     "transmission_error": ("urad", "transmission error", "rotation of the gear, positive where it lags"),
     "transmission_error_envelope": ("urad", "transmission error of the carrying pair"),
+    "fine_envelope": ("urad", "transmission error of the carrying pair between the mesh positions, too"),
     "carrying_pair": ("1", "carrying tooth pair"),
     "path_lengthwise": ("1", "lengthwise place of the contact point"),
     "path_profile": ("1", "profile place of the contact point"),

@@ -9,7 +9,16 @@ from .attributes import flag_attributes
 
 
 class StoredStatus(IntEnum):
-    """Status stored in results as an integer; a subclass names the integers."""
+    """Status stored in results as an integer; a subclass names the integers.
+
+    It prints as its name; arrays and files hold the integer.
+    """
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(int(self), spec) if spec else self.name
 
     @classmethod
     def flag_attributes(cls) -> dict[str, Any]:

@@ -13,9 +13,18 @@ from pathlib import Path
 from processes import Outcome
 
 #: Commands that may end with 1: values are uncertified, or a comparison is outside its limit.
-MAY_FAIL = ("run", "sweep", "vh", "modify", "optimize", "wear", "library", "verify")
+MAY_FAIL = ("design", "run", "sweep", "vh", "modify", "optimize", "wear", "library", "verify")
 #: Words of which one is in the output then.
-REASONS = ("certified", "outside", "early", "differ", "no load distribution", "not reached", "not analysed")
+REASONS = (
+    "certified",
+    "outside",
+    "early",
+    "differ",
+    "no load distribution",
+    "not reached",
+    "not analysed",
+    "no analysis",
+)
 STDOUT_SIZE_LIMIT = 60_000  # [characters], of tables and reports
 STDERR_SIZE_LIMIT = 12_000
 MESSAGE_SIZE_LIMIT = 4_000  # of a mistake

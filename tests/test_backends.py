@@ -19,7 +19,7 @@ from solver_choice import (
     rotation_and_gap,
 )
 
-from easeoff.contact import EXACT_TOLERANCE, SOLVERS, Status, solve
+from easeoff.contact import EXACT_TOLERANCE, SOLVERS, ContactProblem, Status, solve
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -51,6 +51,35 @@ def test_backends_agree_with_the_native_solver(name: str, polish: bool) -> None:
         assert solution.certificate.passes(EXACT_TOLERANCE if polish else SOLVERS[name].tolerance)
         agreement = POLISHED_AGREEMENT if polish else AGREEMENT[name][0]
         assert solution.elastic_rotation == pytest.approx(reference.elastic_rotation, rel=agreement)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_forces_below_the_tolerance_are_no_contact(name: str) -> None:
+    """Of an answer that is not exact; the sets of exact ones are those of their forces."""
+    installed(name)
+    for problem in problems("plain", 2, seed=3):
+        reference = solve(problem)
+        assert np.array_equal(reference.active, reference.force > 0.0)
+        polished = solve(problem, name, polish=True)
+        assert np.array_equal(polished.active, polished.force > 0.0)
+        raw = solve(problem, name, polish=False)
+        lost = reference.active & ~raw.active
+        assert np.all(raw.force[raw.active] > raw.tolerance * raw.force.max())
+        assert np.all(raw.force[lost] <= raw.tolerance * raw.force.max())
+        assert np.all(reference.force[raw.active & ~reference.active] == 0.0)
+        told = f"{np.count_nonzero(raw.active)} of {problem.size} segments in contact"
+        assert told in repr(raw)
+
+
+def test_tiny_forces_of_an_interior_point_method_do_not_count() -> None:
+    installed("clarabel")
+    random = np.random.default_rng(0)
+    rows = random.normal(size=(30, 30))
+    compliance = 1e-6 * (rows @ rows.T / 30.0 + 0.1 * np.eye(30))
+    problem = ContactProblem(random.uniform(0.0, 0.02, 30), random.uniform(40.0, 60.0, 30), 5e4, compliance)
+    solution = solve(problem, "clarabel", polish=False)
+    assert np.count_nonzero(solution.force > 0.0) > 1  # its barrier keeps some from zero
+    assert np.array_equal(solution.active, solve(problem).active)
 
 
 @pytest.mark.parametrize("name", BACKENDS)

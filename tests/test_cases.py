@@ -86,6 +86,11 @@ MISTAKES = {
         "number_of_teeth = 12\nteeth = 12",
         ["pinion.teeth", "known are", "number_of_teeth"],
     ),
+    "key of a table that is off": (
+        r"^\[pair\]$",
+        "[pair]\nmesh_positions = 3",
+        ["pair.mesh_positions", "one of [contact]"],
+    ),
     "unknown table": (r"^\[pair\]$", "[gears]\n[pair]", ["gears", "known are", "pinion"]),
     "a key of earlier versions": (
         r"^\[contact\]$",

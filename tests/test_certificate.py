@@ -376,3 +376,24 @@ def test_forces_beyond_all_bounds_hide_no_penetration(dense: bool) -> None:
     problem = ContactProblem(np.array([-1.0, -1.0]), np.array([2.0, -2.0]), 11.0, compliance)
     assert solve(problem).status is Status.UNBOUNDED
     assert not certify(problem, np.array([1e15 + 5.5, 1e15]), 2.25).passes(1e-3)
+
+
+def test_a_certificate_says_whether_it_passes_and_which_condition_is_worst() -> None:
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    one_sided = certify(springs, np.array([2000.0, 0.0]), 5e-5)
+    assert one_sided.worst_condition == "negative_gap"
+    assert str(one_sided).startswith("misses 1e-09: worst violation 1, of negative_gap (rounding bound ")
+    assert one_sided.told(2.0).startswith("passes 2: ")
+    short = certify(springs, np.array([990.0, 990.0]), 2.5e-5)
+    assert short.told(0.03).startswith("passes 0.03: worst violation 0.02, of duality_gap")
+    assert str(solve(springs).certificate).startswith("passes 1e-09: ")
+    assert "every tolerance" in str(certify(springs, np.array([math.nan, 0.0]), 0.0))
+
+
+def test_a_status_prints_as_its_name_and_is_an_integer_in_arrays() -> None:
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    status = solve(springs).status
+    assert (str(status), f"{status}", f"{status:d}") == ("CERTIFIED", "CERTIFIED", "0")
+    kept = np.array([status, Status.TIME_LIMIT])
+    assert kept.dtype.kind == "i"
+    assert kept.tolist() == [0, 7]

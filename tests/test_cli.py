@@ -354,19 +354,19 @@ def test_uncertified_results_are_reported_with_exit_code_1(
     """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
     import easeoff.contact.loaded as loaded
     from easeoff.contact import Status
-    from easeoff.contact.line_contact.line_contact_law import solve_line_contacts
+    from easeoff.contact.line_contact.line_contact_law import solve_at_torques
     from easeoff.contact.solvers.solution import no_solution
 
     calls = iter(range(10**6))
 
     def sometimes(problems, *arguments):  # type: ignore[no-untyped-def]
-        found = list(solve_line_contacts(problems, *arguments))
+        found = list(solve_at_torques(problems, *arguments))
         if next(calls) == 1:  # the first call looks how far the pair turns, in search of edges
             nothing = no_solution(problems[1].size, Status.SOLVER_FAILED, "native", message="on purpose")
-            found[1] = (nothing, problems[1])
+            found[-1][1] = (nothing, problems[1])
         return found
 
-    monkeypatch.setattr(loaded, "solve_line_contacts", sometimes)
+    monkeypatch.setattr(loaded, "solve_at_torques", sometimes)
     out = tmp_path / "x.nc"
     said = call("run", str(case), "-o", str(out))
     assert said.exit_code == 1

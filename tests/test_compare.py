@@ -9,6 +9,7 @@ import json
 import math
 import os
 import re
+import shutil
 import sys
 import types
 from collections.abc import Iterator
@@ -35,6 +36,7 @@ from easeoff.study.compare.measurement import environment, worker
 from easeoff.study.compare.measurement.attempt import attempt, load_adapter
 from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.presentation.comparison_report import comparison_report
+from easeoff.study.compare.presentation.former_report import FIGURE_NAMES, TABLE_NAMES
 from easeoff.study.compare.presentation.profile_figures import draw_performance_profile
 from easeoff.study.compare.presentation.time_figures import draw_growth
 from easeoff.study.compare.statistics.method_statistics import by_problem
@@ -487,6 +489,49 @@ def test_report_says_which_problems_failed(dataset: xr.Dataset, written: list[Pa
     named = dataset.assign(problem_name=dataset["problem"].astype(str).astype(object) + " of many")
     failures = cells(comparison_report(named), "Failures")
     assert failures[("fake_solvers:hang", "scaled", "cold")]["which"] == "0 of many, 1 of many"
+
+
+def test_files_name_all_problems_that_failed_and_the_report_the_first(dataset: xr.Dataset, tmp_path: Path) -> None:
+    many = xr.concat([dataset.assign(problem=dataset["problem"] + 2 * i) for i in range(3)], "attempt")
+    many.attrs = dataset.attrs
+    failures = cells(comparison_report(many), "Failures")[("fake_solvers:hang", "scaled", "cold")]
+    assert failures["which"] == "two.nc 0, two.nc 1, two.nc 2, ..."
+    write_comparison(many, tmp_path)
+    with (tmp_path / "tables" / "failures.csv").open(newline="", encoding="utf-8") as file:
+        found = {row["solver"]: row["which"] for row in csv.DictReader(file)}
+    names = ", ".join(f"two.nc {number}" for number in range(6))
+    assert found["fake_solvers:hang"] == names
+    assert names in (tmp_path / "tables" / "failures.tex").read_text(encoding="utf-8").replace("\\_", "_")
+
+
+def test_problems_without_a_kind_have_a_column(dataset: xr.Dataset) -> None:
+    some = dataset.assign(kind=("attempt", np.where(dataset["problem"].values == 0, "easy", "").astype(object)))
+    by_kind = cells(comparison_report(some).replace("Certified, by kind of problem:", "## kinds\n"), "kinds")
+    native = by_kind[("native", "scaled", "cold")]
+    assert (native["easy"], native["without a kind"]) == ("1 of 1", "1 of 1")
+
+
+def test_a_report_takes_nothing_over_from_another_in_its_folder(
+    file: Path, tmp_path: Path, written: list[Path], folder: Path
+) -> None:
+    tables = {path.stem for path in written if path.parent.name == "tables"}
+    figures = {path.stem for path in written if path.parent.name == "figures"}
+    assert tables <= set(TABLE_NAMES)
+    assert figures <= set(FIGURE_NAMES)
+    out = tmp_path / "used"
+    shutil.copytree(folder, out)
+    for name in ("own.csv", "certified_by_kind.csv"):
+        (out / "tables" / name).write_text("a,b", encoding="utf-8")
+    arguments = [str(file), "-o", str(out), "--solvers", "native", "--repetitions", "1"]
+    said = call(*arguments)
+    assert said.output.count(f"replaced the report of a former comparison in {out}") == 1
+    left = {path.name for path in (out / "tables").iterdir()}
+    assert {"own.csv", "answers_scaled.csv", "starts.tex"} <= left
+    assert not {"failures.csv", "failures.tex", "pairs.csv", "certified_by_kind.csv"} & left
+    assert not (out / "figures" / "pairs.png").exists()
+    again = call(*arguments)
+    assert "replaced" not in again.output
+    assert {path.name for path in (out / "tables").iterdir()} == left
 
 
 def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:

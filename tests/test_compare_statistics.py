@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.problem.certificate import Certificate
@@ -301,6 +302,26 @@ def test_busy_machine_is_told_and_processor_time_can_be_compared() -> None:
     label = draw_data_profile(by_processor, by_problem(by_processor)).axes[0].get_xlabel()
     assert label == "processor time of a call, the package's share included [ms]"
     assert waiting_note(waited.assign_attrs(threads=4)) is None
+    work = swept().assign_attrs(time="processor")
+    drawn = draw_work_precision(work, by_problem(work))
+    assert drawn.axes[0].get_ylabel() == "median processor time [ms]"
+    assert not any("run time" in text.get_text() for text in drawn.findobj(Text))
+
+
+def test_a_legend_of_one_panel_speaks_of_no_other() -> None:
+    whole = invented(["slow", "fast"])
+    raw = whole.assign(settings=("attempt", ["raw"] * whole.sizes["attempt"]))
+    both = xr.concat([whole, raw], "attempt", combine_attrs="override")
+    for table, words in ((whole, "legend: the best first"), (both, "legend: the best of the first panel first")):
+        drawn = draw_data_profile(table, by_problem(table))
+        assert any(words in text.get_text() for text in drawn.findobj(Text))
+
+
+def test_a_solver_that_polishes_itself_is_named_beside_the_sweep() -> None:
+    assert "polishes its own answer" not in comparison_report(swept())
+    osqp = swept()
+    osqp = osqp.assign(solver=("attempt", ["osqp"] * osqp.sizes["attempt"]))
+    assert "`osqp` polishes its own answer" in comparison_report(osqp)
 
 
 # Style of the figures

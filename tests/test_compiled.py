@@ -20,7 +20,12 @@ from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.solvers import registry
 from easeoff.contact.solvers.compiled import compiled_answer
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answer, linear_answer
+from easeoff.contact.solvers.compiled.compiled_answer import (
+    compiled_code,
+    line_contact_answers,
+    linear_answer,
+)
+from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.contact.solvers.problem_batch import plain_solutions
 from easeoff.verification import PROBLEM_CLASSES, problems
 
@@ -249,13 +254,31 @@ def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> Non
     expected = newton_answers(bendings, LineContacts(contacts), [None] * 4)
     for bending, contact, other in zip(bendings, contacts, expected, strict=True):
         assert other is not None
-        found = line_contact_answer(bending, contact.parameters)
+        found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
         assert np.abs(force - other[0].force).max() <= 1e-11 * force.max()
         assert found.answer.elastic_rotation == pytest.approx(other[0].elastic_rotation, rel=1e-12)
         assert found.secant == pytest.approx(contact.secant(force), rel=1e-14)
         assert found.answer.certificate.worst <= 1e-11
+        assert bending.modal_basis is not None
+        stiffness = touching_stiffness(contact.tangent(force), bending.modal_basis, bending.lever_arm, force > 0.0)
+        assert found.stiffness == pytest.approx(stiffness, rel=1e-10)
+
+
+def test_torques_solved_together_are_those_solved_alone() -> None:
+    given = lines(62, 0.1, 1e6)
+    parts = given.separation, given.lever_arm, 1e6, np.zeros(62), modal_basis(given.compliance[1])
+    contact, first = contact_of(62, 3, edges=True), ContactProblem.of_modes(*parts)
+    bendings = [first.with_torque(torque) for torque in (3e6, 1e2, 1e5)]
+    for bending, found in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True):
+        alone = line_contact_answers([bending], contact.parameters)[0]
+        assert found is not None
+        assert alone is not None
+        assert found.answer.force.tolist() == alone.answer.force.tolist()
+        assert (found.iterations, found.stiffness) == (alone.iterations, alone.stiffness)
+        assert found.answer.problem is not None
+        assert found.answer.problem.torque == bending.torque
 
 
 @pytest.mark.parametrize("edges", [False, True])

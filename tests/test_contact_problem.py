@@ -321,11 +321,12 @@ def test_wrong_signs_that_qpsolvers_calls_optimal_are_refused() -> None:
 def test_problem_and_solution_are_told_in_a_line_or_two() -> None:
     pair = (np.full(3, 1e-6), 1e-3 * np.ones((3, 1)))
     problem = ContactProblem(np.zeros(3), np.full(3, 40.0), 4.5e5, pair)
-    assert repr(problem) == "ContactProblem: 3 segments, diagonal + 1 column, torque 450 N m"
+    assert repr(problem) == "ContactProblem: 3 segments, diagonal + 1 column, torque 450000 N mm"
     dense = ContactProblem(np.zeros(1), np.full(1, 40.0), 1e3, [[1e-6]])
-    assert repr(dense) == "ContactProblem: 1 segment, dense matrix, torque 1 N m"
+    assert repr(dense) == "ContactProblem: 1 segment, dense matrix, torque 1000 N mm"
     head, proof = repr(solve(problem)).splitlines()
     assert head.startswith("ContactSolution: native, certified, 3 of 3 segments in contact, rotation ")
+    assert proof.strip().startswith("passes 1e-09: ")
     assert "rounding bound" in proof
     pulling = ContactProblem(np.zeros(2), np.full(2, 40.0), 1e3, [[1e-6, 2e-6], [2e-6, 1e-6]])
     refused = repr(solve(pulling)).splitlines()

@@ -296,6 +296,17 @@ def test_types_of_its_own_are_refused(tmp_path: Path) -> None:
             read_tree(path)
 
 
+def test_a_dimension_twice_is_refused_but_in_contact_problems(tmp_path: Path) -> None:
+    path = tmp_path / "twice.nc"
+    with Dataset(path, "w") as file:
+        file.createDimension("x", 2)
+        file.createVariable("v", "f8", ("x", "x"))
+    for read in (read_tree, read_dataset):
+        with pytest.raises(InputError, match="'v' has a dimension twice: must have each once"):
+            read(path)
+    assert read_dataset(path, square=True)["v"].shape == (2, 2)
+
+
 @pytest.mark.parametrize(
     ("words", "add"),
     [
@@ -346,12 +357,18 @@ def test_a_file_of_wear_that_lacks_something_is_refused(tmp_path: Path, files: P
     assert os.listdir(tmp_path) == ["w.nc"]
 
 
+def count_twice(file: Dataset) -> None:
+    file.renameVariable("mode_count", "other_count")
+    file.createVariable("mode_count", "i4", ("problem", "problem"))[:] = 1
+
+
 PROBLEM_CHANGES: dict[str, Callable[[Dataset], object]] = {
     "no separation": lambda file: file.renameVariable("separation", "gap"),
     "renamed dimension": lambda file: file.renameDimension("problem", "item"),
     "version": lambda file: file.setncattr("format_version", "x" * 100_000),
     "size": lambda file: file["size"].__setitem__(slice(None), -5),
     "wild": lambda file: file["separation"].__setitem__(slice(None), -1e300),
+    "dimension twice": count_twice,
 }
 
 

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 from easeoff import InputError
-from easeoff.contact import ContactProblem, read_labels, read_problems, write_problems
+from easeoff.contact import ContactProblem, export_problems, read_labels, read_problems, write_problems
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 
@@ -343,3 +343,15 @@ def test_file_that_contradicts_itself_is_refused_in_words(
 ) -> None:
     with pytest.raises(InputError, match=words):
         read_problems(foreign(list(problems("plain", 5)), tmp_path, change))
+
+
+@pytest.mark.parametrize("wrong", ["swapped", "single", "mixed"])
+def test_what_is_no_list_of_problems_is_refused_by_name(tmp_path: Path, wrong: str) -> None:
+    springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, [[1e-6, 0.0], [0.0, 1e-6]])
+    target = tmp_path / "own.nc"
+    given: Any = {"swapped": str(target), "single": springs, "mixed": [springs, 1.0]}[wrong]
+    for write in (write_problems, export_problems):
+        path: Any = [springs] if wrong == "swapped" else target
+        with pytest.raises(InputError, match=r"^problems(\[1\])? = .*: must be a "):
+            write(given, path)
+    assert not target.exists()

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 import pytest
 from extreme_designs import EXTREMES, Extreme
 
-from easeoff import GeometryError, analyze
+from easeoff import GeometryError, InputError, analyze
 from easeoff.cases import case_toml, ease_off_target, gear_pair, parse_case, parse_design
-from easeoff.geometry import exact_ease_off
+from easeoff.cases.conversion import blank_design
+from easeoff.geometry import blank_dimensions, exact_ease_off
 from easeoff.geometry.design.fit_quality import residual_limits
 from easeoff.geometry.design.set_up.pinion_method import PinionMethod
 from easeoff.geometry.pair.gear_pair import grid
@@ -60,3 +63,35 @@ def test_what_a_design_says_can_be_analysed_is_analysed() -> None:
     coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 17, "profile_nodes": 11}
     case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     assert np.all(np.isfinite(analyze(case, torques=[100.0])["loaded"]["transmission_error"]))
+
+
+@pytest.mark.thorough
+def test_a_refusal_names_another_method_than_the_one_that_was_tried() -> None:
+    extreme = Extreme((16, 37), module=0.5, generated=True, taper="uniform", cutter=0.6)
+    with pytest.raises(GeometryError, match=r"of the method tilt was found") as refused:
+        design_case(parse_design(extreme.text("tilt")))
+    advice = str(refused.value)
+    assert 'method = "modified_roll"' in advice
+    assert 'method = "tilt"' not in advice
+    assert advice.count("another method") == 1
+
+
+@pytest.mark.parametrize(("teeth", "greatest"), [((12, 45), 105.4), ((17, 51), 109.4), ((23, 49), 117.9)])
+def test_the_greatest_shaft_angle_is_told_and_works(teeth: tuple[int, int], greatest: float) -> None:
+    """Where the gear would be a crown gear or have internal teeth."""
+    with pytest.raises(InputError, match=rf"shaft_angle = 120 deg.*does not below {greatest} deg"):
+        design_case(parse_design(Extreme(teeth, shaft=120.0).text("tilt")))
+    basic_data = Extreme(teeth, shaft=greatest).text("tilt")
+    design = parse_design(basic_data)
+    blank = blank_dimensions(blank_design(design.blank_design, teeth, design.pair))
+    assert math.degrees(blank.gear.pitch_angle) < 90.0
+
+
+@pytest.mark.thorough
+def test_a_pointed_pinion_is_mended_as_its_warning_says() -> None:
+    pointed = Extreme((4, 40), groups=11, generated=True, spiral=38.0, addendum=0.1, thickness=0.2)
+    _, report = design_case(parse_design(pointed.text("completing")))
+    assert any("pointed" in w and "larger gear_mean_addendum_factor or thickness_factor" in w for w in report.warnings)
+    _, mended = design_case(parse_design(replace(pointed, addendum=0.25, thickness=0.3).text("completing")))
+    assert not report.analysable
+    assert mended.analysable

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 import easeoff
 from easeoff import InputError, plot
@@ -190,6 +191,30 @@ def test_panels_of_ones_own_name_the_quantity_in_the_sizes_of_their_figure(tree:
             assert own._left_title.get_fontsize() == pytest.approx(size)
             assert own.xaxis.label.get_fontsize() == pytest.approx(size, rel=0.2)
             assert own.xaxis.get_ticklabels()[0].get_fontsize() == pytest.approx(size, rel=0.2)
+
+
+def test_flanks_on_axes_of_ones_own_have_ticks_across_and_titles_on_one_level(tree: xr.DataTree) -> None:
+    figure = Figure(figsize=(9.0, 3.0), layout="constrained")
+    axes = figure.subplots(1, 2)
+    plot.pressure(tree, torque=100.0, axes=axes)
+    figure.canvas.draw()
+    assert len({panel.get_title(loc="left").count("\n") for panel in axes}) == 1
+    tops = [panel.get_window_extent().y1 for panel in axes]
+    assert tops[0] == pytest.approx(tops[1], abs=0.5)
+    low, high = axes[0].get_ylim()
+    assert np.count_nonzero([low <= tick <= high for tick in axes[0].get_yticks()]) >= 2
+
+
+def test_the_small_print_of_the_pressure_is_of_the_torques_shown(tree: xr.DataTree) -> None:
+    loaded = tree["loaded"].to_dataset()
+    share = xr.zeros_like(loaded["edge_share"]) + xr.DataArray([0.05, 0.2, 0.3], dims="torque")
+    changed = tree.copy()
+    changed["loaded"] = xr.DataTree(loaded.assign(edge_share=share.transpose(*loaded["edge_share"].dims)))
+    for torque in loaded["torque"].values.tolist():
+        drawn: Any = plot.pressure(changed, torque=torque).findobj(Text)
+        words = " ".join(text.get_text() for text in drawn).replace("\n", " ")
+        told = [other for other in loaded["torque"].values if f"of the load ({other:g} N m)" in words]
+        assert told == [torque]
 
 
 def test_a_torque_draws_its_own_values(tree: xr.DataTree) -> None:

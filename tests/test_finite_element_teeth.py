@@ -29,6 +29,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
     flank_shares,
     foot_displacements,
+    spread_shares,
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
@@ -182,6 +183,24 @@ def test_largest_tensile_stress_is_a_principal_stress() -> None:
     sigma[0, 0, :, 0] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]  # plane: 1/2 + sqrt(1/4 + 1)
     sigma[0, 0, :, 1] = [-3.0, -2.0, -1.0, 0.0, 0.0, 0.0]
     np.testing.assert_allclose(StressResponse(np.zeros(1), sigma).largest(np.eye(2)), [[0.5 + np.sqrt(1.25), -1.0]])
+
+
+def test_root_stress_does_not_tell_where_a_brick_begins() -> None:
+    """A force low on the flank moves along the face by a brick: its stress in the root moves with it."""
+    lattice, body = gear_tooth()
+    wanted, station = stress_functionals(lattice, STEEL)
+    root = by_station(body.response(flank_loads(lattice), wanted), station)
+    along = np.linspace(lattice.lengthwise[8], lattice.lengthwise[10], 9)
+    swing = []
+    for shares_of in (flank_shares, spread_shares):
+        nodes, shares = shares_of(lattice.lengthwise, lattice.profile, np.stack([along, np.full(9, 0.1)]))
+        forces = np.zeros((lattice.profile.size, 9))
+        np.add.at(forces, (nodes, np.arange(9)[:, None]), 1000.0 * shares)
+        np.testing.assert_allclose(forces.sum(axis=0), 1000.0)
+        stress = root.largest(forces).max(axis=0)
+        swing.append(np.ptp(stress) / stress.mean())
+    assert swing[0] > 0.2
+    assert swing[1] < 0.25 * swing[0]
 
 
 def test_root_stress_balances_the_bending_moment() -> None:

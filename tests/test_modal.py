@@ -489,11 +489,11 @@ def test_loaded_analysis_agrees_with_exact_programmes_one_by_one(name: str, monk
     case = replace_positions(case, 5)
     together = contact_analysis(CaseInMesh.of(case)).cases
 
-    def one_by_one(given: Any, contacts: Any, starts: Any, *_: Any) -> list[Any]:
-        triples = zip(given, contacts.each, starts, strict=True)
-        return [solve_on_bending(bending, contact, initial_force=start) for bending, contact, start in triples]
+    def one_by_one(given: Any, contacts: Any, torques: Any, *_: Any) -> list[Any]:
+        pairs = list(zip(given, contacts.each, strict=True))
+        return [[solve_on_bending(one.with_torque(torque), contact) for one, contact in pairs] for torque in torques]
 
-    monkeypatch.setattr(loaded_module, "solve_line_contacts", one_by_one)
+    monkeypatch.setattr(loaded_module, "solve_at_torques", one_by_one)
     for found, exact in zip(together, contact_analysis(CaseInMesh.of(case)).cases, strict=True):
         assert found.solution.message.startswith("modal")
         assert exact.solution.message.endswith("linear problems")

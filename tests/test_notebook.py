@@ -22,6 +22,9 @@ from easeoff.core.errors import InputError
 from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers, result_summary
+from easeoff.study.report.notebook.html_table import html_text
+from easeoff.study.report.summary.contact_tables import unloaded_rows
+from easeoff.study.report.summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE
 from easeoff.study.report.summary.supports_report import bearing_loads
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
@@ -125,8 +128,28 @@ def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
     assert [row[:4] for row in conditions] == [["100", "1000", "90", "0.8"], ["200", "1000", "90", "0.8"]]
     assert [row[6] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
     assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
+    for name, words in unloaded_rows(numbers):
+        (shown,) = rows[name.strip().replace(" um", " µm")]
+        assert shown.strip() == words.replace(" urad", " µrad").replace(" um", " µm")
     assert "script" not in Cells(page).tags
     assert len(page) < 20_000
+
+
+def test_the_page_marks_what_is_outside_the_ranges_as_the_text_does(tree: xr.DataTree) -> None:
+    assert ROUGH_NOTE not in str(tree.easeoff.summary())
+    changed = tree.copy(deep=True)
+    friction = changed["friction"].to_dataset()
+    share = xr.full_like(friction["mean_friction_coefficient"], 0.9)
+    clamped = xr.ones_like(friction["temperature_clamped"])
+    changed["friction"] = xr.DataTree(friction.assign(extrapolated_share=share, temperature_clamped=clamped))
+    summary = changed.easeoff.summary()
+    page = summary._repr_html_()
+    for note in (ROUGH_NOTE, CLAMPED_NOTE):
+        assert note in str(summary)
+        assert html_text(note) in page
+    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    assert [row[2] for row in conditions] == ["90*", "90*"]
+    assert [row[6] for row in conditions] == [f"{100 * value:.1f}" for value in friction["efficiency"].values.ravel()]
 
 
 @pytest.fixture(scope="module")

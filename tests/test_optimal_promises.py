@@ -163,17 +163,17 @@ def test_a_front_searched_in_two_parts_is_the_front_searched_at_once(tmp_path: P
 
 
 @pytest.mark.thorough
-def test_assemblies_that_the_search_has_not_seen_keep_its_promise_within_two_per_cent() -> None:
-    """Eight assemblies with bounded errors in the search: 24 others are at most 2 % worse than the worst of these."""
-    spread = {"E": "uniform(-0.04,0.04)", "P": "uniform(-0.04,0.04)"}
+def test_assemblies_that_the_search_has_not_seen_keep_its_promise() -> None:
+    """Eight assemblies with bounded errors and their corners in the search: none of 24 others is worse."""
+    spread = {"E": "uniform(-0.05,0.05)", "P": "uniform(-0.03,0.03)", "Sigma": "uniform(-0.03,0.03)"}
     tree = searched(("max_pressure",), spread=spread, samples=8, steps=5)
     record = tree["optimal_settings"].to_dataset()
     state = CaseInMesh.of(parse_case(tree.attrs["case"]))
     unseen = sampled_assemblies(Misalignment(), spread, 24, seed=4711)
     worst = max(state.misaligned(one).cycle.loaded([TORQUE])[0]["max_pressure"].item() for one in unseen)
     assert record["objective_ratio"].item() < 0.95
-    assert worst <= 1.02 * record["objective_value"].item()
-    assert record["sample_ratio"].max().item() <= 1.02 * record["objective_ratio"].item()
+    assert worst <= record["objective_value"].item()
+    assert record["sample_ratio"].max().item() <= record["objective_ratio"].item()
 
 
 @pytest.mark.thorough

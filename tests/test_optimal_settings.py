@@ -246,7 +246,7 @@ def test_settings_are_rounded_and_analysed_rounded() -> None:
     accepted = record["accepted"].values.astype(bool)
     assert np.all(np.diff(record["fresh_objective"].values[accepted]) < 0.0)
     assert record["sample_ratio"].shape == (1, 2)
-    assert record.sizes["assembly"] == 3
+    assert record.sizes["assembly"] == 5  # its own, both ends of the distribution, and the samples
 
 
 def test_both_flanks_of_one_set_up_move_together() -> None:

@@ -12,10 +12,11 @@ import pytest
 from click.testing import CliRunner
 
 from easeoff.cases import read_case, write_case
-from easeoff.study.cli import main
+from easeoff.core.compiled.compiled_use import COMPILING, compilation_told, tell_of_compilation
+from easeoff.study.cli import _show_waiting, main
 from easeoff.study.cli.options.analysis_options import TOOTH_STAGES, show_stage
 from easeoff.study.cli.terminal import terminal_bar as progress
-from easeoff.study.cli.terminal.terminal_bar import ProgressLines, terminal_bar, working
+from easeoff.study.cli.terminal.terminal_bar import SWITCH, ProgressLines, terminal_bar, working
 
 
 class Clock:
@@ -169,3 +170,14 @@ def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
         made = CliRunner().invoke(main, list(words_of))
         assert made.exit_code in (0, 1), made.output
         assert made.stdout.splitlines()[-1].startswith(end), made.output
+
+
+@pytest.mark.parametrize(("switch", "told"), [("on", True), ("off", False)])
+def test_compilation_is_told_where_progress_is(
+    switch: str, told: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(SWITCH, switch)
+    with compilation_told(_show_waiting):
+        tell_of_compilation()
+        tell_of_compilation()
+    assert capsys.readouterr().err.count(COMPILING) == told

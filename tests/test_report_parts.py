@@ -433,9 +433,9 @@ def test_the_comparison_follows_the_torque(browser: Browser) -> None:
     heads = "[...document.querySelectorAll('#comparison .numbers th')].map(t => t.textContent)"
     path = Path(browser.run("location.pathname"))
     browser.open(path, "torque=400")
-    assert browser.run(heads)[2:5] == ["strength, 400 N m", "axle, 200 N m", "change"]
+    assert browser.run(heads)[2:5] == ["strength, 400 N m", "axle, 200 N m", "difference"]
     browser.open(path, "torque=40")
-    assert browser.run(heads)[2:5] == ["strength, 40 N m", "axle, 50 N m", "change"]
+    assert browser.run(heads)[2:5] == ["strength, 40 N m", "axle, 50 N m", "difference"]
 
 
 @pytest.mark.thorough

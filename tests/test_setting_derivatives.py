@@ -16,6 +16,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
 from easeoff.contact.evaluation.derivatives.cycle_slopes import cycle_slopes
+from easeoff.contact.evaluation.derivatives.unloaded_slopes import UnloadedSlopes, unloaded_slopes
 from easeoff.contact.lines.opposite_points import PASSING_FIELDS
 from easeoff.contact.lines.turned_flanks import TurnedFlanks
 from easeoff.contact.loaded_cases import LoadedCase, rotation_numbers
@@ -292,6 +293,29 @@ def range_of(geometry: PairGeometry) -> float:
             place, reach = around[np.argmax(heights)], 0.1 * reach
         found += float(np.max(heights))
     return found
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+def test_unloaded_range_agrees_with_differences_of_itself(name: str) -> None:
+    """Where two pairs' errors cross, the value is that of the crossing, not of a place near it."""
+    cycle = cycle_of(name)
+    settings = [PairSetting("gear", "cutter_tilt"), PairSetting("pinion", "radial_distance")]
+
+    def found(pair: GearPair) -> UnloadedSlopes:
+        moved = anew(cycle, pair)
+        return unloaded_slopes(moved.geometry, moved.lines, settings, field_slopes(moved.geometry, settings))
+
+    def change(setting: PairSetting, step: float) -> float:
+        ahead, behind = (found(setting.moved(cycle.geometry.pair, sign * step)) for sign in (1.0, -1.0))
+        return (ahead.peak_to_peak - behind.peak_to_peak) / (2.0 * step)
+
+    own = found(cycle.geometry.pair)
+    for number, setting in enumerate(settings):
+        step = 3e-4 * setting.scale
+        by_steps = (4.0 * change(setting, step / 2.0) - change(setting, step)) / 3.0
+        # Both courses move, a hundred times as much as where they cross.
+        size = np.abs(own.slopes[:, number]).max()
+        assert own.peak_slopes[number] == pytest.approx(by_steps, abs=1e-7 * size), setting
 
 
 def test_user_gets_names_and_units_of_sweeps() -> None:

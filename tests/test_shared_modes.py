@@ -38,9 +38,10 @@ from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
 from easeoff.contact.problem.proof.residuals import exact_residuals
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answer, linear_answer
+from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answers, linear_answer
 from easeoff.contact.solvers.parametric.dense_touching import DenseTouching
 from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
+from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.contact.solvers.problem_batch import plain_solutions
 
 Array = NDArray[np.float64]
@@ -278,12 +279,15 @@ def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
     plain = newton_answers(bendings, LineContacts(contacts), [None] * 8)
     for bending, contact, other in zip(bendings, contacts, plain, strict=True):
         assert other is not None
-        found = line_contact_answer(bending, contact.parameters)
+        assert bending.modal_basis is not None
+        found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
         assert found.answer.certificate.worst <= 1e-11
         assert np.abs(force - other[0].force).max() <= 1e-10 * force.max()
         assert found.answer.elastic_rotation == pytest.approx(other[0].elastic_rotation, rel=1e-11)
+        stiffness = touching_stiffness(contact.tangent(force), bending.modal_basis, bending.lever_arm, force > 0.0)
+        assert found.stiffness == pytest.approx(stiffness, rel=1e-9)
 
 
 def test_line_contact_is_that_of_programmes_on_the_dense_matrix() -> None:

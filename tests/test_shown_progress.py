@@ -68,7 +68,7 @@ def test_a_notebook_has_a_bar_of_tqdm(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tqdm.auto, "tqdm", Bar)
     easeoff.sweep(coarse(), {"E": [0.0, 0.02], "torque": [50.0, 100.0]}, workers=1, progress=True)
     assert Bar.monitor_interval == 0  # a thread may end the process
-    assert (seen[0].n, seen[0].total, seen[0].options) == (4, 4, {"desc": "sweep", "unit": "point"})
+    assert (seen[0].n, seen[0].total, seen[0].options) == (4, 4, {"desc": "sweep", "unit": "point", "leave": False})
 
 
 def test_a_sweep_counts_its_points(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -459,6 +459,15 @@ def test_missing_scheduler_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         sweep(CASE, {"E": [0.0, 0.02, 0.04]}, torques=[100.0], scheduler=address)
 
 
+@pytest.mark.parametrize("address", ["case.toml", "tcp://", "tcp://host:port", "post://127.0.0.1:8786"])
+def test_an_address_that_is_none_is_named_at_once(address: str) -> None:
+    distributed = pytest.importorskip("distributed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(distributed, "Client", None)  # no client is made of it
+        with pytest.raises(InputError, match=f"scheduler = '{address}': must be the address of a dask scheduler"):
+            sweep(CASE, {"E": [0.0]}, torques=[100.0], scheduler=address)
+
+
 def test_missing_dask_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(easeoff.MissingPackageError, match=r"easeoff\[dask\]"):

@@ -12,8 +12,9 @@ from matplotlib.patches import Ellipse
 
 import easeoff
 from easeoff import InputError
-from easeoff.study.report.sweep_report import sweep_summary
-from easeoff.study.sweep import read_sweep
+from easeoff.study.report.notebook.html_table import html_text
+from easeoff.study.report.sweep_report import sweep_head, sweep_summary, sweep_tables
+from easeoff.study.sweep import read_sweep, sensitivities
 
 COARSE = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
 
@@ -27,7 +28,55 @@ def found() -> xr.Dataset:
 
 def test_the_summary_is_that_of_show(found: xr.Dataset) -> None:
     assert str(found.easeoff.summary()) == repr(found.easeoff) == sweep_summary(found)
-    assert found.easeoff._repr_html_().startswith("<pre>")
+    page = found.easeoff._repr_html_()
+    assert page == found.easeoff.summary()._repr_html_()
+    assert page.startswith("<div>")
+    assert page.count("<table>") == 1 + len(sweep_tables(found))
+    for table in sweep_tables(found):
+        for row in table.rows:
+            assert all(f">{html_text(text)}</td>" in page for text in row)
+
+
+def test_what_is_held_is_told_and_slopes_have_units(found: xr.Dataset) -> None:
+    head = dict(sweep_head(found))
+    assert head["torque"] == "100 N m, held"
+    assert head["flank"] == "drive, held"
+    assert head["misalignment"] == "G 0 mm, Sigma 0 deg, held"  # E and P are swept
+    shifted = sweep_head(found.assign_attrs(misalignment_gear_axial_mm=0.12))
+    assert dict(shifted)["misalignment"] == "G +0.12 mm, Sigma 0 deg, held"
+    text = " ".join(sweep_summary(found).split())
+    assert text.count("effect: change of the number with one scale") == 1
+    slopes = next(table for table in sweep_tables(found) if table.title.startswith("First-order"))
+    values = sensitivities(found, "peak_to_peak").sel(coordinate="E")
+    row = next(row for row in slopes.rows if row[0] == "E")
+    assert row[1:] == ["0.05 mm", f"{values['effect'].item():+.3g} urad", f"{values['slope'].item():+.4g} urad/mm"]
+
+
+def test_tables_hold_every_number_at_every_point(found: xr.Dataset) -> None:
+    tables = found.easeoff.summary().tables
+    points = tables["points"]
+    assert points.index.names == ["E [mm]", "P [mm]", "torque [N m]"]
+    assert len(points) == 6
+    for (e, p, torque), row in points.iterrows():
+        at = found.sel(E=e, P=p, torque=torque)
+        assert row["peak_to_peak [urad]"] == at["peak_to_peak"].item()
+        assert row["unloaded_peak_to_peak [urad]"] == at["unloaded_peak_to_peak"].item()
+        assert row["harmonic 2 [urad]"] == at["harmonic"].sel(order=2).item()
+        assert row["status"] == "certified"
+    least = tables["percentiles"]["max_pressure [MPa]"].xs(0.0, level=0).item()
+    assert least == found["max_pressure"].values.min()
+    assert tables["worst"]["max_pressure [MPa]"].iloc[0] == found["max_pressure"].values.max()
+    slopes = tables["sensitivities_peak_to_peak"]
+    assert slopes.loc[("E", 100.0), "effect [urad]"] == sensitivities(found, "peak_to_peak")["effect"].sel(
+        coordinate="E"
+    )
+
+
+def test_samples_are_columns_of_the_table_of_points() -> None:
+    drawn = easeoff.sweep("nasa-12x36", {"E": "normal(0, 0.01)"}, samples=3, torques=[100.0], workers=1)
+    points = drawn.easeoff.summary().tables["points"]
+    assert points.index.names == ["sample", "torque [N m]"]
+    assert points["E [mm]"].tolist() == drawn["E"].values.tolist()
 
 
 def test_a_sweep_is_saved_and_read(found: xr.Dataset, tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ class BothMethods:
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> both = both_methods(pair, (9, 7), mesh_positions=2)
     >>> bool(both.inside.any()), sorted(both.unloaded().sizes)
-    (True, ['end', 'mesh_position', 'pair'])
+    (True, ['end', 'fine_position', 'mesh_position', 'pair'])
     """
 
     geometry: PairGeometry

@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from ...core.checks import shown
 from ...core.errors import InputError
+from ...core.printable import printable
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
@@ -296,8 +297,8 @@ class Case(InputFile):
                 )
         return super().model_copy(update=update, deep=deep)
 
-    def _repr_html_(self) -> str:
-        """The case in a few lines, for a notebook."""
+    def _summary_rows(self) -> list[tuple[str, str]]:
+        """The case in a few lines: names and words."""
         members = (("pinion", self.pinion), ("gear", self.gear))
         rows = [
             ("teeth", f"{self.pinion.number_of_teeth} x {self.gear.number_of_teeth}"),
@@ -310,7 +311,20 @@ class Case(InputFile):
             ("elastic teeth", self.compliance.model),
             ("supports", self.supports_name),
         ]
-        cells = "".join(f"<tr><td>{name}</td><td>{html.escape(words)}</td></tr>" for name, words in rows if words)
+        return [(name, words) for name, words in rows if words]
+
+    def __repr__(self) -> str:
+        """The case in a few lines; ``case.model_dump()`` has all of it."""
+        lines = [f"  {name:<22}{printable(words)}" for name, words in self._summary_rows()]
+        return "\n".join([f"Case: {printable(self.title)}", *lines]).replace(" °", " deg")
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        """The case in a few lines, for a notebook."""
+        rows = self._summary_rows()
+        cells = "".join(f"<tr><td>{name}</td><td>{html.escape(words)}</td></tr>" for name, words in rows)
         return f"<h4>{html.escape(self.title)}</h4><table>{cells}</table>"
 
     @property

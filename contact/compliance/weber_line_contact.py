@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -169,7 +169,6 @@ class WeberLineContact:
     foot_correction: float = 0.0
     floor_ratio: float = 1e-3
     overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))
-    _bodies: _Bodies = field(init=False, repr=False)
     _floor: FloatArray = field(init=False, repr=False)
     _start: FloatArray = field(init=False, repr=False)
     _bend: FloatArray = field(init=False, repr=False)
@@ -195,23 +194,10 @@ class WeberLineContact:
         positive("foot_correction", self.foot_correction, zero=True)
         number("floor_ratio", self.floor_ratio, above=0.0, below=1.0)
 
-        materials = (self.material_pinion, self.material_gear)
-        one_per_body = (2, *([1] * self.length.ndim))
-        poisson_ratio = np.reshape([material.poisson_ratio for material in materials], one_per_body)
-        moduli = np.reshape([material.plane_strain_modulus for material in materials], one_per_body)
-        bodies = _Bodies(
-            depth=np.stack([self.depth_pinion, self.depth_gear]),
-            unit=2.0 / (math.pi * moduli),
-            contraction=poisson_ratio / (1.0 - poisson_ratio),
-            width_squared=self._width_squared,
-            overhang=self.overhang,
-            flexibility=self.flexibility,
-            correction=self._correction,
-        )
+        bodies = self._bodies
         floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / bodies.width_squared
         secant, tangent = bodies.secant(floor), bodies.tangent(floor)
         # delta = start q + bend q^2 meets value and slope at the floor; start = 2 secant - tangent > 0, bend < 0.
-        object.__setattr__(self, "_bodies", bodies)
         object.__setattr__(self, "_floor", floor)
         object.__setattr__(self, "_start", 2.0 * secant - tangent)
         object.__setattr__(self, "_bend", (tangent - secant) / floor)
@@ -234,14 +220,24 @@ class WeberLineContact:
         """The same materials and options with other arrays by name, which are checked already."""
         own = copy(self)
         own.__dict__.update(arrays)  # frozen
-        own.__dict__["_bodies"] = replace(
-            self._bodies,
-            depth=np.stack([own.depth_pinion, own.depth_gear]),
-            width_squared=own._width_squared,
-            overhang=own.overhang,
-            correction=own._correction,
-        )
+        own.__dict__.pop("_bodies", None)
         return own
+
+    @cached_property
+    def _bodies(self) -> _Bodies:
+        materials = (self.material_pinion, self.material_gear)
+        one_per_body = (2, *([1] * self.length.ndim))
+        poisson_ratio = np.reshape([material.poisson_ratio for material in materials], one_per_body)
+        moduli = np.reshape([material.plane_strain_modulus for material in materials], one_per_body)
+        return _Bodies(
+            depth=np.stack([self.depth_pinion, self.depth_gear]),
+            unit=2.0 / (math.pi * moduli),
+            contraction=poisson_ratio / (1.0 - poisson_ratio),
+            width_squared=self._width_squared,
+            overhang=self.overhang,
+            flexibility=self.flexibility,
+            correction=self._correction,
+        )
 
     @property
     def _width_squared(self) -> FloatArray:

@@ -7,7 +7,7 @@ of the force: Newton's method on it comes from below after the first step, and n
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,7 +19,7 @@ from ..compliance import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, SolverChoice, require_solver
-from ..solvers.compiled.compiled_answer import compiled_code, line_contact_answer
+from ..solvers.compiled.compiled_answer import CompiledAnswer, compiled_code, line_contact_answers
 from ..solvers.modal_batch import ModalBatch
 from ..solvers.modal_newton import newton_batch
 from ..solvers.solution import judged
@@ -83,13 +83,50 @@ class LineContactLaw:
         return force, np.where(indentation > 0.0, 1.0 / tangent, 0.0)
 
 
+def solve_at_torques(
+    bendings: Sequence[ContactProblem],
+    contacts: LineContacts,
+    torques: Array,
+    solver: SolverChoice = "auto",
+    **options: Any,
+) -> Iterator[list[_Found]]:
+    """Solve contact problems with load-dependent line contact at several torques, each starting from the one before.
+
+    Parameters
+    ----------
+    bendings, contacts, solver, **options
+        As of `solve_line_contacts`; the torque of the problems is of no account.
+    torques
+        Rising (t) [N mm].
+
+    Yields
+    ------
+    list
+        For every torque what `solve_line_contacts` yields.
+    """
+    at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
+    known: list[list[_Found | None]] | None = None
+    if _takes_all(solver, options) and compiled_code() is not None:
+        by_problem = zip(*at_torques, strict=True)
+        known = [_compiled_answers(own, contact) for own, contact in zip(by_problem, contacts.each, strict=True)]
+    starts: list[Array | None] = [None] * len(bendings)
+    for number, problems in enumerate(at_torques):
+        if known is None:
+            solved = list(solve_line_contacts(problems, contacts, starts, solver, **options))
+        else:
+            found = [answers[number] for answers in known]
+            solved = list(_completed(problems, contacts, starts, found, solver))
+        starts = [solution.force if solution.certified else None for solution, _ in solved]
+        yield solved
+
+
 def solve_line_contacts(
     bendings: Sequence[ContactProblem],
     contacts: LineContacts,
     starts: Sequence[Array | None],
     solver: SolverChoice = "auto",
     **options: Any,
-) -> Iterator[tuple[ContactSolution, ContactProblem]]:
+) -> Iterator[_Found]:
     """Solve contact problems with load-dependent line contact, and prove the answers.
 
     The native solver without options takes all problems at once; what this leaves without a certified answer, and all
@@ -111,22 +148,42 @@ def solve_line_contacts(
     tuple
         For every problem what `solve_line_contact` returns.
     """
-    together = require_solver(solver) == "native" and not options and len(bendings) > 0
-    if not together:
-        known: Sequence[_Found | None] = [None] * len(bendings)
-    elif compiled_code() is not None:
-        known = [_compiled_answer(*own) for own in zip(bendings, contacts.each, strict=True)]
-    else:
-        known = newton_answers(bendings, contacts, starts)
+    known: Sequence[_Found | None] = [None] * len(bendings)
+    if _takes_all(solver, options) and len(bendings) > 0:
+        if compiled_code() is not None:
+            known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts.each, strict=True)]
+        else:
+            known = newton_answers(bendings, contacts, starts)
+    yield from _completed(bendings, contacts, starts, known, solver, **options)
+
+
+def _takes_all(solver: SolverChoice, options: Mapping[str, Any]) -> bool:
+    """Whether a solver takes many problems at once."""
+    return require_solver(solver) == "native" and not options
+
+
+def _completed(
+    bendings: Sequence[ContactProblem],
+    contacts: LineContacts,
+    starts: Sequence[Array | None],
+    known: Sequence[_Found | None],
+    solver: SolverChoice,
+    **options: Any,
+) -> Iterator[_Found]:
+    """Answers that are known, and those of the other problems, solved one by one."""
     for bending, contact, start, found in zip(bendings, contacts.each, starts, known, strict=True):
         yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
 
 
-def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Found | None:
-    """Answer of the compiled method, which needs no start; None where it has no certified one."""
-    found = line_contact_answer(bending, contact.parameters)
-    if found is None or not found.answer.certificate.passes(EXACT_TOLERANCE):
-        return None
+def _compiled_answers(bendings: Sequence[ContactProblem], contact: WeberLineContact) -> list[_Found | None]:
+    """Answers of the compiled method at several torques, which needs no start; None where it has no certified one."""
+    return [
+        None if found is None or not found.answer.certificate.passes(EXACT_TOLERANCE) else _judged(bending, found)
+        for bending, found in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True)
+    ]
+
+
+def _judged(bending: ContactProblem, found: CompiledAnswer) -> _Found:
     solution = judged(
         "native",
         found.answer,
@@ -134,6 +191,7 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         iterations=found.iterations,
         method="modal",
         message=f"modal Newton's method on the line contacts themselves, compiled, {found.iterations} steps",
+        stiffness=found.stiffness,
     )
     return solution, found.answer.problem or bending.with_secant(found.secant)
 

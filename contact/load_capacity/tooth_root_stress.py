@@ -13,7 +13,7 @@ from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.elastic_model import member_points
 from ..compliance.finite_elements.finite_element_tooth import FiniteElementTooth
-from ..compliance.finite_elements.flank_compliance import flank_shares
+from ..compliance.finite_elements.flank_compliance import spread_shares
 from ..lines.flank_splines import FlankSplines
 from ..loaded_cases import LoadedCase
 from ..solvers import Status
@@ -90,7 +90,7 @@ def root_stress(
         if tooth.root is None:
             raise InputError(tooth.no_root)
         on_member = member_points(splines, MEMBERS[member], points[member])
-        nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
+        nodes, shares = spread_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(
             ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),
             shape=(tooth.flank.profile.size, int(np.prod(shape))),

@@ -49,7 +49,8 @@ class Certificate:
     complementarity
         max of min(F, Y), each by its scale: no segment carries load across a gap.
     duality_gap
-        ``|F'CF + S'F - theta T|`` over the deformation energy: work of the torque against work on the segments.
+        ``|F'CF + S'F - theta T|``, S and theta from first contact: work on the segments less work of the torque. Over
+        the sum of ``|F|`` times that mean deflection plus the sum of ``|F S|``.
     resolution
         Bound of the rounding in these five, relative to the same scales.
     cancellation
@@ -61,7 +62,7 @@ class Certificate:
     >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).worst, Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).passes(1e-6)
     (1e-07, True)
     >>> print(Certificate(1e-16, 0.0, 2e-15, 0.0, 0.0, resolution=3e-14, cancellation=40.0))
-    worst violation 2e-15 (rounding bound 3e-14); 14 digits left by cancellation
+    passes 1e-09: worst violation 2e-15, of negative_gap (rounding bound 3e-14); 14 digits left by cancellation
     """
 
     equilibrium: float
@@ -93,10 +94,35 @@ class Certificate:
         """Whether every violation is within the tolerance, whatever the rounding in it."""
         return self.worst + self.resolution <= tolerance
 
-    def __str__(self) -> str:
-        """Worst violation, its rounding, and the digits that cancellation left."""
+    @property
+    def worst_condition(self) -> str:
+        """Name of the condition with the largest violation, as in `CERTIFICATE_FIELDS`."""
+        entries = [math.inf if math.isnan(value) else value for value in self.violations]
+        return CERTIFICATE_FIELDS[entries.index(max(entries))]
+
+    def told(self, tolerance: float = EXACT_TOLERANCE) -> str:
+        """Return in words whether it passes a tolerance, the worst violation, its rounding, and the digits left.
+
+        Parameters
+        ----------
+        tolerance
+            Largest violation that it may have.
+
+        Examples
+        --------
+        >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).told(1e-8)
+        'misses 1e-08: worst violation 1e-07, of negative_gap (rounding bound 0); 15 digits left by cancellation'
+        """
+        if not self.worst < math.inf:
+            return "misses every tolerance: a violation is not a finite number"
+        verdict = f"{'passes' if self.passes(tolerance) else 'misses'} {tolerance:.1g}"
+        worst = f"worst violation {self.worst:.1g}, of {self.worst_condition}" if self.worst > 0.0 else "no violation"
         left = f"{math.floor(self.digits)} digits left by cancellation"
-        return f"worst violation {self.worst:.1g} (rounding bound {self.resolution:.1g}); {left}"
+        return f"{verdict}: {worst} (rounding bound {self.resolution:.1g}); {left}"
+
+    def __str__(self) -> str:
+        """As `told` says it of the tolerance of exact answers."""
+        return self.told()
 
 
 #: Names of the violations.

@@ -71,7 +71,7 @@ class ContactProblem:
     >>> import numpy as np
     >>> problem = ContactProblem(np.zeros(2), np.array([40.0, 40.0]), 8.0e4, np.diag([1e-6, 1e-6]))
     >>> problem
-    ContactProblem: 2 segments, dense matrix, torque 80 N m
+    ContactProblem: 2 segments, dense matrix, torque 80000 N mm
     """
 
     separation: Array
@@ -115,7 +115,7 @@ class ContactProblem:
     def __repr__(self) -> str:
         """Size, form of the compliance and torque, in one line."""
         segments = f"{self.size} segment{'' if self.size == 1 else 's'}"
-        return f"ContactProblem: {segments}, {self.compliance_matrix}, torque {1e-3 * self.torque:.6g} N m"
+        return f"ContactProblem: {segments}, {self.compliance_matrix}, torque {self.torque:.10g} N mm"
 
     @property
     def size(self) -> int:

@@ -102,7 +102,7 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
 
 def _array(dataset: xr.Dataset, name: str, single: bool) -> NDArray[Any]:
     variable, expected = dataset[name], DIMENSIONS[name][1 if single else 0 :]
-    if set(variable.dims) == set(expected):
+    if sorted(map(str, variable.dims)) == sorted(expected):
         variable = variable.transpose(*expected)
     elif variable.ndim != len(expected):
         found = ", ".join(map(str, variable.dims))

@@ -103,6 +103,9 @@ class ContactSolution:
         The method and what happened, in plain words.
     words
         The solver's own message, as it is.
+    stiffness
+        Torque that turns the gear by one radian while the touching segments keep contact, their line contacts yielding
+        by the tangent [N mm/rad]; NaN where the method does not give it.
     exchanges
         Exchanges of segments that the polish made: zero if the active set of the solver was right.
     times
@@ -132,6 +135,7 @@ class ContactSolution:
     exchanges: int = 0
     times: CallTimes = CallTimes()
     words: str = ""
+    stiffness: float = math.nan
 
     def __repr__(self) -> str:
         """Solver and how it ended; of a certified solution segments in contact, rotation and certificate."""
@@ -139,7 +143,7 @@ class ContactSolution:
         if not self.certified:
             return f"{head}\n  {self.message}" if self.message else head
         touching = f"{np.count_nonzero(self.active)} of {self.force.size} segments in contact"
-        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate}"
+        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate.told(self.tolerance)}"
 
     @property
     def certified(self) -> bool:
@@ -221,8 +225,13 @@ class ContactSolution:
 
     @property
     def active(self) -> NDArray[np.bool_]:
-        """Segments that carry load, (n): the warm start of a neighbouring problem."""
-        return self.force > 0.0
+        """Segments that carry load, (n): the warm start of a neighbouring problem.
+
+        An exact answer, of the native solver or polished, has zero on all others. In the answer of another solver a
+        force up to its `tolerance` of the greatest is none: the certificate could not tell it from zero.
+        """
+        exact = self.polished or self.solver == "native"
+        return self.force > (0.0 if exact else self.tolerance * float(self.force.max()))
 
 
 def judged(
@@ -236,6 +245,7 @@ def judged(
     method: str = "",
     polished: bool = False,
     message: str = "",
+    stiffness: float = math.nan,
 ) -> ContactSolution:
     """Return the solution with the status that the certificate of an answer gives it.
 
@@ -251,7 +261,7 @@ def judged(
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     claim
         The solver's own report; by default that of the certificate.
-    iterations, method, polished, message
+    iterations, method, polished, message, stiffness
         Passed on to the solution.
     """
     status = Status.NOT_CERTIFIED if suspicion is None else suspicion
@@ -269,6 +279,7 @@ def judged(
         polished=polished,
         tolerance=tolerance,
         message=message,
+        stiffness=stiffness,
     )
 
 

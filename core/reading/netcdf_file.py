@@ -45,12 +45,20 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     return _read(path, xr.open_datatree)
 
 
-def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
-    """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``."""
-    return _read(path, xr.open_dataset)
+def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset:
+    """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``.
+
+    Parameters
+    ----------
+    path
+        The file.
+    square
+        Whether a variable may have one dimension twice, as a square matrix of another program.
+    """
+    return _read(path, xr.open_dataset, square=square)
 
 
-def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Content:
+def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
     """What a function of xarray opens, read by a process of its own."""
     # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
     for library in ("netCDF4", "h5py"):
@@ -59,7 +67,7 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Conte
 
     def loaded() -> Content:
         with (
-            _reading(path),
+            _reading(path, square=square),
             opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as found,
         ):
             return found.load()
@@ -71,7 +79,7 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Conte
 
 
 @contextlib.contextmanager
-def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
+def _reading(path: str | os.PathLike[str], *, square: bool) -> Iterator[None]:
     """Context in which a file whose header was checked is read: every failure is one message, nothing is warned of."""
     limit = unpacked_size_limit()
     require_file(path, limit)
@@ -80,7 +88,7 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
     with faults_in_words(path, "a netCDF file"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
         check_links(path)
-        _check_header(path, limit)
+        _check_header(path, limit, square=square)
         yield
 
 
@@ -90,8 +98,8 @@ def unpacked_size_limit() -> int:
     return UNPACKED_SIZE_LIMIT if free is None else min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * free))
 
 
-def _check_header(path: str | os.PathLike[str], limit: int) -> None:
-    """Refuse a file by what its header declares: nested groups, types of its own, and sizes."""
+def _check_header(path: str | os.PathLike[str], limit: int, *, square: bool) -> None:
+    """Refuse a file by what its header declares: nested groups, types of its own, dimensions, and sizes."""
     from netCDF4 import Dataset
 
     size = count = variables = 0
@@ -107,6 +115,12 @@ def _check_header(path: str | os.PathLike[str], limit: int) -> None:
                 )
             if group.cmptypes or group.vltypes or group.enumtypes:
                 raise InputError(f"{named(path)} has data types of its own; numbers and text alone are read")
+            for name, variable in group.variables.items():
+                if not square and len(set(variable.dimensions)) < len(variable.dimensions):
+                    raise InputError(
+                        f"{named(path)}: the variable {shortened(repr(str(name)))} has a dimension twice: must have "
+                        "each once"
+                    )
             size += sum(_unpacked_size(path, variable) for variable in group.variables.values())
             waiting += [(child, depth + 1) for child in group.groups.values()]
     if size > limit:

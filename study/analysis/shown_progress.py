@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from inspect import signature
 from typing import Any, ParamSpec, TypeVar
@@ -75,15 +76,35 @@ def told(progress: Call | bool | None) -> Call | None:
 
 
 def _bar(**options: Any) -> Any:
-    """A bar of tqdm in a notebook, and what the commands show elsewhere."""
+    """A bar of tqdm in a notebook, which is gone at the end, and what the commands show elsewhere."""
     if "ipykernel" in sys.modules:
-        from tqdm.auto import tqdm
-
-        tqdm.monitor_interval = 0  # no thread, see terminal_bar
-        return tqdm(**options)
+        return _notebook_bar(**options)
     from ..cli.terminal.terminal_bar import terminal_bar
 
     return terminal_bar(**options)
+
+
+@contextmanager
+def _notebook_bar(**options: Any) -> Iterator[Any]:
+    from tqdm.auto import tqdm
+
+    tqdm.monitor_interval = 0  # no thread, see terminal_bar
+    bar: Any
+    widgets = "tqdm.notebook" in sys.modules and issubclass(tqdm, sys.modules["tqdm.notebook"].tqdm_notebook)
+    if not widgets:
+        with tqdm(leave=False, **options) as bar:
+            yield bar
+        return
+    from IPython.display import display
+
+    # Displayed here and not by tqdm, whose bar leaves its first line as text in the notebook's file.
+    with tqdm(leave=False, display=False, **options) as bar:
+        shown_bar = display(bar.container, display_id=True)
+        try:
+            yield bar
+        finally:
+            if shown_bar is not None:
+                shown_bar.update({"text/plain": ""}, raw=True)
 
 
 def _count(bar: Any, *numbers: float) -> None:

@@ -31,6 +31,7 @@ from .run_command import run
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
 from .terminal.completion_command import completion
+from .terminal.terminal_bar import lines_wanted
 from .verify_command import verify
 from .vh_command import vh
 from .wear_command import wear
@@ -59,9 +60,9 @@ def _show_warning(
         _SHOW_WARNING(message, category, filename, lineno, file, line)
 
 
-def _show_on_terminal(text: str) -> None:
-    """Say on a terminal what takes long."""
-    if sys.stderr is not None and sys.stderr.isatty():
+def _show_waiting(text: str) -> None:
+    """Say what takes long, wherever progress is shown."""
+    if sys.stderr is not None and (sys.stderr.isatty() or lines_wanted()):
         echo(text, err=True)
 
 
@@ -92,7 +93,7 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            with warnings.catch_warnings(), compilation_told(_show_on_terminal):
+            with warnings.catch_warnings(), compilation_told(_show_waiting):
                 warnings.showwarning = _show_warning
                 return super().invoke(ctx)
         except EaseoffError as error:

@@ -186,7 +186,7 @@ def _holds_problems(path: Path) -> bool:
     from ..report.summary.problem_summary import holds_problems
 
     try:
-        return holds_problems(read_dataset(path))
+        return holds_problems(read_dataset(path, square=True))
     except InputError:
         return False
 

@@ -196,6 +196,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     """
     from ..compare import compare as run_comparison
     from ..compare import write_comparison, write_test_set
+    from ..compare.presentation.former_report import is_of_another_study
     from ..compare.presentation.time_tables import waiting_note
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
@@ -205,6 +206,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             bar.update(done - bar.n)
 
         table = run_comparison(problems, output, progress=progress, **options)
+    replaced = is_of_another_study(table, output)
     folders: dict[Path, int] = {}
     for path in write_comparison(table, output):
         if path.parent == output:
@@ -213,6 +215,8 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             folders[path.parent] = folders.get(path.parent, 0) + 1
     for folder, count in folders.items():
         echo(f"wrote {folder}: {count} files")
+    if replaced:
+        echo(f"replaced the report of a former comparison in {output}, of other problems, solvers or settings")
     waited = waiting_note(table)
     if waited is not None:
         echo(waited, err=True)

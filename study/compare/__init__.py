@@ -7,6 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from ...core.errors import InputError
 from .comparison import compare
 from .comparison_table import read_table, write_table
 from .test_set import write_test_set
@@ -28,7 +29,8 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     -------
     list of Path
         ``report.md`` first, then its tables as CSV and LaTeX in ``tables``, the table of all attempts as ``results.nc``
-        and ``results.csv``, and the figures as PNG, PDF and SVG in ``figures``.
+        and ``results.csv``, and the figures as PNG, PDF and SVG in ``figures``. Tables and figures of a former report
+        in the folder that this one does not have are removed.
 
     Raises
     ------
@@ -56,4 +58,11 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
         from .presentation.comparison_figures import write_figures
 
         figures, pictures = write_figures(dataset, target)
-    return [*write_report(dataset, target, pictures), *attempts, *figures]
+        from .presentation.former_report import remove_left_files
+
+    written = [*write_report(dataset, target, pictures), *attempts, *figures]
+    try:
+        remove_left_files(target, written)
+    except OSError as error:
+        raise InputError(f"{target}: a file of a former report cannot be removed: {error.strerror or error}") from error
+    return written

@@ -21,6 +21,8 @@ from .measurement.attempt import Attempt
 from .measurement.method import Method
 from .measurement.posed_problem import PosedProblem
 
+#: File of the table in the folder of a comparison.
+TABLE_FILE = "results.nc"
 FORMAT = "easeoff comparison of solvers"
 RESIDUALS = CERTIFICATE_FIELDS
 
@@ -122,7 +124,7 @@ def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
     InputError
         If a file cannot be written.
     """
-    paths = [folder / "results.nc", folder / "results.csv"]
+    paths = [folder / TABLE_FILE, folder / "results.csv"]
     with whole_file(paths[0]) as temporary:
         dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     frame: Any = dataset.to_dataframe()

@@ -196,7 +196,8 @@ def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
     return (
         f"; edge radii from {blade.edge_radius:.3g} down to {REDUCTIONS[-1] * blade.edge_radius:.2g} mm were tried, so "
         "change the blanks: depth_taper, cutter_radius, thickness_factor or clearance_factor against a narrow slot, "
-        "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut"
+        "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut, "
+        "a larger gear_mean_addendum_factor or thickness_factor against a pointed pinion"
     )
 
 

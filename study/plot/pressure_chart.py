@@ -47,10 +47,11 @@ def draw(
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
+    shown = loaded.isel(torque=chosen)
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
-    note = SEPARATOR.join([note, *in_print([*edge_notes(loaded), *jump_notes(loaded)])])
+    note = SEPARATOR.join([note, *in_print([*edge_notes(shown), *jump_notes(shown)])])
     # What the axis labels and the colour bar leave of the page's width.
     height = chosen.size * ((WIDTH - 1.6) / len(views) * shared_aspect(views) + 0.27) + 0.35
     names = " and ".join(view.member for view in views)

@@ -84,10 +84,15 @@ def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
 
 
 def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
-    """ToothPassage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad]."""
+    """ToothPassage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad].
+
+    An older result has no envelope between the mesh positions: there it is that of the curves drawn.
+    """
     course = tooth_passage(
         unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
     )
+    if "fine_envelope" in unloaded:
+        return course, *two_cycles(unloaded["fine_envelope"].values)
     times = np.arange(CYCLES * STEP_POINT_COUNT * course.per_cycle + 1) / (STEP_POINT_COUNT * course.per_cycle)
     return course, times, envelope(course, times)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections import Counter
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ...core.printable import printable
 from ..sweep.batch_analysis import PointStatus
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from .summary.contact_tables import WIDTH
+from .summary.deflection_report import error_words
 
 #: Numbers that are shown, where a sweep has them.
 MAIN_NUMBERS = (
@@ -34,7 +36,11 @@ SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise"
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
 SHOWN_LOADS = 3  # torques, and combinations of conditions, that tables show one by one
 REASON_COUNT_LIMIT = 5
-WORST_COUNT = 3
+WORST_NUMBER, WORST_COUNT = "max_pressure", 3
+SENSITIVITY_NOTE = (
+    "scale: standard deviation of the samples, or half the range of the grid; effect: change of the number with one "
+    "scale of the coordinate; slope: change with one unit of it"
+)
 
 
 def outcome(dataset: xr.Dataset) -> str:
@@ -57,6 +63,46 @@ def outcome(dataset: xr.Dataset) -> str:
     return ", ".join(said)
 
 
+@dataclass(frozen=True)
+class SweepTable:
+    """A table of the report of a sweep.
+
+    Attributes
+    ----------
+    title
+        Its heading.
+    heads
+        Names of the columns.
+    rows
+        The rows, a text a column.
+    names
+        Number of columns that name the row, on the left.
+    note
+        What the columns mean, if they do not say so.
+
+    Examples
+    --------
+    >>> print(SweepTable("Points", ["E"], [["0.1"]], 0).text())
+    Points
+    <BLANKLINE>
+      E
+    ---
+    0.1
+    """
+
+    title: str
+    heads: list[str]
+    rows: list[list[str]]
+    names: int = 1
+    note: str = ""
+
+    def text(self) -> str:
+        """Heading, table and note as text."""
+        aligned = ("left",) * self.names + ("right",) * (len(self.heads) - self.names)
+        table = tabulate(self.rows, headers=self.heads, disable_numparse=True, colalign=aligned)
+        return "\n".join([self.title, "", table, *([textwrap.fill(self.note, WIDTH)] if self.note else [])])
+
+
 def sweep_summary(dataset: xr.Dataset) -> str:
     """Summary of a sweep.
 
@@ -71,55 +117,74 @@ def sweep_summary(dataset: xr.Dataset) -> str:
     >>> print(sweep_summary(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])).splitlines()[3])
     E             2 values from 0 to 0.05 mm
     """
-    title = textwrap.wrap(printable(str(dataset.attrs.get("title", "untitled"))), WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(map(len, title)), "", _coordinates(dataset), "", outcome(dataset)]
-    parts += _reasons(dataset)
-    known = [name for name in MAIN_NUMBERS if name in numbers(dataset) and bool(dataset[name].notnull().any())]
-    if known:
-        parts += ["", "Percentiles over the points", "", _percentile_table(dataset, known)]
-        parts += _sensitivity_tables(dataset)
-        parts += _worst(dataset)
+    title = textwrap.wrap(sweep_title(dataset), WIDTH) or ["untitled"]
+    head = "\n".join(f"{name:<13} {words}" for name, words in sweep_head(dataset))
+    parts = ["\n".join(title), "=" * max(map(len, title)), "", head, "", outcome(dataset)]
+    if reasons := failure_reasons(dataset):
+        parts += ["", *(textwrap.fill(line, WIDTH) for line in reasons)]
+    for table in sweep_tables(dataset):
+        parts += ["", table.text()]
     return "\n".join(parts)
 
 
-def _coordinates(dataset: xr.Dataset) -> str:
-    """The swept coordinates, one a line."""
-    lines = []
-    for name in swept_names(dataset):
-        values, units = dataset[name].values, dataset[name].attrs.get("units", "")
-        units = "" if units == "1" else f" {units}"
-        over = dataset[name].dims[0] if dataset[name].dims else ""
-        what = "values" if over == name else f"{str(over).replace('_', ' ')}s"
-        if values.dtype.kind == "f":
-            said = f"{values.size} {what} from {values.min():.6g} to {values.max():.6g}{units}"
-        else:
-            said = f"{values.size} {what}: {', '.join(map(str, values[:SHOWN_LOADS]))}" + " ..." * (
-                values.size > SHOWN_LOADS
-            )
-        lines.append(f"{name:<13} {printable(said)}")
-    if "deflections" in dataset.attrs:
-        lines.append(f"{'deflections':<13} {printable(str(dataset.attrs['deflections']))}")
-    if "seed" in dataset.attrs:
-        lines.append(
-            f"{'samples':<13} {dataset.attrs.get('sampler', '')}, seed {dataset.attrs['seed']}: "
-            f"{printable(str(dataset.attrs.get('distributions', '')))}"
-        )
-    return "\n".join(lines)
+def sweep_title(dataset: xr.Dataset) -> str:
+    """Title of the pair that is swept."""
+    return printable(str(dataset.attrs.get("title", "untitled")))
 
 
-def _reasons(dataset: xr.Dataset) -> list[str]:
-    """The most frequent reasons of failures."""
+def shown_numbers(dataset: xr.Dataset) -> list[str]:
+    """Main numbers that a sweep has."""
+    return [name for name in MAIN_NUMBERS if name in numbers(dataset) and bool(dataset[name].notnull().any())]
+
+
+def sweep_tables(dataset: xr.Dataset) -> list[SweepTable]:
+    """Tables of a sweep: percentiles, sensitivities and worst points; none without a certified point."""
+    known = shown_numbers(dataset)
+    if not known:
+        return []
+    return [_percentile_table(dataset, known), *_sensitivity_tables(dataset), *_worst(dataset)]
+
+
+def sweep_head(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Swept coordinates, then what was held: torques, conditions, flank and assembly errors; names and words."""
+    swept = swept_names(dataset)
+    rows = [(name, _values(dataset, name)) for name in swept]
+    rows += [(name, _values(dataset, name)) for name in LOADS if name in dataset.coords and name not in swept]
+    attrs = dataset.attrs
+    if "flank" in attrs and "flank" not in swept:
+        rows.append(("flank", f"{attrs['flank']}, held"))
+    words, _ = error_words(attrs)
+    if words:
+        rows.append(("misalignment", f"{', '.join(words)}, held"))
+    for name in ("deflections", "supports"):
+        if said := str(attrs.get(name, "")):
+            rows.append((name, printable(said)))
+    if "seed" in attrs:
+        sampler = f"{attrs.get('sampler', '')}, seed {attrs['seed']}: {attrs.get('distributions', '')}"
+        rows.append(("samples", printable(sampler)))
+    return rows
+
+
+def _values(dataset: xr.Dataset, name: str) -> str:
+    """Values of a coordinate in words; of a single one that it was held."""
+    values, units = dataset[name].values, dataset[name].attrs.get("units", "")
+    units = "" if units == "1" else f" {units}"
+    if name not in swept_names(dataset) and values.size == 1:
+        return printable(f"{values.ravel()[0]:.6g}{units}, held")
+    over = dataset[name].dims[0] if dataset[name].dims else ""
+    what = "values" if over == name else f"{str(over).replace('_', ' ')}s"
+    if values.dtype.kind == "f":
+        return printable(f"{values.size} {what} from {values.min():.6g} to {values.max():.6g}{units}")
+    more = " ..." * (values.size > SHOWN_LOADS)
+    return printable(f"{values.size} {what}: {', '.join(map(str, values[:SHOWN_LOADS]))}{more}")
+
+
+def failure_reasons(dataset: xr.Dataset) -> list[str]:
+    """The most frequent reasons of failures, a line each."""
     found = Counter(str(reason) for reason in dataset["reason"].values.ravel() if reason)
-    lines = [
-        textwrap.fill(f"{count} x {printable(reason)}", WIDTH)
-        for reason, count in found.most_common(REASON_COUNT_LIMIT)
-    ]
+    lines = [f"{count} x {printable(reason)}" for reason, count in found.most_common(REASON_COUNT_LIMIT)]
     left = len(found) - len(lines)
-    return [
-        *([""] if lines else []),
-        *lines,
-        *([f"... and {left} more reasons in the variable reason"] if left > 0 else []),
-    ]
+    return lines + [f"... and {left} more reasons in the variable reason"] * (left > 0)
 
 
 def _cases(variable: xr.DataArray) -> list[tuple[dict[Any, int], str]]:
@@ -139,7 +204,7 @@ def _cases(variable: xr.DataArray) -> list[tuple[dict[Any, int], str]]:
     return found
 
 
-def _percentile_table(dataset: xr.Dataset, names: list[str]) -> str:
+def _percentile_table(dataset: xr.Dataset, names: list[str]) -> SweepTable:
     reduced = percentiles(dataset, SHOWN_PERCENT, names)
     rows = []
     for name in names:
@@ -147,14 +212,14 @@ def _percentile_table(dataset: xr.Dataset, names: list[str]) -> str:
             values = reduced[name].isel(at)
             extra = [dim for dim in values.dims if dim != "percentile"]
             shown = values.isel(dict.fromkeys(extra, 0)).values
-            rows.append((name, reduced[name].attrs.get("units", ""), words, *(f"{value:.4g}" for value in shown)))
-    headers = ["number", "unit", "at", "least", "5 %", "median", "95 %", "greatest"]
-    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", "left", *["right"] * 5))
+            rows.append([name, reduced[name].attrs.get("units", ""), words, *(f"{value:.4g}" for value in shown)])
+    heads = ["number", "unit", "at", "least", "5 %", "median", "95 %", "greatest"]
+    return SweepTable("Percentiles over the points", heads, rows, 3)
 
 
-def _sensitivity_tables(dataset: xr.Dataset) -> list[str]:
-    """Tables of first-order sensitivities, one a number."""
-    parts: list[str] = []
+def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
+    """Tables of first-order sensitivities, one a number; the first says what the columns are."""
+    tables: list[SweepTable] = []
     for name in SENSITIVE_NUMBERS:
         try:
             found = sensitivities(dataset, name)
@@ -162,49 +227,57 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[str]:
             continue
         at, words = _cases(found["effect"])[-1]
         chosen = found.isel(at)
-        order = np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values)))
-        rows: list[tuple[str, ...]] = []
-        for i in order:
+        units = str(dataset[name].attrs.get("units", "1"))
+        rows: list[list[str]] = []
+        for i in np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values))):
+            coordinate = str(chosen["coordinate"].values[i])
+            unit = str(dataset[coordinate].attrs.get("units", "1"))
             share = chosen["variance_share"].values[i]
-            unit = dataset[str(chosen["coordinate"].values[i])].attrs.get("units", "")
-            scale = f"{chosen['scale'].values[i]:.3g} {unit}"
-            effect, slope = chosen["effect"].values[i], chosen["slope"].values[i]
             rows.append(
-                (
-                    str(chosen["coordinate"].values[i]),
-                    scale,
-                    f"{effect:+.3g}",
-                    f"{slope:+.4g}",
+                [
+                    coordinate,
+                    f"{chosen['scale'].values[i]:.3g} {unit}".removesuffix(" 1"),
+                    f"{chosen['effect'].values[i]:+.3g} {units}".removesuffix(" 1"),
+                    f"{chosen['slope'].values[i]:+.4g} {_per(units, unit)}".rstrip(),
                     "" if np.isnan(share) else f"{100 * share:.0f} %",
-                )
+                ]
             )
-        units = dataset[name].attrs.get("units", "")
-        units = "" if units == "1" else f" [{units}]"
-        headers = ["coordinate", "scale", f"effect{units}", "slope", "of variance"]
+        heads = ["coordinate", "scale", "effect", "slope", "of variance"]
         if not any(row[-1] for row in rows):
-            headers, rows = headers[:-1], [row[:-1] for row in rows]
+            heads, rows = heads[:-1], [row[:-1] for row in rows]
         where = f" at {words}" if words else ""
-        parts += ["", f"First-order sensitivities of {name}{where}", ""]
-        parts.append(
-            tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * (len(headers) - 1)))
-        )
-    return parts
+        title = f"First-order sensitivities of {name}{where}"
+        tables.append(SweepTable(title, heads, rows, 1, "" if tables else SENSITIVITY_NOTE))
+    return tables
 
 
-def _worst(dataset: xr.Dataset) -> list[str]:
+def _per(units: str, unit: str) -> str:
+    """Unit of a slope.
+
+    >>> _per("urad", "mm"), _per("1", "mm"), _per("MPa", "1")
+    ('urad/mm', '1/mm', 'MPa')
+    """
+    if unit in ("", "1"):
+        return "" if units == "1" else units
+    return f"{units}/{unit}" if "/" not in unit else f"{units}/({unit})"
+
+
+def _worst(dataset: xr.Dataset) -> list[SweepTable]:
     """Points with the greatest pressure."""
-    name = "max_pressure"
+    name = WORST_NUMBER
     if name not in numbers(dataset):
         return []
     found = worst_points(dataset, name, WORST_COUNT)
-    shown = [one for one in (*swept_names(dataset), "torque") if one in found]
-    columns = list(dict.fromkeys(shown))
+    columns = list(dict.fromkeys(one for one in (*swept_names(dataset), "torque") if one in found))
     rows = [
-        (*(_word(found[one].values[i]) for one in columns), f"{found[name].values[i]:.5g}")
+        [*(_word(found[one].values[i]) for one in columns), f"{found[name].values[i]:.5g}"]
         for i in range(found.sizes["rank"])
     ]
-    headers = [*columns, f"{name} [{dataset[name].attrs.get('units', '')}]"]
-    return ["", f"Points with the greatest {name}", "", tabulate(rows, headers=headers, disable_numparse=True)]
+    units = [dataset[one].attrs.get("units", "") if one in dataset else "" for one in (*columns, name)]
+    heads = [
+        f"{one} [{unit}]" if unit not in ("", "1") else one for one, unit in zip((*columns, name), units, strict=True)
+    ]
+    return [SweepTable(f"Points with the greatest {name}", heads, rows, len(columns))]
 
 
 def _word(value: Any) -> str:

@@ -7,6 +7,8 @@ import xarray as xr
 from tabulate import tabulate
 
 HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe %, root %", "from, to\ntoe %", "height\n%", "peak to\npeak urad")
+#: What V and H are positive for, one phrase each.
+SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")
 
 
 def vh_table(found: xr.Dataset) -> str:

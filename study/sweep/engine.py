@@ -106,6 +106,7 @@ def cluster_client(address: str) -> Iterator[Any]:
     """
     distributed = distributed_package()
     try:
+        distributed.comm.resolve_address(address)  # an address that is none makes the client wait for itself
         client = distributed.Client(address, timeout=CONNECTION_TIME_LIMIT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SEPARATOR, SMALL_SIZE, VERMILION, WIDTH, page
 from ..plot.panel_grid import OwnAxes, chosen_parts, panels
-from ..report.vh_table import totals
+from ..report.vh_table import SIGNS, totals
 
 Array = NDArray[Any]
 PARTS = ("places", "grid")
@@ -58,7 +58,7 @@ def _small_print(found: xr.Dataset) -> str:
     parts = [totals(found)] if "total_v" in found else []
     parts.append(f"print of {found.attrs['separation']:g} µm, toe left")
     parts += ["dot: centre", "cross: where it is wanted"]
-    parts += ["V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)"]
+    parts += SIGNS
     return SEPARATOR.join(parts).replace("-0", "−0")
 
 

@@ -17,7 +17,8 @@ from ..supports_table import SupportFile
 from .template_text import comment, meaning, template_text
 
 SWITCHED_OFF = (
-    "A key right behind its comment sign, as in #key = 1, is switched off and shows its default if it has one."
+    "A key right behind its comment sign, as in #key = 1, is switched off and shows its default if it has one. "
+    "To switch on a key of a table that is off, switch on the line of the table, too, as in #[contact]."
 )
 PROCESSES = ("face-milled", "face-hobbed")
 #: Shipped files that the processes stand for.

@@ -38,8 +38,8 @@ Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 LENGTHWISE_BRICK_LIMITS = (8, 32)
 THROUGH_BRICK_LIMITS = (4, 8)
-SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face over the usual number
-FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
+
+FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 9  # trial functions of a solid shell
 FACTOR_SIZE, FACTOR_EXPONENT = 1.2e3, 1.4  # memory of a body's factor [byte] over its nodes to this power
 UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
 FULL_MATRICES = 4.2  # of that size at once
@@ -155,8 +155,7 @@ def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) 
     usual = usual_size(pair, member)
     functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
     along, through, up = (max(round(fineness * n), 2) for n in functions)
-    lengthwise = round(SOLID_SHELL_BRICK_SHARE * usual.lengthwise)
-    bricks = replace(usual, lengthwise=lengthwise, slot=1, deep=2).finer(fineness)
+    bricks = replace(usual, slot=1).finer(fineness)
     # The bricks of the joint have to follow every function through the tooth; more of them change nothing.
     return _long_enough(replace(bricks, through=2 * math.ceil(through / 4))), (along, through, up)
 

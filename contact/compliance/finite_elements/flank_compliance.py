@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 FOOT_ITERATIONS = 30
+SPREAD_POINT_COUNT = 8  # points over a brick on which a force is spread
 EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach the digits of a force
 
 
@@ -131,6 +132,21 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
     shares = quadratic(2.0 * above / (rise + np.sqrt(rise * rise + 4.0 * bend * above)))[0]
     nodes = sections[:, :, None] * rows + levels[:, None, :]
     return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
+
+
+def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
+    """As ``flank_shares``, of forces spread evenly over the length of a brick along the face (n, 9 k each).
+
+    A lattice sees no closer: next to a force the stress depends on whether that is on a corner of a brick or in the
+    middle between two, but not so once it is spread over a whole brick.
+    """
+    nodes = np.arange(lengthwise.size)
+    at = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, nodes)
+    away = 2.0 * ((np.arange(SPREAD_POINT_COUNT) + 0.5) / SPREAD_POINT_COUNT - 0.5)
+    along = np.interp(at[:, None] + away, nodes, lengthwise)
+    spread = np.stack([along, np.broadcast_to(points[1][:, None], along.shape)]).reshape(2, -1)
+    found, shares = flank_shares(lengthwise, profile, spread)
+    return found.reshape(at.size, -1), shares.reshape(at.size, -1) / SPREAD_POINT_COUNT
 
 
 @dataclass(frozen=True)

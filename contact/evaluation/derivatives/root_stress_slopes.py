@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....geometry.pair.gear_pair import MEMBERS
 from ...compliance.elastic_model import member_points
 from ...compliance.finite_elements.finite_element_tooth import FiniteElementTooth
-from ...compliance.finite_elements.flank_compliance import flank_shares
+from ...compliance.finite_elements.flank_compliance import spread_shares
 from ...lines.flank_splines import SLOPES
 from ...lines.opposite_points import PINION_FRACTIONS
 from .bending_slopes import POINT_STEP
@@ -59,7 +59,7 @@ def root_stress_slopes(
             assert tooth.root is not None  # or there were no stress
             points, motion = _on_member(directions, MEMBERS[member], *place)
             grid = tooth.flank.lengthwise, tooth.flank.profile
-            nodes, shares = flank_shares(*grid, points)
+            nodes, shares = spread_shares(*grid, points)
             on_nodes = np.zeros((tooth.flank.profile.size, pairs.size))
             np.add.at(on_nodes, (nodes, column[:, None]), shares * force[:, None])
             gradient = tooth.root.gradients(on_nodes)
@@ -100,5 +100,5 @@ def _responses(
     """Stress (n) under unit forces at points moved along one fraction by a step."""
     moved = points.copy()
     moved[axis] += sign * POINT_STEP
-    nodes, shares = flank_shares(*grid, moved)
+    nodes, shares = spread_shares(*grid, moved)
     return np.asarray(np.sum(shares * gradient[nodes, column[:, None]], axis=1))

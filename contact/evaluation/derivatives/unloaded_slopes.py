@@ -89,7 +89,7 @@ def unloaded_slopes(
     rotation = np.concatenate([errors.rotations_at(ahead, carrying), *(peak.rotation for peak in peaks)])
     change = moving(joined, rotation)
     of_peaks = [peak.slopes(change[count + 2 * k : count + 2 * k + 2]) for k, peak in enumerate(peaks)]
-    values = [1e-6 * value for _, value in places]
+    values = [peak.value(1e-6 * value) for peak, (_, value) in zip(peaks, places, strict=True)]
     return UnloadedSlopes(touching.gap, change[:count], values[0] - values[1], of_peaks[0] - of_peaks[1])
 
 
@@ -204,6 +204,12 @@ class _Extreme:
             place += float(np.clip(rise / fall if fall != 0.0 else 0.0, -beside, beside))
         at = np.full(2, place)
         return cls(errors.touching_at(pairs, at), errors.rotations_at(at, pairs), rates)
+
+    def value(self, known: float) -> float:
+        """Error there [rad]: where courses cross or are level, else the known value, off by the tolerance of peaks."""
+        own = float(np.mean(self.touching.gap))
+        close = abs(own - known) <= 1e-6 * PEAK_TOLERANCE
+        return own if close and np.all(np.isfinite(self.rates)) else known
 
     def slopes(self, change: Array) -> Array:
         """Derivatives (j) of the value from those of both pairs there (2, j): a crossing keeps both equal."""

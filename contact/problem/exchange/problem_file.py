@@ -43,6 +43,7 @@ from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays
 from ..problem_dataset import ATTRIBUTES
 from ..problem_dataset import FORMAT as SINGLE_FORMAT
+from .problem_set import require_problems
 from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
 from .reference_solutions import reference_variables, require_answers
 
@@ -98,8 +99,7 @@ def write_problems(
     ...     read_labels(Path(folder, "problems.nc"))["mesh_position"].tolist()
     [0.25]
     """
-    if not problems:
-        raise InputError("problems = []: must hold at least one contact problem")
+    require_problems(problems)
     require_answers(problems, answers)
     dataset = _dataset(problems)
     if answers is not None:
@@ -268,7 +268,7 @@ def read_attributes(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
     """A file of contact problems in memory; InputError if it is none."""
-    dataset = read_dataset(path)
+    dataset = read_dataset(path, square=True)
     if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
         raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
     version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import shown
 from ....core.errors import InputError
 from ..answer import Answer
 from ..contact_problem import ContactProblem
@@ -52,8 +54,7 @@ class ProblemSet:
             No problems.
         """
         given = problems if isinstance(problems, ProblemSet) else cls(problems)
-        if not given.problems:
-            raise InputError("problems = []: must hold at least one contact problem")
+        require_problems(given.problems)
         return given
 
     def answer(self, i: int) -> Answer | None:
@@ -74,6 +75,23 @@ class ProblemSet:
             name if name.strip("_.") and names.count(name) == 1 else number
             for name, number in zip(names, numbers, strict=True)
         ]
+
+
+def require_problems(problems: object) -> None:
+    """Refuse anything but a sequence of contact problems.
+
+    Raises
+    ------
+    InputError
+        Another type, such as the name of a file, or no problems.
+    """
+    if isinstance(problems, str | os.PathLike | ContactProblem) or not isinstance(problems, Sequence):
+        raise InputError(f"problems = {shown(problems)}: must be a list of contact problems, the file comes after it")
+    if not problems:
+        raise InputError("problems = []: must hold at least one contact problem")
+    for i, one in enumerate(problems):
+        if not isinstance(one, ContactProblem):
+            raise InputError(f"problems[{i}] = {shown(one)}: must be a ContactProblem")
 
 
 def joined(sets: Sequence[ProblemSet]) -> ProblemSet:

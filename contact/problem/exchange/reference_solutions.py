@@ -98,7 +98,7 @@ def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProb
     ...     [answer.force.tolist() for answer in read_references(path, read_problems(path))]
     [[1000.0, 1000.0]]
     """
-    dataset = read_dataset(path)
+    dataset = read_dataset(path, square=True)
     if "reference_force" not in dataset:
         return None
     count = len(problems)

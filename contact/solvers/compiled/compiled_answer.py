@@ -7,6 +7,7 @@ answers, and the methods of ``solvers`` take over.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -30,11 +31,15 @@ _NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool
 
 
 class CompiledAnswer(NamedTuple):
-    """An answer, the number of steps, for line contacts their secant compliance (n) [mm/N], and wall times [s]."""
+    """An answer, the number of steps, and wall times [s].
+
+    For line contacts their secant compliance (n) [mm/N], and the torque that turns the gear by one radian [N mm/rad].
+    """
 
     answer: Answer
     iterations: int
     secant: Array
+    stiffness: float = math.nan
     setup_time: float = math.nan
     solve_time: float = math.nan
 
@@ -85,8 +90,10 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     ended_at = perf_counter()
     times = ready - begin, ended_at - ready
     if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
-        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, *times)
-    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, *times)
+        return CompiledAnswer(
+            with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, math.nan, *times
+        )
+    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, math.nan, *times)
 
 
 def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:
@@ -95,8 +102,8 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     Returns
     -------
     tuple or None
-        Forces and gaps (b, n); rotation, elastic rotation and the numbers of the certificate (b, 9); steps and whether
-        the method ended (b, 2). None where the method cannot be used.
+        Forces and gaps (b, n); rotation, elastic rotation, the numbers of the certificate and one that is NaN (b, 10);
+        steps and whether the method ended (b, 2). None where the method cannot be used.
     """
     matrix = problem.compliance_matrix
     if not isinstance(matrix, ModalCompliance) or (code := compiled_code()) is None:
@@ -111,44 +118,50 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     return force, gap, numbers, counts
 
 
-def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer | None:
-    """Solve a contact problem with load-dependent line contact.
+def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list[CompiledAnswer | None]:
+    """Solve contact problems of the same segments with load-dependent line contact at several torques.
 
     Parameters
     ----------
-    bending
-        With the compliance of bending alone.
+    bendings
+        With the compliance of bending alone; they differ in their torque.
     law
         Parameters of the line contacts (n, 14), see `WeberLineContact.parameters`.
 
     Returns
     -------
-    CompiledAnswer or None
-        As of `linear_answer`; the certificate is that of the linear problem with the secant compliance.
+    list
+        An answer each, None as of `linear_answer`; the certificate is that of the linear problem with the secant
+        compliance.
     """
-    basis, code = bending.modal_basis, compiled_code()
-    if basis is None or code is None or not bending.torque > 0.0:
-        return None
-    size = bending.separation.size
-    force, gap, numbers, counts = _results(1, size)
-    secant = np.empty((1, size))
+    first, code = bendings[0], compiled_code()
+    basis, torque = first.modal_basis, np.array([one.torque for one in bendings])
+    if basis is None or code is None or not torque.min() > 0.0:
+        return [None] * len(bendings)
+    count, size = torque.size, first.size
+    force, gap, numbers, counts = _results(count, size)
+    secant = np.empty((count, size))
     code.solve_batch(
-        tuple(basis.columns), np.array([bending.torque]), bending.separation.reshape(1, size), bending.lever_arm,
-        bending.separation, law, _NO_MASK,
+        tuple(basis.columns), torque, np.repeat(first.separation.reshape(1, size), count, axis=0), first.lever_arm,
+        first.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
     )  # fmt: skip
-    steps, ended = counts[0].tolist()
-    if not ended:
-        return None
-    return CompiledAnswer(answer_of(bending.with_secant(secant[0]), force[0], gap[0], numbers[0]), steps, secant[0])
+    answers: list[CompiledAnswer | None] = []
+    for b, (steps, ended) in enumerate(counts.tolist()):
+        if not ended:
+            answers.append(None)
+            continue
+        answer = answer_of(bendings[b].with_secant(secant[b]), force[b], gap[b], numbers[b])
+        answers.append(CompiledAnswer(answer, steps, secant[b], float(numbers[b, code.STIFFNESS])))
+    return answers
 
 
 def answer_of(problem: ContactProblem, force: Array, gap: Array, numbers: Array) -> Answer:
-    """Return an answer from forces and gaps (n) and the numbers (9) that the compiled code has of it.
+    """Return an answer from forces and gaps (n) and the numbers (10) that the compiled code has of it.
 
     Where that has bounded the rounding of its certificate too roughly, the certificate is evaluated anew.
     """
-    rotation, elastic, *entries = numbers.tolist()
+    rotation, elastic, *entries, _stiffness = numbers.tolist()
     certificate = Certificate(*entries)
     if not certificate.resolution <= RESOLUTION_LIMIT and certificate.worst <= RESOLUTION_LIMIT:
         return with_certificate(problem, force, elastic)
@@ -157,4 +170,4 @@ def answer_of(problem: ContactProblem, force: Array, gap: Array, numbers: Array)
 
 def _results(count: int, size: int) -> tuple[Array, Array, Array, NDArray[np.int64]]:
     shape = (count, size)
-    return np.empty(shape), np.empty(shape), np.empty((count, 9)), np.empty((count, 2), dtype=np.int64)
+    return np.empty(shape), np.empty(shape), np.empty((count, 10)), np.empty((count, 2), dtype=np.int64)

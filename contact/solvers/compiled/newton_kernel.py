@@ -55,6 +55,7 @@ LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORREC
 ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESOLUTION, CANCELLATION = (
     range(9)
 )
+STIFFNESS = 9
 #: As in ``error_free``, ``first_contact`` and ``residuals``.
 UNIT_ROUNDOFF, SPLITTER, UNDERFLOW = 2.0**-53, 134217729.0, 1e-318
 ERROR_FREE, PLAIN, MAX_CHANGES = 2.0**-103, 2.0**-51, 4
@@ -868,6 +869,33 @@ def _shared_direction(
     return turn
 
 
+@_exact
+def _stiffness(
+    blocks: Any, columns: Any, law: Any, given: Any, amplitudes: Any, state: Any, work: Any, factors: Any, change: Any
+) -> float:
+    """Torque that turns the gear by one radian while the touching segments keep contact, at a solution.
+
+    Newton's change of the rotation for a torque of one more. The amplitudes must be the loads, so that these are in
+    balance; the tangents of the line contacts are those at the forces themselves.
+    """
+    _, arm, _, segment = given
+    _, root, _, lever, force, _ = state
+    spans, mixing = work[1], work[2]
+    pivot = 0.0
+    for q in range(blocks.shape[0]):
+        spans[q, 2] = 1
+        for x in range(spans[q, 0], spans[q, 1]):
+            if root[x] > 0.0:
+                own = law[segment[x]]
+                root[x] = math.sqrt(own[LENGTH] / _strip(own, force[x] / own[LENGTH])[1])
+            lever[x] = root[x] * arm[x]
+            pivot += lever[x] * lever[x]
+    at = (amplitudes, 0.0)
+    if mixing.shape[1]:
+        return 1.0 / _shared_direction(blocks, columns, 1.0, at, state, work, factors, change)
+    return 1.0 / _direction(blocks, columns, (1.0, pivot), at, state, work, factors, change)
+
+
 @_sums
 def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, work: Any) -> Any:
     """As `_point` at amplitudes and rotation zero, where chosen segments stick together and no others touch."""
@@ -1125,7 +1153,8 @@ def solve_batch(
     secant_of
         For the secant compliance of line contacts (b, n); empty if there are none.
     numbers, counts
-        For the numbers (b, 9), and steps and whether the method ended (b, 2).
+        For the numbers (b, 10), and steps and whether the method ended (b, 2). The stiffness is that of line contacts,
+        see ``_stiffness``.
     """
     places, blocks_of, order, columns, sums, mixing = modes
     bending, row_sum = sums[0], sums[1]
@@ -1260,6 +1289,12 @@ def solve_batch(
                 for x in range(total):
                     local_here[x] = force[x]
         counts[b, 0], counts[b, 1] = steps + 1, ended
+        numbers[b, STIFFNESS] = np.nan
+        if not linear:
+            amplitudes[:] = loads
+            numbers[b, STIFFNESS] = _stiffness(
+                blocks_of[0], columns, law, given, amplitudes, state, work, factors, change
+            )
         # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
         blocks = blocks_of[0]
         forces, gaps = force_of[b], gap_of[b]

@@ -45,7 +45,8 @@ def pitch_cones(design: BlankDesign) -> PitchCones:
     if not _bevel_gear_angle(design) < math.pi / 2:
         raise InputError(
             f"shaft_angle = {math.degrees(design.shaft_angle):g} deg: too large for number_of_teeth = "
-            f"{design.number_of_teeth}, the gear's pitch angle reaches a right angle"
+            f"{design.number_of_teeth}, the gear's pitch angle reaches a right angle; it does not below "
+            f"{math.floor(10.0 * math.degrees(math.acos(-1.0 / _ratio(design)))) / 10.0:g} deg"
         )
     return (_bevel, _gleason, _oerlikon, _klingelnberg)[design.method](design)
 

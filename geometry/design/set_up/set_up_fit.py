@@ -188,15 +188,24 @@ def best_set_up(
             if _good(best, chosen, blank.clearance):
                 break
         if best is None:
-            raise GeometryError(
-                f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {failure}; "
-                f"choose another method, wider limits, or {BLANK_ADVICE}"
-            )
+            raise _refusal(together, method, failure)
         # Both flanks share one machine, which cannot make up for two rounded blades.
         if method != "completing":
-            best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+            try:
+                best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+            except GeometryError as error:
+                raise _refusal(together, method, error) from error
         found |= best
     return found
+
+
+def _refusal(sides: tuple[FlankName, ...], method: SetUpMethod, reason: GeometryError) -> GeometryError:
+    """What to change where a method gives no pinion; another method than the one that was tried."""
+    other = "tilt" if method != "tilt" else "modified_roll"
+    return GeometryError(
+        f"{' and '.join(sides)}: no pinion of the method {method} was found that meets the gear: {reason}; choose "
+        f'another method, as method = "{other}", wider limits in [pinion.limits], or {BLANK_ADVICE}'
+    )
 
 
 def _stepped(
@@ -353,10 +362,7 @@ def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis
     left = 1e-3 * part(steps)[: part.lever.size]
     fresh = exact_ease_off(part.gear, surface, section, pair.assembly)
     if not np.allclose(part.error(fresh.angle), left, rtol=0.0, atol=1e-6):
-        raise GeometryError(
-            "the fitted settings cut the blank with another part of the cutter than the fit followed; choose another "
-            'method, as method = "tilt", or wider limits in [pinion.limits]'
-        )
+        raise GeometryError("the fitted settings cut the blank with another part of the cutter than the fit followed")
     surface = with_positive_tilt(surface)
     moved = {
         name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)

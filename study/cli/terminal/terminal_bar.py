@@ -35,7 +35,7 @@ def terminal_bar(**options: Any) -> Any:
     ...     bar.update(1) is None or True
     True
     """
-    if not _on_terminal() and _lines_wanted():
+    if not _on_terminal() and lines_wanted():
         known = {name: options[name] for name in ("desc", "total", "unit") if name in options}
         return ProgressLines(**known)
     from tqdm import tqdm
@@ -59,7 +59,7 @@ def working(what: str) -> Iterator[None]:
     ...     1 + 1
     2
     """
-    if not _on_terminal() and _lines_wanted():
+    if not _on_terminal() and lines_wanted():
         _line(f"{what} ...")
         yield
         return
@@ -150,7 +150,8 @@ def _on_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
 
 
-def _lines_wanted() -> bool:
+def lines_wanted() -> bool:
+    """Whether progress is told in lines where there is no terminal."""
     return sys.stderr is not None and os.environ.get(SWITCH, "") != "off"
 
 

@@ -77,6 +77,11 @@ def has_tolerance(solver: str) -> bool:
     return solver in TOLERANCE_NAMES or solver not in SOLVERS
 
 
+def polishes_itself(solver: str) -> bool:
+    """Whether the table's settings have a solver polish its own answer, whatever its tolerance."""
+    return solver in SOLVERS and bool(SOLVERS[solver].settings.get("polishing", False))
+
+
 def takes_start(solver: str) -> bool:
     """Whether a solver makes use of the answer to a neighbouring problem."""
     declared = declared_solver(solver)

@@ -14,6 +14,8 @@ from .report_table import NOTHING, ReportTable, quantiles, residual
 
 #: Problems that a line of failures names.
 NAMED_PROBLEM_LIMIT = 3
+#: Head of the column of problems whose file gives them no kind.
+WITHOUT_KIND = "without a kind"
 
 
 def success_tables(dataset: xr.Dataset, problems: Any, named: list[MethodName]) -> list[ReportTable]:
@@ -62,12 +64,15 @@ def kind_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     kinds = [kind for kind in dict.fromkeys(problems["kind"]) if kind]
     if not kinds:
         return None
+    heads = list(kinds)
+    if (problems["kind"] == "").any():
+        kinds, heads = [*kinds, ""], [*kinds, WITHOUT_KIND]
     rows = []
     for method in named:
         found = of_method(problems, method)
         of_kind = [found[found["kind"] == kind]["certified"] for kind in kinds]
         rows.append([*method, *(f"{int(one.sum())} of {len(one)}" if len(one) else NOTHING for one in of_kind)])
-    return ReportTable("certified_by_kind", [*METHOD_COLUMNS, *kinds], rows, "", "Certified, by kind of problem:")
+    return ReportTable("certified_by_kind", [*METHOD_COLUMNS, *heads], rows, "", "Certified, by kind of problem:")
 
 
 def residual_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
@@ -101,23 +106,20 @@ def failure_table(dataset: xr.Dataset, named: list[MethodName]) -> ReportTable |
     """Attempts that are not certified, by claim and words; None if there are none."""
     frame: Any = dataset.to_dataframe()
     rows: list[list[Any]] = []
+    short: list[list[Any]] = []
     for method in named:
         found = of_method(frame, method)
         failed = found[found["certified"] == 0]
         for (claim, message), group in failed.groupby(["claim", "message"], sort=False):
             words = str(message).replace("|", "/").replace("`", "'")
             problems = group.drop_duplicates(["problem_file", "problem"])
-            rows.append([*method, claim, words, len(group), len(problems), _which(problems)])
+            counted = [*method, claim, words, len(group), len(problems)]
+            names = [row.problem_name or f"{row.problem_file} {row.problem}" for row in problems.itertuples()]
+            rows.append([*counted, ", ".join(names)])
+            more = ", ..." if len(names) > NAMED_PROBLEM_LIMIT else ""
+            short.append([*counted, ", ".join(names[:NAMED_PROBLEM_LIMIT]) + more])
     if not rows:
         return None
     head = [*METHOD_COLUMNS, "says", "its words", "attempts", "problems", "which"]
-    return ReportTable("failures", head, rows, "Attempts that are not certified.")
-
-
-def _which(problems: Any) -> str:
-    """First few problems, by name or else by number."""
-    few = [
-        row.problem_name or f"{row.problem_file} {row.problem}"
-        for row in problems.head(NAMED_PROBLEM_LIMIT).itertuples()
-    ]
-    return ", ".join(few) + (", ..." if len(problems) > NAMED_PROBLEM_LIMIT else "")
+    note = "Attempts that are not certified; `tables/failures.csv` names all their problems."
+    return ReportTable("failures", head, rows, note, short_rows=short)

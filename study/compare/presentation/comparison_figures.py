@@ -19,6 +19,8 @@ from .time_tables import size_groups
 
 #: Folder of the figures beside the report.
 FIGURE_FOLDER = "figures"
+#: Formats of every figure, by suffix.
+FIGURE_FORMATS = ("png", "pdf", "svg")
 
 Drawing = Callable[[xr.Dataset, Any], Figure]
 
@@ -55,4 +57,4 @@ def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
 
     The same figure gives the same files: they bear no date, and the names within the SVG file come from a fixed salt.
     """
-    return [save(figure, folder / f"{name}.{suffix}") for suffix in ("png", "pdf", "svg")]
+    return [save(figure, folder / f"{name}.{suffix}") for suffix in FIGURE_FORMATS]

@@ -13,7 +13,7 @@ from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.reading.json_text import parsed_json
 from ....core.writing.output_file import whole_file
-from ..statistics.method_statistics import by_problem, methods
+from ..statistics.method_statistics import MethodName, by_problem, methods
 from ..statistics.work_precision import has_sweep
 from .answer_tables import failure_table, kind_table, residual_tables, success_note, success_tables
 from .report_table import ReportTable
@@ -21,6 +21,7 @@ from .time_tables import (
     LARGEST_SIZE_STEP,
     SIZE_SPAN_MINIMUM,
     growth_table,
+    own_polish_note,
     pair_table,
     run_time_summary,
     size_groups,
@@ -79,13 +80,17 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),
         Section("Pairs of solvers", [pair_table(problems, named)]),
-        Section("Work and precision", work_precision_tables(dataset, named) if has_sweep(dataset) else []),
+        Section("Work and precision", _work_and_precision(dataset, named)),
         Section("Growth", [growth_table(problems, named) if size_groups(problems) else NO_GROWTH]),
         Section("Residuals", residual_tables(dataset, named)),
         Section("Failures", [failures if failures is not None else "None: every attempt is certified.\n"]),
         Section("Made with", [_made_with(dataset)]),
     ]
     return [section for section in sections if any(part is not None for part in section.parts)]
+
+
+def _work_and_precision(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable | str | None]:
+    return [*work_precision_tables(dataset, named), own_polish_note(named)] if has_sweep(dataset) else []
 
 
 def comparison_report(dataset: xr.Dataset, pictures: Sequence[Picture] = ()) -> str:

@@ -53,7 +53,8 @@ def _profile_figure(
     axis: tuple[str, float | None],
 ) -> Figure:
     shown = panels(problems, float(dataset.attrs["time_limit_s"]))
-    note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts; legend: the best of panel one first"
+    best = "the best of the first panel" if len(shown) > 1 else "the best"
+    note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts; legend: {best} first"
     figure = titled_sheet(*titles, note, PANEL_HEIGHT * len(shown))
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     label, left = axis[0].format(time=TIMES[time_of(dataset)]), axis[1]

@@ -34,6 +34,8 @@ class ReportTable:
         Line above it, in Markdown; empty under a heading of its own.
     in_report
         Whether it stands in the report, or in its files alone.
+    short_rows
+        The rows as the report has them, where those of the files are too long for it.
     """
 
     name: str
@@ -42,6 +44,7 @@ class ReportTable:
     note: str = ""
     caption: str = ""
     in_report: bool = True
+    short_rows: Sequence[Sequence[Any]] | None = None
 
     @property
     def markdown(self) -> str:
@@ -50,7 +53,8 @@ class ReportTable:
             return f"{self.note}\n"
         caption = f"{self.caption}\n\n" if self.caption else ""
         note = f"\n{self.note}\n" if self.note else ""
-        return f"{caption}{_tabulated(self.head, self.rows, 'github')}\n{note}"
+        rows = self.rows if self.short_rows is None else self.short_rows
+        return f"{caption}{_tabulated(self.head, rows, 'github')}\n{note}"
 
     @property
     def latex(self) -> str:

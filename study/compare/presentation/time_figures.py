@@ -54,7 +54,7 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
         plain_ticks(axes.xaxis, np.unique(chosen["size"].to_numpy(dtype=float)))
         plain_ticks(axes.yaxis)
         count = len(chosen.drop_duplicates(["problem_file", "problem"]))
-        finish(axes, f"{group}", f"{count} problems", "run time [ms]")
+        finish(axes, f"{group}", f"{count} problems", f"{time_of(dataset)} time [ms]")
         abscissa(axes, "number of segments n")
     return figure
 
@@ -71,8 +71,8 @@ def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
     count = len(problems.drop_duplicates(["problem_file", "problem"]))
     figure = titled_sheet(
         "Work and precision",
-        "run time for a certified accuracy, over a sweep of the solver's tolerance",
-        "time: median over all problems of the fastest run with that certificate, as far as half of them have one; "
+        f"{TIMES[time_of(dataset)]}, for a certified accuracy, over a sweep of the solver's tolerance",
+        "median over all problems of the fastest run with that certificate, as far as half of them have one; "
         "scaled problems, cold",
         2.0 * PANEL_HEIGHT,
     )
@@ -104,7 +104,7 @@ def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
     plain_ticks(upper.yaxis)
     lower.set_ylim(-0.03, 1.05)
     lower.yaxis.set_major_formatter(PercentFormatter(1.0))
-    finish(upper, "time", f"{count} problems", "median run time [ms]")
+    finish(upper, "time", f"{count} problems", f"median {time_of(dataset)} time [ms]")
     finish(lower, "reach", "", "share of problems")
     abscissa(lower, "certified accuracy (largest violation of a condition)")
     return figure

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..measurement.method import COLD, HEADLINE, STARTING_SOLVERS, WARM
+from ..measurement.method import COLD, HEADLINE, STARTING_SOLVERS, WARM, polishes_itself
 from ..statistics.method_statistics import (
     METHOD_COLUMNS,
     MISS_FACTOR,
@@ -237,6 +237,17 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             "Outcome at each tolerance:",
         ),
     ]
+
+
+def own_polish_note(named: list[MethodName]) -> str | None:
+    """Which solvers of a sweep polish their own answers at every tolerance; None if none does."""
+    polishing = [f"`{name}`" for name in dict.fromkeys(one[0] for one in named) if polishes_itself(name)]
+    if not polishing:
+        return None
+    return (
+        f"The tolerance replaces that of the table, the other settings stay: {', '.join(polishing)} polishes its own "
+        "answer, so its certificates hardly depend on the tolerance.\n"
+    )
 
 
 def _work(curve: WorkPrecision, i: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -43,13 +44,7 @@ def sampled_assemblies(
     >>> len(found), found[0].gear_axial, max(abs(one.offset) for one in found) < 0.02
     (4, 0.1, True)
     """
-    chosen: dict[str, Distribution] = {}
-    for name, given in distributions.items():
-        if name not in ERROR_FIELDS:
-            raise InputError(
-                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
-            )
-        chosen[name] = given if isinstance(given, Distribution) else Distribution.parsed(given)
+    chosen = _distributions(distributions)
     if count is not None and not chosen:
         raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
     if count is None and chosen:
@@ -57,13 +52,51 @@ def sampled_assemblies(
     if count is None:
         return []
     values = sample_values(chosen, count, seed=seed)
-    found = []
-    for number in range(count):
-        errors = {ERROR_FIELDS[name]: float(drawn[number]) for name, drawn in values.items()}
-        if "shaft_angle" in errors:
-            errors["shaft_angle"] = math.radians(errors["shaft_angle"])
-        found.append(replace(own, **errors))
-    return found
+    return [_with_errors(own, {name: drawn[number] for name, drawn in values.items()}) for number in range(count)]
+
+
+def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
+    """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
+
+    Samples seldom reach the corners, where most quantities are greatest: without these a worst case over samples says
+    little of others.
+
+    Parameters
+    ----------
+    own, distributions
+        As of ``sampled_assemblies``. A normal distribution has no bounds; its error is left as it is.
+
+    Examples
+    --------
+    >>> spread = {"E": "uniform(-0.02, 0.02)", "P": "uniform(0.0, 0.1)", "G": "normal(0, 0.1)"}
+    >>> [(one.offset, one.pinion_axial) for one in corner_assemblies(Misalignment(), spread)]
+    [(-0.02, 0.0), (-0.02, 0.1), (0.02, 0.0), (0.02, 0.1)]
+    """
+    chosen = _distributions(distributions)
+    ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
+    if not ends:
+        return []
+    return [_with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+
+
+def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
+    """Distributions by error, parsed; raises InputError if an error is unknown."""
+    chosen: dict[str, Distribution] = {}
+    for name, one in given.items():
+        if name not in ERROR_FIELDS:
+            raise InputError(
+                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
+            )
+        chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
+    return chosen
+
+
+def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment:
+    """The assembly with other errors by name [mm, degree]."""
+    fields = {ERROR_FIELDS[name]: float(value) for name, value in errors.items()}
+    if "shaft_angle" in fields:
+        fields["shaft_angle"] = math.radians(fields["shaft_angle"])
+    return replace(own, **fields)
 
 
 def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:

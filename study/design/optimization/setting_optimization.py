@@ -29,7 +29,7 @@ from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...sweep.distribution import Distribution
 from .aim import Aim, Judgement, Objective, Reference
 from .analysed_settings import AnalysedSettings, Workshop
-from .assembly_sample import constant_assemblies, sampled_assemblies
+from .assembly_sample import constant_assemblies, corner_assemblies, sampled_assemblies
 from .blade_tip_gap import usual_root_line_change
 from .contact_quantity import NEEDED, ContactQuantity, QuantityLimit
 from .free_setting import SettingSpace, free_settings, with_limits
@@ -100,7 +100,8 @@ def optimize(
     misalignments
         Further assemblies, see ``analyze``; each must be the same at all torques.
     spread
-        Distributions of the assembly errors ``E``, ``P``, ``G``, ``Sigma`` [mm, degree], as in ``sweep``.
+        Distributions of the assembly errors ``E``, ``P``, ``G``, ``Sigma`` [mm, degree], as in ``sweep``. Of a worst
+        case bounded ones add the assemblies at their corners.
     samples, seed
         Of the assemblies drawn from them.
     free
@@ -152,7 +153,7 @@ def optimize(
     whole("steps", steps, 1, STEP_LIMIT)
     number("move", move, "um", above=0.0, most=1000.0)
     load = case_torques(checked, torques)
-    assemblies, drawn = _assemblies(checked, sides[0], misalignments, dict(spread or {}), samples, seed)
+    assemblies, drawn = _assemblies(checked, sides[0], misalignments, dict(spread or {}), samples, seed, form)
     pairs = [prepared_pair(checked, side, assemblies[0]) for side in sides]
     aim = Aim(
         _objectives(minimize, weights),
@@ -264,12 +265,14 @@ def _assemblies(
     spread: Mapping[str, Distribution | str],
     samples: int | None,
     seed: int,
+    form: Form,
 ) -> tuple[list[Misalignment], int]:
-    """All assemblies, the case's own first, and how many of them were drawn."""
+    """All assemblies, the case's own first, and how many of them were drawn; of a worst case with the corners."""
     own = constant_assemblies([case_misalignment(case.misalignment)])[0]
     given = constant_assemblies([misalignment_of(one) for one in misalignments])
     drawn = sampled_assemblies(own, spread, samples, seed)
-    return [own, *given, *drawn], len(drawn)
+    corners = corner_assemblies(own, spread) if form == "worst" else []
+    return [own, *given, *corners, *drawn], len(drawn)
 
 
 def _references(searching: SettingSearch, aim: Aim) -> list[Reference]:

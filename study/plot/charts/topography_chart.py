@@ -65,16 +65,17 @@ def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) ->
         axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)
     for column, row in _labelled(value.shape):
         one = value[column, row]
-        text = f"{one:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
+        text = f"{round(one, 1) or 0.0:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
         place = (x[column, row], y[column, row] + scale * one)
+        # Beside the bar and above the row's line: rows are near one another, columns are not.
         axes.annotate(
-            text.replace("-", "−"), place, (0, 2 if one >= 0.0 else -2), textcoords="offset points", ha="center",
-            va="bottom" if one >= 0.0 else "top", fontsize=5.5, color=INK,
+            text.replace("-", "−"), place, (1.5, 0.5), textcoords="offset points", ha="left", va="bottom",
+            fontsize=5.5, color=INK,
         )  # fmt: skip
     _label(axes, x, y, flank, part, value)
     _draw_scale(axes, scale, largest)
     axes.set_axis_off()
-    axes.set_xlim(-0.13, 1.24)
+    axes.set_xlim(-0.13, 1.27)
     axes.set_ylim(-BAR_SHARE - 0.14, HEIGHT_SHARE + BAR_SHARE + 0.12)
 
 
@@ -91,7 +92,7 @@ def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, val
     style: dict[str, Any] = {"fontsize": SMALL_SIZE, "color": GREY, "va": "center"}
     middle = 0.5 * HEIGHT_SHARE
     axes.text(-0.05, middle, "toe", ha="right", **style)
-    axes.text(1.05 + SHEAR, middle, "heel", ha="left", **style)
+    axes.text(1.09 + SHEAR, middle, "heel", ha="left", **style)
     axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
     axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
     axes.set_title(f"{flank.side} flank, {PARTS[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)

@@ -13,11 +13,12 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 
 from ..page import BODY_SIZE
-from ..tooth_view import EDGE_NAME
+from ..tooth_view import EDGE_NAME, tick_step
 
 COLOUR_BAR_SHARE = 0.2  # of the width that a layout may still take for a colour bar and the labels of an axis
 TEXT_DISTANCE = 2.0  # [pt]
 TICK_DISTANCE = 3.5  # [pt]
+TICK_COUNT_LIMIT = 4  # of finer ticks across a flank
 
 
 @contextlib.contextmanager
@@ -61,7 +62,8 @@ def on_own_axes(axes: Any) -> Iterator[None]:
     for one in given:
         if any(text.get_gid() == EDGE_NAME for text in one.texts):
             _make_room(one)
-        _separate_titles(one)
+    _level(given)
+    _separate_titles(given)
 
 
 def _texts(axes: Axes) -> list[Text]:
@@ -101,20 +103,45 @@ def _make_room(axes: Axes) -> None:
     scale = float(np.min(np.maximum(room, 0.25 * np.array([width, height])) / (high - low)))  # [in/mm]
     margin = np.array([word, line]) / scale
     axes.set_xticks([tick for tick in axes.get_xticks() if low[0] <= tick <= high[0]])
-    axes.set_yticks([tick for tick in axes.get_yticks() if low[1] <= tick <= high[1]])
+    axes.set_yticks(_ticks_within(axes.get_yticks(), float(low[1]), float(high[1])))
     axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
     axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
     axes.tick_params(axis="y", pad=TICK_DISTANCE)
 
 
-def _separate_titles(axes: Axes) -> None:
-    """Put the title on the left above that on the right, if they do not stand beside each other."""
-    left, right = axes.get_title(loc="left"), axes.get_title(loc="right")
-    if not (left and right):
+def _ticks_within(ticks: Any, low: float, high: float) -> list[float]:
+    """Those ticks that are within limits, or finer ones if these are fewer than two."""
+    found = [float(tick) for tick in ticks if low <= tick <= high]
+    if len(found) > 1:
+        return found
+    step = tick_step(high - low)
+    finer = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0)
+    return [float(tick) for tick in (finer if finer.size <= TICK_COUNT_LIMIT else finer[finer % (2.0 * step) == 0.0])]
+
+
+def _level(panels: list[Axes]) -> None:
+    """Give flanks in panels of one size one extent, so that they have one scale and their titles one height."""
+    flanks = [one for one in panels if any(text.get_gid() == EDGE_NAME for text in one.texts)]
+    if len(flanks) < 2 or not np.allclose([_inches(one) for one in flanks], _inches(flanks[0]), rtol=0.02):
         return
+    limits = np.array([[one.get_xlim(), one.get_ylim()] for one in flanks])  # (panels, x and y, low and high)
+    half = 0.5 * np.max(limits[..., 1] - limits[..., 0], axis=0)
+    for one, own in zip(flanks, limits.mean(axis=2), strict=True):
+        one.set_xlim(own[0] - half[0], own[0] + half[0])
+        one.set_ylim(own[1] - half[1], own[1] + half[1])
+
+
+def _separate_titles(panels: list[Axes]) -> None:
+    """Put titles on the left above those on the right, in all panels, if in one they do not stand side by side."""
+    pairs = [(one, one.get_title(loc="left"), one.get_title(loc="right")) for one in panels]
+    titled = [(one, left, _title_width(one, (left, right))) for one, left, right in pairs if left and right]
+    if any(width > (1.0 - COLOUR_BAR_SHARE) * _inches(one)[0] for one, _, width in titled):
+        for one, left, _ in titled:
+            next(text for text in _texts(one) if text.get_text() == left).set_text(f"{left}\n")
+
+
+def _title_width(axes: Axes, titles: tuple[str, str]) -> float:
+    """Width that two titles need beside each other [in]."""
     figure: Any = axes.get_figure(root=True)
-    texts = [text for text in axes.get_children() if isinstance(text, Text) and text.get_text() in (left, right)]
-    needed = sum(text.get_window_extent().width for text in texts) / figure.dpi + TEXT_DISTANCE / 72.0
-    if needed > (1.0 - COLOUR_BAR_SHARE) * _inches(axes)[0]:
-        title = next(text for text in texts if text.get_text() == left)
-        title.set_text(f"{left}\n")
+    texts = [text for text in axes.get_children() if isinstance(text, Text) and text.get_text() in titles]
+    return float(sum(text.get_window_extent().width for text in texts) / figure.dpi + TEXT_DISTANCE / 72.0)

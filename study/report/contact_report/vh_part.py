@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....core.ordered_values import ordered
-from ..vh_table import reasons, totals, vh_rows
+from ..vh_table import SIGNS, reasons, totals, vh_rows
 from .packed_array import packed
 
 Array = NDArray[Any]
@@ -47,7 +47,7 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
             }
         },
         "table": {"heads": list(HEADS), "rows": rows, "variables": [*VARIABLES.split(", "), "peak_to_peak"]},
-        "total": totals(found),
+        "total": "; ".join([totals(found), *SIGNS]),
         "reasons": reasons(found),
         "places": [_place(found.sel(place=place)) for place in found["place"].values],
         "grid": _grid(found) if "grid_print_excess" in found else None,

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from ....core.printable import printable
 from ..contact_report.report_tables import loaded_numbers, misalignment_rows, supports_rows
+from ..key_numbers import key_numbers
+from ..summary.contact_tables import unloaded_rows
 from ..summary.load_case_summary import input_columns, load_case_notes, result_columns
-from ..summary.result_summary import head_rows, result_notes
+from ..summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, head_rows, is_rough, result_notes
+from .html_table import html_table, html_text
 
 TORQUE_COUNT_LIMIT = 8  # side by side
 ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
@@ -36,14 +37,15 @@ SHOWN_NUMBERS = (
 )
 
 MISALIGNMENT = ("torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]")
-#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and format.
+#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and formats, the
+#: usual one, and that where much of the loss is outside the range of the friction formula.
 CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
 FRICTION = {
-    "friction coefficient": ("mean_friction_coefficient", 1.0, ".4f"),
-    "power loss [W]": ("mean_power_loss", 1.0, ".1f"),
-    "efficiency [%]": ("efficiency", 100.0, ".2f"),
-    "least film [µm]": ("min_film_thickness", 1.0, ".3f"),
-    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, ".0f"),
+    "friction coefficient": ("mean_friction_coefficient", 1.0, (".4f", ".3f")),
+    "power loss [W]": ("mean_power_loss", 1.0, (".1f", ".0f")),
+    "efficiency [%]": ("efficiency", 100.0, (".2f", ".1f")),
+    "least film [µm]": ("min_film_thickness", 1.0, (".3f", ".3f")),
+    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, (".0f", ".0f")),
 }
 
 
@@ -61,20 +63,22 @@ def result_page(tree: xr.DataTree) -> str:
     >>> "greatest pressure [MPa]" in result_page(easeoff.analyze("nasa-12x36", torques=[100.0]))
     True
     """
-    parts = [f"<h4>{_shown(tree.attrs['title'])}</h4>"]
+    parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
         numbers = tree["load_cases"].to_dataset()
         for columns in (input_columns(numbers), result_columns(numbers)):
             rows = list(zip(*columns.values(), strict=True))
             heads = [head.replace("\n", " ") for head in columns]
-            parts += [_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows), "load_cases")]
+            parts += [html_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows), "load_cases")]
         notes = load_case_notes(tree)
     else:
-        parts.append(_table([], [list(row) for row in head_rows(tree)]))
-        parts += [*_assembly(tree), _loaded(tree), *_friction(tree)]
+        parts.append(html_table([], [list(row) for row in head_rows(tree)]))
+        parts += [*_assembly(tree), "<p><b>Without load</b></p>"]
+        parts.append(html_table([], [[name.strip(), words] for name, words in unloaded_rows(key_numbers(tree))]))
+        parts += ["<p><b>Under load</b></p>", _loaded(tree), *_friction(tree)]
         notes = result_notes(tree)
     if notes:
-        told = "".join(f"<li>{_shown(note.removeprefix('Note: '))}</li>" for note in notes)
+        told = "".join(f"<li>{html_text(note.removeprefix('Note: '))}</li>" for note in notes)
         word = "note" if len(notes) == 1 else "notes"
         parts.append(f"<details open><summary>{len(notes)} {word}</summary><ul>{told}</ul></details>")
     return "<div>\n" + "\n".join(part for part in parts if part) + "\n</div>"
@@ -90,7 +94,7 @@ def _loaded(tree: xr.DataTree) -> str:
         if variable in SHOWN_NUMBERS
     ]
     left = _left(len(numbers["torques"]), "loaded", TORQUE_COUNT_LIMIT)
-    return _table(["torque at the pinion [N m]", *torques], rows) + left
+    return html_table(["torque at the pinion [N m]", *torques], rows) + left
 
 
 def _assembly(tree: xr.DataTree) -> list[str]:
@@ -107,7 +111,7 @@ def _assembly(tree: xr.DataTree) -> list[str]:
 
 def _titled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], name: str) -> str:
     """A table under its title."""
-    return f"<p><b>{_shown(title)}</b></p>" + _table(heads, rows[:ROW_COUNT_LIMIT]) + _left(len(rows), name)
+    return f"<p><b>{html_text(title)}</b></p>" + html_table(heads, rows[:ROW_COUNT_LIMIT]) + _left(len(rows), name)
 
 
 def _friction(tree: xr.DataTree) -> list[str]:
@@ -119,12 +123,15 @@ def _friction(tree: xr.DataTree) -> list[str]:
     shown = {head: row for head, row in FRICTION.items() if row[0] in friction}
     values = {head: factor * friction[name].transpose(*names).values for head, (name, factor, _) in shown.items()}
     conditions = list(np.ndindex(*(friction.sizes[name] for name in names)))
-    rows = [
-        [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        + [format(values[head][at], form) for head, (_, _, form) in shown.items()]
-        for at in conditions[:ROW_COUNT_LIMIT]
-    ]
-    return [_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction")]
+    rough, clamped = is_rough(friction), friction["temperature_clamped"].values
+    rows = []
+    for at in conditions[:ROW_COUNT_LIMIT]:
+        words = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        words[2] += "*" if clamped[at[2]] else ""
+        rows.append(words + [format(values[head][at], forms[int(rough[at])]) for head, (_, _, forms) in shown.items()])
+    notes = [ROUGH_NOTE] * bool(rough.any()) + [CLAMPED_NOTE] * bool(clamped.any())
+    told = [f"<p>{html_text(note)}</p>" for note in notes]
+    return [html_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction"), *told]
 
 
 def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
@@ -132,22 +139,3 @@ def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
     return (
         f"<p>and {count - limit} more: <code>summary().tables[&quot;{name}&quot;]</code></p>" if count > limit else ""
     )
-
-
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table; the first column names the rows."""
-    head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
-    body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
-    lines = "".join(f"<tr>{cells}</tr>" for cells in body)
-    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{lines}</tbody></table>"
-
-
-def _cell(kind: str, text: str, *, left: bool) -> str:
-    """A cell: the names of rows are on the left, numbers on the right, whatever the notebook's own style."""
-    return f'<{kind} style="text-align:{"left" if left else "right"}">{_shown(text)}</{kind}>'
-
-
-def _shown(text: object) -> str:
-    """A text in HTML, with the signs of its units, which terminals may lack."""
-    words = printable(str(text)).replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
-    return html.escape(words.replace(" deg", " °"))

@@ -52,14 +52,14 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     (['unloaded', 'loaded'], [100.0], 115)
     """
     if "load_cases" in tree.children:
-        return {"load_cases": _frame(tree["load_cases"].to_dataset(), ("load_case",))}
+        return {"load_cases": frame_over(tree["load_cases"].to_dataset(), ("load_case",))}
     numbers = key_numbers(tree)
     parts: dict[str, list[str]] = {"unloaded": [], "loaded": [], "friction": []}
     for name, variable in numbers.data_vars.items():
         part = "friction" if "speed" in variable.dims else "loaded" if "torque" in variable.dims else "unloaded"
         parts[part].append(str(name))
     indices: dict[str, tuple[str, ...]] = {"unloaded": (), "loaded": CONDITIONS[:1], "friction": CONDITIONS}
-    frames = {part: _frame(numbers[names], indices[part]) for part, names in parts.items() if names}
+    frames = {part: frame_over(numbers[names], indices[part]) for part, names in parts.items() if names}
     assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
     held = {part: frame for part, frame in assembly.items() if frame is not None}
     return {"unloaded": frames.pop("unloaded")} | held | frames
@@ -93,7 +93,7 @@ def _supports(tree: xr.DataTree) -> pd.DataFrame | None:
     return pd.DataFrame(columns, index=pd.Index(group["torque"].values, name=TORQUE))
 
 
-def _frame(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
+def frame_over(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
     """Variables as columns over some dimensions; one with further dimensions takes a column for each of theirs."""
     import pandas as pd
 

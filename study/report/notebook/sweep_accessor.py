@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import html
 import os
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +18,12 @@ from ..sweep_report import sweep_summary
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import pandas as pd
     from matplotlib.figure import Figure
 
 
 class SweepSummary:
-    """Summary of a sweep: the text of ``easeoff show``, printed and in a notebook.
+    """Summary of a sweep: printed it is the text of ``easeoff show``, in a notebook a short page.
 
     Parameters
     ----------
@@ -36,10 +36,24 @@ class SweepSummary:
     >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
     >>> print(str(found.easeoff.summary()).splitlines()[3])
     E             2 values from 0 to 0.05 mm
+    >>> points = found.easeoff.summary().tables["points"]
+    >>> points["peak_to_peak [urad]"].tolist() == found["peak_to_peak"].values.ravel().tolist()
+    True
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
         self.text = sweep_summary(dataset)
+
+    @cached_property
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Tables of pandas: ``points``, ``percentiles``, ``sensitivities_NAME`` and ``worst``.
+
+        Columns bear names and units as in those of a result; ``points`` has all numbers, a row a point and torque.
+        """
+        from .sweep_frames import sweep_frames
+
+        return sweep_frames(self._dataset)
 
     def __str__(self) -> str:
         return self.text
@@ -48,7 +62,9 @@ class SweepSummary:
         return self.text
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self.text)}</pre>"
+        from .sweep_page import sweep_page
+
+        return sweep_page(self._dataset)
 
 
 class SweepPlots:

@@ -18,7 +18,12 @@ NO_AREA = "no area"  # of a pattern: contact at single points, on a single line,
 
 
 def unloaded_table(numbers: xr.Dataset) -> str:
-    """Table of the unloaded contact and of that at light load; an older result has its transmission error alone."""
+    """Table of the unloaded contact and of that at light load."""
+    return aligned(unloaded_rows(numbers))
+
+
+def unloaded_rows(numbers: xr.Dataset) -> list[tuple[str, str]]:
+    """Names and words of the unloaded contact and of that at light load; an older result has its error alone."""
     harmonics = " / ".join(f"{amplitude:.2f}" for amplitude in numbers["unloaded_harmonic"].values)
     rows = [("transmission error", f"{numbers['unloaded_peak_to_peak'].item():.2f} urad peak to peak")]
     if "unloaded_pinion_peak_to_peak" in numbers:
@@ -38,7 +43,7 @@ def unloaded_table(numbers: xr.Dataset) -> str:
         words = f"{numbers['geometric_contact_ratio'].item():.2f}"
         beside = ", of contact lines alone; under load edges beside them count, too" if with_edges(numbers) else ""
         rows.append(("geometric contact ratio", words + beside))
-    return aligned(rows)
+    return rows
 
 
 def with_edges(numbers: xr.Dataset) -> bool:

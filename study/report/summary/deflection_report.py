@@ -55,10 +55,25 @@ def misalignment_words(attributes: Mapping[Any, Any]) -> str:
     >>> misalignment_words(easeoff.analyze("fm-11x41", torques=100.0).attrs)
     'E -0.15 mm, P +0.12 mm'
     """
-    values = {symbol: float(attributes[name]) for symbol, (_, name) in ERRORS.items()}
-    values["Sigma"] = float(np.degrees(values["Sigma"]))
-    units = {symbol: "deg" if symbol == "Sigma" else "mm" for symbol in values}
-    return ", ".join(f"{symbol} {value:+g} {units[symbol]}" for symbol, value in values.items() if value)
+    return ", ".join(words for words, value in zip(*error_words(attributes), strict=True) if value)
+
+
+def error_words(attributes: Mapping[Any, Any]) -> tuple[list[str], list[float]]:
+    """Assembly errors that the attributes of a result or sweep have, in words, and their values [mm, degree].
+
+    Examples
+    --------
+    >>> error_words({"misalignment_offset_mm": 0.1})
+    (['E +0.1 mm'], [0.1])
+    """
+    values = {symbol: float(attributes[name]) for symbol, (_, name) in ERRORS.items() if name in attributes}
+    if "Sigma" in values:
+        values["Sigma"] = float(np.degrees(values["Sigma"]))
+    words = [
+        f"{symbol} {f'{value:+g}' if value else '0'} {'deg' if symbol == 'Sigma' else 'mm'}"
+        for symbol, value in values.items()
+    ]
+    return words, list(values.values())
 
 
 def deflection_table(tree: xr.DataTree) -> str:

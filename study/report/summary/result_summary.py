@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from tabulate import tabulate
 
 from ....contact.solvers import Status
@@ -28,6 +29,8 @@ from .supports_report import added_notes, supports_tables, supports_words
 ROW_COUNT_LIMIT = 40
 #: Share of the power loss outside the range of the friction formula from which numbers have fewer digits.
 ROUGH_SHARE = 0.4
+ROUGH_NOTE = f"with fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
+CLAMPED_NOTE = "* beyond the oil's data: the last value was taken"
 #: Heads of the columns that name an operating condition.
 CONDITIONS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
 #: Torques that the outcome names; of more it names the range.
@@ -40,16 +43,13 @@ def efficiencies(friction: xr.Dataset) -> str:
     films = _with_place(friction, names, "min_film", "thickness", 3)
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
-    beyond = np.zeros(coefficient.shape)
-    if "extrapolated_share" in friction:
-        beyond = np.nan_to_num(friction["extrapolated_share"].transpose(*names).values)
+    beyond = is_rough(friction)
     rows = []
     for at in np.ndindex(coefficient.shape):
         efficiency, loss, rolling = (v[at] for v in values)
         conditions = _conditions(friction, names, at)
         share = 100.0 * rolling / loss if loss else np.nan
-        rough = beyond[at] >= ROUGH_SHARE
-        digits = (3, 0, 0, 1) if rough else (4, 1, 1, 2)
+        digits = (3, 0, 0, 1) if beyond[at] else (4, 1, 1, 2)
         values_of = (coefficient[at], loss, share, 100 * efficiency)
         found = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
         rows.append((*conditions, *found, *films.get(at, ())))
@@ -64,16 +64,25 @@ def efficiencies(friction: xr.Dataset) -> str:
     shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
     left = len(rows) - len(shown)
-    if np.any(beyond >= ROUGH_SHARE):
-        table += f"\nwith fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
+    if np.any(beyond):
+        table += f"\n{ROUGH_NOTE}"
     if np.any(friction["temperature_clamped"].values):
-        table += "\n* beyond the oil's data: the last value was taken"
+        table += f"\n{CLAMPED_NOTE}"
     if left:
         table += f"\n... and {left} more in the group friction"
         known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
             table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
     return table
+
+
+def is_rough(friction: xr.Dataset) -> NDArray[np.bool_]:
+    """Whether much of the power loss is outside the range of the friction formula, over the operating conditions."""
+    names = ("torque", "speed", "temperature", "roughness")
+    if "extrapolated_share" not in friction:
+        return np.zeros([friction.sizes[name] for name in names], dtype=bool)
+    rough: NDArray[np.bool_] = np.nan_to_num(friction["extrapolated_share"].transpose(*names).values) >= ROUGH_SHARE
+    return rough
 
 
 def contact_temperatures(friction: xr.Dataset) -> str:

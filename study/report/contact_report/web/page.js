@@ -427,11 +427,11 @@ function compareNumbers(wide) {
     return [name, unit, ...values, ...(own.length === 2 ? [change] : []), ...(own.length > 3 ? [] : [path.replace(/ [×/].*/, "")])];
   });
   const alike = own.length > 1 ? rows.filter((row) => row.slice(2, 2 + own.length).every((value) => value === row[2])) : [];
-  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["change"] : []), ...(own.length > 3 ? [] : ["variable"])], rows.filter((row) => !alike.includes(row))).classList.add(own.length > 3 ? "many" : "few");
+  table(wide, ["", "unit", ...own.map((one) => one.head), ...(own.length === 2 ? ["difference"] : []), ...(own.length > 3 ? [] : ["variable"])], rows.filter((row) => !alike.includes(row))).classList.add(own.length > 3 ? "many" : "few");
   if (alike.length) element("p", "small", wide, `Alike in all: ${alike.map(([name, unit, value]) => `${name} ${value}${unit ? ` ${unit}` : ""}`).join("; ")}.`);
 }
 
-// Change of a number: of a share its difference, of anything else in per cent.
+// Difference from the first number: of a share as it is, of anything else in per cent.
 function changed(a, b, unit, words) {
   if (!Number.isFinite(a) || !Number.isFinite(b)) return "";
   const sign = b >= a ? "+" : "−", digits = (words.split(".")[1] || "").length;
