@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import ElasticTeeth, unit_loads
+from .compliance.elastic_model import ElasticTeeth, member_points, unit_loads
 from .compliance.finite_elements.flank_compliance import FlankCompliance
 from .compliance.free_end import end_loads, remaining_depth
 from .compliance.material import Material
@@ -33,9 +33,7 @@ Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
 RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact
 #: Points (2, 2, 5) in the middle of the height of toe and heel.
-END_MIDDLES = np.stack(
-    [np.linspace([0.0, 1.0], [0.25, 0.75], 5, axis=1), np.full((2, 5), 0.5)]
-)
+END_MIDDLES = np.stack([np.linspace([0.0, 1.0], [0.25, 0.75], 5, axis=1), np.full((2, 5), 0.5)])
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
@@ -260,12 +258,12 @@ def end_loads_at(fields: FlankSplines, points: tuple[Array, Array], teeth: Elast
     members = zip(MEMBERS, teeth.solid or (), teeth.both, points, strict=False)
     for member, material, tooth, loaded in members:
         assert isinstance(tooth, FlankCompliance)
-        depth, height = fields.evaluate([f"depth_{member}", f"shell_height_{member}"], loaded).values()
-        depth = np.maximum(depth, MATERIAL_DEPTH_MINIMUM)
-        middle = fields(f"depth_{member}", END_MIDDLES).mean(axis=-1)
-        distance = tooth_ends(fields, member, loaded).distance
-        for end, slant in enumerate(tooth.end_slants):
-            found.append(end_loads(depth, distance[end], height, slant, material, float(middle[end])))
+        depth = np.maximum(fields(f"depth_{member}", loaded), MATERIAL_DEPTH_MINIMUM)
+        profile = member_points(fields, member, loaded)[1]
+        middles = fields(f"depth_{member}", END_MIDDLES).mean(axis=-1)
+        distances = tooth_ends(fields, member, loaded).distance
+        for end, distance, middle in zip(tooth.ends or (), distances, middles, strict=False):
+            found.append(end_loads(depth, distance, profile * end.height, end.slant, material, float(middle)))
     return np.concatenate(found)
 
 

@@ -14,7 +14,7 @@ from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....core.processes.memory import require_memory
 from ....geometry.pair.gear_pair import GearPair
-from ....geometry.tooth.end_slants import end_slants
+from ....geometry.tooth.end_faces import end_faces
 from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
     DEPTH_PER_HEIGHT,
@@ -230,8 +230,8 @@ def _flank_arrays(size: LatticeSize) -> Shapes:
 
 
 def _flank(found: Mapping[str, Array], pair: GearPair, member: MemberName) -> FlankCompliance:
-    slants = end_slants(named_member(pair, member))
-    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"], end_slants=slants)
+    ends = end_faces(named_member(pair, member))
+    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"], ends=ends)
 
 
 def _on_body(

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....geometry.tooth.end_faces import EndFace
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from .bricks import quadratic
 from .elastic_body import functionals
@@ -63,15 +64,15 @@ class FlankCompliance:
     body
         The body shared with the other teeth, whose compliance comes to that of ``factor``; ``None`` if each tooth is on
         a body of its own.
-    end_slants
-        Angles of toe and heel faces against the normal of the flank [rad], positive where the tooth is a sharp wedge.
+    ends
+        Toe and heel face; ``None`` leaves out what free ends add.
     """
 
     lengthwise: Array
     profile: Array
     factor: Array
     body: SharedBody | None = None
-    end_slants: tuple[float, float] = (0.0, 0.0)
+    ends: tuple[EndFace, EndFace] | None = None
 
     def whitened(self, points: Array, weights: Array) -> Array:
         """Whitened unit loads on segments: their inner products are the compliances.
