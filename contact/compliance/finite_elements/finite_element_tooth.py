@@ -151,7 +151,7 @@ def _sharp_root(pair: GearPair, member: MemberName) -> str:
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
-    """Bricks of the body and functions along, through and up the tooth that leave an error of 2 to 4 %."""
+    """Bricks of the body and functions along, through and up the tooth that leave an error of 1 to 4 %."""
     usual = usual_size(pair, member)
     functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
     along, through, up = (max(round(fineness * n), 2) for n in functions)
