@@ -346,6 +346,30 @@ with compiling():
     assert first == second
 
 
+@pytest.mark.thorough
+def test_code_counts_as_kept_where_numba_loads_it(tmp_path: Path) -> None:
+    """Not compiled at all where it may not be: loaded if the file is as it was, and refused if it has changed."""
+    module = tmp_path / "doubled.py"
+    text = (
+        "from easeoff.core.compiled.compilation import compiled\n\n\n"
+        "@compiled('float64(float64)')\ndef doubled(x):\n    return {} * x\n"
+    )
+    compiling = "from easeoff.core.compiled.compiled_use import compiling\nwith compiling(): import doubled\n"
+    plain = "import doubled\nprint(doubled.doubled.stats.cache_hits)\n"
+    folders = os.pathsep.join(filter(None, [str(tmp_path), *sys.path]))
+    variables = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": folders}
+
+    def run(code: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=False)
+
+    module.write_text(text.format("2.0"))
+    assert "NotCompiledError" in run(plain).stderr
+    assert run(compiling).returncode == 0
+    assert run(plain).stdout == "Counter({'float64(float64)': 1})\n"
+    module.write_text(text.format("3.0 + 0.0"))
+    assert "NotCompiledError" in run(plain).stderr
+
+
 def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: pytest.MonkeyPatch) -> None:
     """The matrix is the smaller form then; with compressed modes the answer is the same."""
     rng = np.random.default_rng(5)

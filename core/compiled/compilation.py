@@ -11,7 +11,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
@@ -35,7 +34,7 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[Function], Func
                 raise
             found = numba.njit(error_model="numpy", **options)(function)
         if signature is not None:
-            if not _is_kept(found, Path(function.__code__.co_filename)):
+            if not _is_kept(found, signature):
                 if not may_compile():
                     raise NotCompiledError(f"{function.__name__} is not kept as compiled code")
                 tell_of_compilation()
@@ -63,13 +62,12 @@ def _compile_apart(function: Any, module: str) -> None:
         )
 
 
-def _is_kept(function: Any, source: Path) -> bool:
-    """Whether there is code of a compiled function on disk that is not older than its file."""
-    folder = function.stats.cache_path
-    if folder is None or not source.exists():
+def _is_kept(function: Any, signature: Any) -> bool:
+    """Whether code of a function is on disk for the file as it is now, by the index that numba loads it from."""
+    if function.stats.cache_path is None:
         return False
-    kept = list(Path(folder).glob(f"{source.stem}.{function.__name__}-*.nbi"))
-    return any(index.stat().st_mtime >= source.stat().st_mtime for index in kept)
+    kept = function._cache  # numba asks it when it compiles; there is no other way to ask
+    return kept._index_key(signature, function.targetctx.codegen()) in kept._cache_file._load_index()
 
 
 def readable(kind: Any, dimensions: int) -> Any:
