@@ -178,6 +178,23 @@ def test_numbers_of_the_page_are_the_key_numbers(drive: xr.DataTree) -> None:
     assert np.allclose(efficiency, 100.0 * drive["friction"].to_dataset()["efficiency"].values.ravel(), atol=0.005)
 
 
+def test_the_first_numbers_are_the_key_numbers_and_the_power_at_the_speed_of_the_charts(drive: xr.DataTree) -> None:
+    result = content(report_page({"drive": drive}))["results"][0]
+    first, speed = result["first_numbers"], result["friction"]["condition"]["speed"]
+    rows = {row[0]: row[3:] for row in first["rows"]}
+    ratio = drive.attrs["gear_teeth"] / drive.attrs["pinion_teeth"]
+    assert [float(v) for v in rows["torque of the gear, without losses"]] == pytest.approx(
+        ratio * np.array([40, 400]), rel=1e-3
+    )
+    assert [float(v) for v in rows["power of the pinion"]] == pytest.approx(
+        speed * np.pi / 3e4 * np.array([40, 400]), rel=1e-3
+    )
+    assert rows["greatest pressure"] == [f"{v:.0f}" for v in key_numbers(drive)["max_pressure"].values]
+    efficiency = 100.0 * drive["friction/efficiency"].sel(speed=speed).values.ravel()
+    assert [float(v) for v in rows["efficiency"]] == pytest.approx(efficiency, abs=0.005)
+    assert f"at {speed:g} 1/min of the pinion, {speed / ratio:.4g} 1/min of the gear" in first["condition"]
+
+
 def test_names_in_the_tables_of_the_case_name_what_the_key_holds() -> None:
     """Each shares a word with its key, is alone in its table, and is what the summary sheet says."""
     case = read_case("fh-design-a")
@@ -366,6 +383,17 @@ def test_the_page_loads_without_errors_and_asks_the_network_for_nothing(browser:
     assert browser.errors == []
     assert browser.run("document.body.dataset.ready") == "yes"
     assert [url for url in browser.requests if not url.startswith("file:")] == []
+
+
+@pytest.mark.thorough
+def test_names_of_variables_can_be_switched_off(browser: Browser) -> None:
+    shown = "[...document.querySelectorAll('code, .variable, .variable-line')].filter(e => e.offsetParent).length"
+    before = browser.run(shown)
+    browser.run("document.getElementById('variable-names').click()")
+    assert before > 100
+    assert browser.run(shown) == 0
+    browser.run("document.getElementById('variable-names').click()")
+    assert browser.run(shown) == before
 
 
 @pytest.mark.thorough

@@ -23,6 +23,7 @@ from .given_results import GivenResults, by_name
 from .report_tables import (
     case_tables,
     efficiency_rows,
+    first_numbers,
     load_case_rows,
     loaded_numbers,
     mean_pitch_radius,
@@ -136,6 +137,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
 
     case = stored_case(tree)
     loaded = tree["loaded"].to_dataset()
+    under_load = loaded_numbers(tree, case)
     views = (tooth_view(tree), tooth_view(tree, "pinion"))
     chosen = evenly_chosen(loaded["torque"].values, min(TORQUE_LIMIT, max(2, TORQUE_COUNT // count)))
     content: dict[str, Any] = {
@@ -147,7 +149,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "misalignment": misalignment_rows(tree),
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
-        "loaded_numbers": loaded_numbers(tree, case),
+        "loaded_numbers": under_load,
         "supports": supports_rows(tree),
         "deviations": flank_departures.deviation_fields(tree, case, views),
         "modification": flank_departures.modification_part(tree),
@@ -170,6 +172,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "scene": None if case is None else mesh_scene(tree, case),
         "friction": None,
     }
+    condition = None
     if "supports" in tree.children:
         content["charts"]["supports"] = cycle_charts.supports_charts(tree, chosen)
     if "root_stress" in tree.children:
@@ -189,6 +192,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "map": cycle_charts.efficiency_map(friction, middle),
             "table": efficiency_rows(friction, loaded),
         }
+    content["first_numbers"] = first_numbers(tree, under_load, condition)
     return content
 
 

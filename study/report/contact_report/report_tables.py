@@ -70,6 +70,17 @@ UNLOADED_ROWS = (
 )
 
 
+#: Variables of the rows under load that come first.
+FIRST_PATHS = (
+    *("loaded/max_pressure", "loaded/max_pressure_line_end", "loaded/peak_to_peak", "loaded/max_load_share"),
+    *("loaded/contact_ratio", "loaded/edge_share", "root_stress/max_root_stress", "loaded/status"),
+)
+FIRST_OF_FRICTION = (
+    ("power loss", "W", "mean_power_loss", 1.0, ".1f"),
+    ("efficiency", "%", "efficiency", 100.0, ".2f"),
+)
+
+
 def written(value: float, form: str) -> str:
     """A number in a format; a dash if there is none.
 
@@ -124,6 +135,30 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
     rows.append(["certified mesh positions", "", "loaded/status", *certified])
     return {"torques": [f"{torque:g}" for torque in loaded["torque"].values], "rows": rows}
+
+
+def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict[str, float] | None) -> dict[str, Any]:
+    """What a reader looks for first, from ``loaded_numbers``: heads, rows, and the operating condition in words.
+
+    Power, loss and efficiency are those of the friction's condition (speed [1/min], temperature [°C], roughness [µm]).
+    """
+    torques = ordered(tree["loaded"].to_dataset(), "torque", "torque")
+    ratio = float(tree.attrs["gear_teeth"]) / float(tree.attrs["pinion_teeth"])
+    rows = [
+        ["torque of the gear, without losses", "N m", "loaded/torque × ratio", *(f"{v:.4g}" for v in ratio * torques)]
+    ]
+    rows += [row for path in FIRST_PATHS for row in under_load["rows"] if row[2] == path]
+    if condition is None:
+        return {"torques": under_load["torques"], "rows": rows, "condition": ""}
+    friction = tree["friction"].to_dataset().sel(condition)
+    power = torques * condition["speed"] * math.pi / 30.0
+    rows.append(["power of the pinion", "kW", "loaded/torque × friction/speed", *(f"{1e-3 * v:.4g}" for v in power)])
+    for name, unit, variable, factor, form in FIRST_OF_FRICTION:
+        values = ordered(friction, variable, "torque")
+        rows.append([name, unit, f"friction/{variable}", *(written(factor * v, form) for v in values)])
+    speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
+    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {condition['roughness']:g} µm"
+    return {"torques": under_load["torques"], "rows": rows, "condition": words}
 
 
 def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:

@@ -41,7 +41,7 @@ function table(parent, heads, rows, caption) {
 function storedTable(parent, one) {
   const wide = element("div", "wide", parent);
   table(wide, one.heads, one.rows, one.title).classList.add("right");
-  if (one.variables) element("p", "small", wide, `Variables: ${one.variables.join(", ")}.`);
+  if (one.variables) element("p", "small variable-line", wide, `Variables: ${one.variables.join(", ")}.`);
 }
 
 function section(id, name) {
@@ -107,6 +107,11 @@ if (results.length) {
   });
   if (speeds.length) slider("speed", "speed", speeds, " 1/min");
 } else bar.remove();
+const named = element("label", "small names", contents);
+const names = element("input", "", named);
+Object.assign(names, { type: "checkbox", checked: true, id: "variable-names" });
+named.append(" names of variables");
+names.addEventListener("input", () => document.body.classList.toggle("nameless", !names.checked));
 const page = element("main", "", document.body);
 
 function summary() {
@@ -118,9 +123,12 @@ function summary() {
     if (several) element("h3", "", box, result.name);
     if (result.title !== data.title) element("p", "", box, result.title);
     table(box, ["", ""], result.head).classList.add("plain");
+    const first = result.first_numbers;
+    table(element("div", "wide", box), ["key numbers", "unit", ...first.torques.map((t) => `${t} N m`), "variable"], first.rows.map(([name, unit, path, ...values]) => [name, unit, ...values, path]));
+    if (first.condition) element("p", "small", box, `${first.condition}.`);
     if (result.misalignment.length) {
       table(box, ["torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]"], result.misalignment, "Misalignment over the torque").classList.add("right");
-      element("p", "small", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
+      element("p", "small variable-line", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
     }
     for (const note of result.notes) element("p", "note", box, note);
     if (!result.notes.length) element("p", "small", box, "No automatic note.");
@@ -372,7 +380,7 @@ function friction() {
     if (own.map) efficiencyMap(grid, own.map, at);
     const wide = element("div", "wide", node);
     table(wide, own.table.heads, own.table.rows).classList.add("right");
-    element("p", "small", wide, `Variables: ${own.table.variables.join(", ")}.` + (own.table.left ? ` ${own.table.left} more conditions are in the result.` : ""));
+    element("p", "small variable-line", wide, `Variables: ${own.table.variables.join(", ")}.` + (own.table.left ? ` ${own.table.left} more conditions are in the result.` : ""));
   }
 }
 
