@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -22,6 +23,14 @@ from .notes.executed_settings import execution_note
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
 NO_VALUE = "-"
+#: Where settings and apexes are positive, alike for both hands; they are those of docs/how_it_works/conventions.md.
+SIGNS = (
+    "Positive: basic cradle angle, from the root line to the cutter centre; machine root angle, heel away from the "
+    "cradle; blank offset, work axis to the side of the cutter centre; sliding base, work withdrawn along the cradle "
+    "axis; machine centre to back, crossing point moved along the work axis towards the heel; apexes, beyond the "
+    "crossing point; hypoid offset, the pinion's spiral angle the greater. Horizontal and vertical: the radial setting "
+    "along and across the root line.",
+)
 WIDTH = 100  # [characters] of the notes
 
 
@@ -39,6 +48,8 @@ class SummarySheet:
         What rounding changes of the ease-off, a line a side.
     notes
         What the settings are not made for, and what is doubtful of the teeth, a line each, above the tables.
+    signs
+        What the settings count positive, below the tables.
 
     Examples
     --------
@@ -51,6 +62,7 @@ class SummarySheet:
     tables: Mapping[str, tuple[tuple[str, ...], ...]]
     effects: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    signs: tuple[str, ...] = ()
 
     def text(self) -> str:
         """The sheet as text."""
@@ -58,7 +70,8 @@ class SummarySheet:
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
             parts += [heading, table]
-        return "\n\n".join([*parts, "\n".join(self.effects)]) + "\n"
+        signs = (textwrap.fill(line, WIDTH) for line in self.signs)
+        return "\n\n".join([*parts, "\n".join(self.effects), *signs]) + "\n"
 
     def page(self) -> str:
         """The sheet as an HTML page that needs nothing else."""
@@ -66,7 +79,7 @@ class SummarySheet:
         for heading, (head, *rows) in self.tables.items():
             table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
             parts += [f"<h2>{escape(heading)}</h2>", table]
-        effects = "".join(f"<p>{escape(line)}</p>" for line in self.effects)
+        effects = "".join(f"<p>{escape(line)}</p>" for line in (*self.effects, *self.signs))
         return PAGE.format(title=escape(self.title), body="\n".join([*parts, effects]))
 
 
@@ -132,6 +145,7 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
         },
         tuple(effect_line(side, value) for side, value in effect.items()),
         (*execution_note(case.corrected_flanks), *unusual_set_ups(case), *(f"Warning: {text}" for text in warnings)),
+        SIGNS,
     )
 
 
@@ -186,6 +200,8 @@ def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tupl
         yield usual_name(key), key, unit, *_row(values, step_of_key(steps, table, key))
     if table == "cutter":
         yield from _point_width(case)
+    else:
+        yield from _formate_position(flanks, steps)
 
 
 def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:
@@ -200,6 +216,21 @@ def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> I
                 unit,
                 *_row(values, step_of_key(steps, "motions", key)),
             )
+
+
+def _formate_position(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:
+    """Place of the cutter centre of Formate members, as their machines have it, where it is given by other settings."""
+    step = step_of_key(steps, "machine", "radial_distance")
+    machines = [settings.machine for settings in flanks.values()]
+    for name, part in (("horizontal", math.cos), ("vertical", math.sin)):
+        places: list[float | int | None] = [
+            None
+            if machine.ratio_of_roll is not None or machine.radial_distance is None or machine.cradle_angle is None
+            else machine.radial_distance * part(math.radians(machine.cradle_angle))
+            for machine in machines
+        ]
+        if any(place is not None for place in places):
+            yield f"{name} (Formate)", "", "mm", *_row(places, step)
 
 
 def _point_width(case: Case) -> Iterator[tuple[str, ...]]:
