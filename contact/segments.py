@@ -20,10 +20,10 @@ from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
+from .lines.loaded_places import LoadedPlaces
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
 from .lines.opposite_points import pinion_points
-from .lines.tooth_ends import tooth_ends
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 from .supports.mesh_wrench import MeshWrenches
@@ -179,12 +179,18 @@ class LineSegments:
     @cached_property
     def table(self) -> dict[str, Array]:
         """Values of the segments by name, their number last."""
-        return self.names | self.loaded_at((self.quadrature[0],) * 2)
+        return self.names | self.loaded_at(self.places)
 
     @cached_property
     def unit_loads(self) -> UnitLoads:
         """Unit loads at the quadrature points."""
-        return self.loads((self.quadrature[0],) * 2)
+        return self.loads(self.places)
+
+    @cached_property
+    def places(self) -> LoadedPlaces:
+        """Both members loaded at the quadrature points."""
+        points = self.quadrature[0]
+        return LoadedPlaces(self.fields, points, points)
 
     @property
     def names(self) -> dict[str, Array]:
@@ -197,10 +203,9 @@ class LineSegments:
             "row": np.arange(mesh.pair.size * self.count),
         }
 
-    def loaded_at(self, points: tuple[Array, Array]) -> dict[str, Array]:
-        """Means over the segments of ``loaded_at`` where both members are loaded at points (2, m, count * g)."""
-        at_points = loaded_at(self.fields, points, self.teeth.solid)
-        return {name: self.mean(values) for name, values in at_points.items()}
+    def loaded_at(self, places: LoadedPlaces) -> dict[str, Array]:
+        """Means over the segments of ``loaded_at`` at places (m, count * g)."""
+        return {name: self.mean(values) for name, values in loaded_at(places, self.teeth.solid).items()}
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
@@ -209,19 +214,23 @@ class LineSegments:
         members = zip(MEMBERS, materials, strict=False)
         return [SpreadDeflection.of(self.fields, *one) for one in members]
 
-    def loads(self, points: tuple[Array, Array]) -> UnitLoads:
-        """Unit loads on the segments where pinion and gear are loaded at points (2, m, count * g)."""
+    def loads(self, places: LoadedPlaces) -> UnitLoads:
+        """Unit loads on the segments where both members are loaded at places (m, count * g)."""
         weights = self.quadrature[1]
-        pinion, gear = (np.reshape(one, (2, -1, weights.size)) for one in points)
-        return UnitLoads(self.loads_on((pinion, gear), weights), coupling=self.teeth.coupling)
+        pinion, gear = (np.reshape(one, (2, -1, weights.size)) for one in places.points)
+        ends = end_loads_at(places, self.teeth)
+        ends = ends.reshape(len(ends), -1, weights.size)
+        return UnitLoads(self._loads((pinion, gear), weights, ends), coupling=self.teeth.coupling)
 
     def loads_on(self, points: tuple[Array, Array], weights: Array) -> Loads:
         """Both teeth's unit loads on segments (n) with quadrature points (2, n, g), see ``unit_loads``."""
+        return self._loads(points, weights, end_loads_at(LoadedPlaces(self.fields, *points), self.teeth))
+
+    def _loads(self, points: tuple[Array, Array], weights: Array, ends: Array) -> Loads:
         bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
         members = zip(self.spread, points, strict=False)  # no spread deflection beside plates
         spread = [one.loads(self.fields, points[1], loaded, weights).T for one, loaded in members]
-        ends = end_loads_at(self.fields, points, self.teeth) @ weights
-        return Loads(np.concatenate([*bending, *spread, ends.T], axis=1), on_bodies)
+        return Loads(np.concatenate([*bending, *spread, (ends @ weights).T], axis=1), on_bodies)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:
@@ -230,38 +239,35 @@ class LineSegments:
         return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
 
 
-def loaded_at(
-    fields: FlankSplines, points: tuple[Array, Array], solid: tuple[Material, Material] | None
-) -> dict[str, Array]:
-    """Places of pinion and gear where they are loaded at points (2, ...) of the gear, and the line contact there.
+def loaded_at(places: LoadedPlaces, solid: tuple[Material, Material] | None) -> dict[str, Array]:
+    """Places of pinion and gear where they are loaded, and the line contact there.
 
     By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them.
     """
-    found = {name: fields(name, loaded) for name, loaded in zip(DEPTHS, points, strict=True)}
-    found |= {"pinion_point": points[0], "point": points[1]}
+    found = dict(zip(DEPTHS, places.depths, strict=True))
+    found |= {"pinion_point": places.pinion, "point": places.gear}
     if solid is None:
         return found
-    ends = [tooth_ends(fields, member, loaded) for member, loaded in zip(MEMBERS, points, strict=True)]
-    load_end = np.minimum(*(one.distance for one in ends))
-    for name, material, own in zip(DEPTHS, solid, ends, strict=True):
+    load_end = np.minimum(*(one.distance for one in places.ends))
+    for name, material, own in zip(DEPTHS, solid, places.ends, strict=True):
         depth = np.maximum(found[name], MATERIAL_DEPTH_MINIMUM)
         found[name] = depth * np.prod(remaining_depth(depth, load_end, material, own.cosine), axis=0)
     return found
 
 
-def end_loads_at(fields: FlankSplines, points: tuple[Array, Array], teeth: ElasticTeeth) -> Array:
-    """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded at points (2, ...) of the gear.
+def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
+    """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded.
 
     None on plates, which know no more than the dissertation's method.
     """
-    found = [np.zeros((0, *points[1].shape[1:]))]
-    members = zip(MEMBERS, teeth.solid or (), teeth.both, points, strict=False)
-    for member, material, tooth, loaded in members:
+    fields, found = places.fields, [np.zeros((0, *places.gear.shape[1:]))]
+    for number, material in enumerate(teeth.solid or ()):
+        member, tooth = MEMBERS[number], teeth.both[number]
         assert isinstance(tooth, FlankCompliance)
-        depth = np.maximum(fields(f"depth_{member}", loaded), MATERIAL_DEPTH_MINIMUM)
-        profile = member_points(fields, member, loaded)[1]
-        middles = fields(f"depth_{member}", END_MIDDLES).mean(axis=-1)
-        distances = tooth_ends(fields, member, loaded).distance
+        depth = np.maximum(places.depths[number], MATERIAL_DEPTH_MINIMUM)
+        profile = member_points(fields, member, places.points[number])[1]
+        middles = fields(DEPTHS[number], END_MIDDLES).mean(axis=-1)
+        distances = places.ends[number].distance
         for end, distance, middle in zip(tooth.ends or (), distances, middles, strict=False):
             found.append(end_loads(depth, distance, profile * end.height, end.slant, material, float(middle)))
     return np.concatenate(found)
@@ -353,7 +359,7 @@ class CycleSegments:
             {name: getattr(found, name) for name in names}
             | wrench
             | {
-                **loaded_at(self.fields, points, self.on_lines.teeth.solid),
+                **loaded_at(LoadedPlaces(self.fields, *points), self.on_lines.teeth.solid),
                 "position": edges.position,
                 "pair": edges.pair,
                 "searched": np.zeros(count, dtype=bool),
@@ -380,20 +386,20 @@ class CycleSegments:
         middle = points[:, :, weights.size // 2 :: weights.size].reshape(2, -1)
         rotation = np.repeat(line_rotations(on_lines.lines), on_lines.count)
         gap["overhang"] = -edge_distance(self.fields, middle, rotation)
-        return on_lines.names | on_lines.loaded_at(self.loaded_points) | gap
+        return on_lines.names | on_lines.loaded_at(self.loaded_places) | gap
 
     @cached_property
-    def loaded_points(self) -> tuple[Array, Array]:
-        """Points (2, m, count * g) where pinion and gear are loaded: there the flanks come closest."""
-        points = self.on_lines.quadrature[0]
+    def loaded_places(self) -> LoadedPlaces:
+        """Where pinion and gear are loaded (m, count * g): there the flanks come closest."""
         if not self.cut:
-            return points, points
-        closest = np.clip(points + self.closest.shift, 0.0, 1.0)
-        return pinion_points(self.fields, closest, line_rotations(self.on_lines.lines)[:, None]), closest
+            return self.on_lines.places
+        closest = np.clip(self.on_lines.quadrature[0] + self.closest.shift, 0.0, 1.0)
+        rotation = line_rotations(self.on_lines.lines)[:, None]
+        return LoadedPlaces(self.fields, pinion_points(self.fields, closest, rotation), closest)
 
     @cached_property
     def _unit_loads(self) -> UnitLoads:
-        return self.on_lines.loads(self.loaded_points) if self.cut else self.on_lines.unit_loads
+        return self.on_lines.loads(self.loaded_places) if self.cut else self.on_lines.unit_loads
 
     def _split(
         self, table: dict[str, Array], loads: UnitLoads, bending: list[ModalBasis] | None = None

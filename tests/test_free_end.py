@@ -21,6 +21,7 @@ from easeoff.contact.compliance.free_end import (
     missing_approach,
     remaining_depth,
 )
+from easeoff.contact.lines.loaded_places import LoadedPlaces
 from easeoff.contact.lines.tooth_ends import tooth_ends
 from easeoff.contact.segments import end_loads_at
 from easeoff.geometry import LatticeSize, pair_geometry
@@ -164,4 +165,4 @@ def test_plates_know_nothing_of_it() -> None:
     middle = np.full((2, 1), 0.5)
     for model, count in ((ElasticModel(), 0), (None, 4 * MODES)):
         teeth = ElasticTeeth(geometry.teeth, model, geometry.pair)
-        assert len(end_loads_at(fields, (middle, middle), teeth)) == count
+        assert len(end_loads_at(LoadedPlaces(fields, middle, middle), teeth)) == count

@@ -19,6 +19,7 @@ from ...compliance.finite_elements.flank_compliance import FlankCompliance
 from ...compliance.material import Material
 from ...compliance.spread_deflection import SpreadDeflection, gaussians
 from ...lines.flank_splines import SLOPES
+from ...lines.loaded_places import LoadedPlaces
 from ...lines.opposite_points import PINION_FRACTIONS
 from ...segments import LineSegments, end_loads_at
 from .field_directions import FieldDirections
@@ -98,8 +99,8 @@ class BendingSlopes:
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
             members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
         beside = (_spread(on_lines, directions, segments), _ends(on_lines, directions, segments))
-        loads, change = (np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True))
-        return cls(on_lines, tuple(members), weights, (loads, change))
+        joined, change = (np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True))
+        return cls(on_lines, tuple(members), weights, (joined, change))
 
     def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
         """Changes of the deflections (s, j) [mm] by the settings, under held forces.
@@ -200,13 +201,15 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
 def _ends(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
     """Unit loads (n, k) of the free ends of both members, and their derivatives (j, n, k)."""
     points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
-    loads = end_loads_at(directions.base, points, on_lines.teeth) @ weights
+    loads = end_loads_at(LoadedPlaces(directions.base, *points), on_lines.teeth) @ weights
     slopes = np.zeros((segments.steps.size, *loads.T.shape))
     for j, step in enumerate(END_STEP_SHARE * segments.steps):
         ahead, behind = (
             end_loads_at(
-                directions.moved(j, sign * step),
-                (points[0] + sign * step * moved[0][..., j], points[1] + sign * step * moved[1][..., j]),
+                LoadedPlaces(
+                    directions.moved(j, sign * step),
+                    *(one + sign * step * own[..., j] for one, own in zip(points, moved, strict=True)),
+                ),
                 on_lines.teeth,
             )
             for sign in (1.0, -1.0)

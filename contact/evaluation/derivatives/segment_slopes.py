@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...lines.contact_lines import ContactLines
 from ...lines.line_ends import line_rotations
+from ...lines.loaded_places import LoadedPlaces
 from ...lines.mesh_edges import FlankEdge, chosen_elements, flank_edges
 from ...lines.opposite_points import pinion_points
 from ...loaded_cases import LoadedCase
@@ -150,7 +151,7 @@ class _Loaded:
         """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
         table, weights = own.table, own.on_lines.quadrature[1]
         values = {name: table[name] for name in NAMES}
-        pinion, gear = (one.reshape(2, -1, weights.size) for one in own.loaded_points)
+        pinion, gear = (one.reshape(2, -1, weights.size) for one in own.loaded_places.points)
         if not pieces.keys.size:
             return cls(values, (pinion, gear))
         position, pair, edge, element = pieces.keys.T
@@ -160,7 +161,7 @@ class _Loaded:
         found = chosen_elements(traced.fields, rotation, edges, edge, element)
         on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
         there = pinion_points(traced.fields, found.points, rotation), found.points
-        on_edges |= loaded_at(traced.fields, there, traced.on_lines.teeth.solid)
+        on_edges |= loaded_at(LoadedPlaces(traced.fields, *there), traced.on_lines.teeth.solid)
         joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
         on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
         return cls(joined, (np.concatenate([pinion, on_pinion], axis=1), np.concatenate([gear, on_gear], axis=1)))
