@@ -99,8 +99,8 @@ class BendingSlopes:
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
             members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
         beside = (_spread(on_lines, directions, segments), _ends(on_lines, directions, segments))
-        joined, change = (np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True))
-        return cls(on_lines, tuple(members), weights, (joined, change))
+        both = [np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True)]
+        return cls(on_lines, tuple(members), weights, (both[0], both[1]))
 
     def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
         """Changes of the deflections (s, j) [mm] by the settings, under held forces.
