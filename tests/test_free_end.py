@@ -130,7 +130,7 @@ def test_slants_are_those_of_the_bricks() -> None:
     """Against the end faces of the teeth's lattices."""
     pair = gear_pair(read_case("fm-11x41"))
     for member, one in (("pinion", pair.pinion), ("gear", pair.gear)):
-        lattice = tooth_lattice(pair, member, LatticeSize(lengthwise=8, upward=6))  # type: ignore[arg-type]
+        lattice = tooth_lattice(pair, member, LatticeSize(lengthwise=8, upward=6))
         found = []
         for end, inner in ((0, 1), (-1, -2)):
             row = lattice.flank.shape[1] // 2

@@ -190,7 +190,7 @@ def test_the_first_numbers_are_the_key_numbers_and_the_power_at_the_speed_of_the
         speed * np.pi / 3e4 * np.array([40, 400]), rel=1e-3
     )
     assert rows["greatest pressure"] == [f"{v:.0f}" for v in key_numbers(drive)["max_pressure"].values]
-    efficiency = 100.0 * drive["friction/efficiency"].sel(speed=speed).values.ravel()
+    efficiency = 100.0 * np.ravel(drive["friction"].to_dataset()["efficiency"].sel(speed=speed))
     assert [float(v) for v in rows["efficiency"]] == pytest.approx(efficiency, abs=0.005)
     assert f"at {speed:g} 1/min of the pinion, {speed / ratio:.4g} 1/min of the gear" in first["condition"]
 

@@ -117,8 +117,8 @@ def test_sheet_holds_the_settings_as_text_and_as_a_page() -> None:
 def test_sheet_tells_the_place_of_the_cutter_of_a_formate_gear() -> None:
     """Horizontal and vertical, whose hypotenuse is the radial setting; none of generated members."""
     rows = {row[0]: row for row in summary_sheet(read_case("fm-11x41")).tables["Machine settings"]}
-    places = [[float(one) for one in rows[f"{name} (Formate)"][6:]] for name in ("horizontal", "vertical")]
-    assert np.hypot(*places) == pytest.approx([float(one) for one in rows["radial setting"][6:]], abs=1e-3)
+    places = [np.array(rows[f"{name} (Formate)"][6:], dtype=float) for name in ("horizontal", "vertical")]
+    assert np.hypot(places[0], places[1]) == pytest.approx([float(one) for one in rows["radial setting"][6:]], abs=1e-3)
     assert rows["vertical (Formate)"][4:6] == ("-", "-")
     generated = {row[0]: row for row in summary_sheet(read_case("nasa-12x36")).tables["Machine settings"]}
     assert "-" not in generated["ratio of roll"]
