@@ -219,7 +219,7 @@ class LineSegments:
         weights = self.quadrature[1]
         pinion, gear = (np.reshape(one, (2, -1, weights.size)) for one in places.points)
         ends = end_loads_at(places, self.teeth)
-        ends = ends.reshape(len(ends), -1, weights.size)
+        ends = ends.reshape(len(ends), *pinion.shape[1:])
         return UnitLoads(self._loads((pinion, gear), weights, ends), coupling=self.teeth.coupling)
 
     def loads_on(self, points: tuple[Array, Array], weights: Array) -> Loads:
