@@ -245,7 +245,7 @@ def test_compliance_of_a_mesh_position_holds_the_bodies_of_both_members() -> Non
     bodies = coupling.compliance(numbers)
     place = np.searchsorted(numbers, here.pair)
     wanted = np.einsum("iq,iqjr,jr->ij", loads, bodies[place][:, :, place], loads)
-    scale = apart.max()
+    scale = np.median(apart.diagonal())  # next to free ends it is much greater
     np.testing.assert_allclose(whole[between], wanted[between], rtol=0, atol=1e-3 * scale)
     assert wanted[between].max() > 0.02 * scale
     assert np.linalg.eigvalsh(whole)[0] > -1e-12 * scale

@@ -28,6 +28,7 @@ class LoadedPlaces:
 
     Examples
     --------
+    >>> import numpy as np
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.contact import loaded_splines
     >>> from easeoff.geometry import pair_geometry
@@ -35,7 +36,7 @@ class LoadedPlaces:
     >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     >>> places = LoadedPlaces(fields, *[np.full((2, 1), 0.5)] * 2)
     >>> [depth.round(1).tolist() for depth in places.depths]
-    [[2.9], [2.8]]
+    [[3.1], [3.1]]
     """
 
     fields: FlankSplines

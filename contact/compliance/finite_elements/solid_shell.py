@@ -32,6 +32,11 @@ Counts = tuple[int, int, int]
 
 EXTRA_GAUSS_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
 SHAPE_POLYNOMIAL_LIMITS = (9, 3, 7)  # polynomials of the tooth's own shape
+SMOOTH_SHAPE_LIMITS = (
+    9,
+    3,
+    5,
+)  # where those overshoot so far, beside a kink of the flank, that the tooth is inside out
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ def solid_shell(lattice: ToothLattice, material: Material, counts: Counts) -> So
     tooth = lattice.column[:, :, lattice.root_row :]
     fractions = (lattice.lengthwise, lattice.through, lattice.upward)
     along, through, up = (legendre(p, c)[0] for p, c in zip(fractions, counts, strict=True))
-    whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], fractions), counts, material)
+    whole = _stiffness(lattice.nodes[tooth], fractions, counts, material)
     joint = np.einsum("ia,jb->ijab", along, through).reshape(tooth[:, :, 0].size, -1)
     body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material)
     at_joint = legendre(np.zeros(1), counts[2])[0, 0]
@@ -103,10 +108,18 @@ def solid_shell(lattice: ToothLattice, material: Material, counts: Counts) -> So
     return SolidShell(tooth, functions, factor, scale)
 
 
-def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array]) -> Array:
+def _stiffness(nodes: Array, fractions: tuple[Array, Array, Array], counts: Counts, material: Material) -> Array:
+    """Stiffness of a tooth from its nodes (l, t, u, 3); a tooth in whole is not refused for overshooting polynomials."""
+    try:
+        return tooth_stiffness(tooth_shape(nodes, fractions), counts, material)
+    except GeometryError:
+        return tooth_stiffness(tooth_shape(nodes, fractions, SMOOTH_SHAPE_LIMITS), counts, material)
+
+
+def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array], limits: Counts = SHAPE_POLYNOMIAL_LIMITS) -> Array:
     """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at fractions from 0 to 1."""
     inverses = []
-    for fraction, most in zip(fractions, SHAPE_POLYNOMIAL_LIMITS, strict=True):
+    for fraction, most in zip(fractions, limits, strict=True):
         inverses.append(np.linalg.pinv(legendre(fraction, min(most, fraction.size))[0]))
     return np.asarray(np.einsum("ai,bj,ck,ijkx->abcx", *inverses, nodes, optimize=True))
 
