@@ -109,7 +109,7 @@ def solid_shell(lattice: ToothLattice, material: Material, counts: Counts) -> So
 
 
 def _stiffness(nodes: Array, fractions: tuple[Array, Array, Array], counts: Counts, material: Material) -> Array:
-    """Stiffness of a tooth from its nodes (l, t, u, 3); a tooth in whole is not refused for overshooting polynomials."""
+    """Stiffness of a tooth from its nodes (l, t, u, 3); a whole tooth is not refused for overshooting polynomials."""
     try:
         return tooth_stiffness(tooth_shape(nodes, fractions), counts, material)
     except GeometryError:
