@@ -74,8 +74,9 @@ class BothMethods:
         return self.geometry.exact.motion
 
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
-        """The ease-off method's unloaded contact, lines ending at a separation [um]."""
-        return unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
+        """The ease-off method's unloaded contact, lines ending at a separation [um]; of the pairs that have lines."""
+        found = unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
+        return found.sel(pair=np.unique(self.mesh.pair))
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
