@@ -20,8 +20,18 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import STEEL, solve
+from easeoff.contact.unloaded import unloaded_contact
 from easeoff.core.processes.foreign_output import without_foreign_output
-from easeoff.geometry import Blade, FlankName, GeneratingSurface, MachineSettings, Modification, principal_curvatures
+from easeoff.geometry import (
+    Blade,
+    FlankName,
+    GeneratingSurface,
+    MachineSettings,
+    Misalignment,
+    Modification,
+    pair_geometry,
+    principal_curvatures,
+)
 from easeoff.geometry.cutting import generating_surface
 from easeoff.geometry.cutting.blade_sections import Relief
 from easeoff.geometry.cutting.meshing import straight_edge
@@ -38,6 +48,7 @@ from easeoff.verification import (
     cutter_position,
     envelope_condition,
     methods_compared,
+    point_differences,
     segment_gaps,
     verify,
 )
@@ -217,6 +228,18 @@ def test_contact_at_edges_alone_is_not_applicable(pair: VerifiedPair, monkeypatc
         unloaded_rows, "methods_compared", lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside))
     )
     assert [row.status.name for row in conventional_rows(pair)] == ["WITHIN", *["NOT_APPLICABLE"] * 5]
+
+
+def test_a_tooth_pair_that_touches_on_edges_alone_is_left_out() -> None:
+    """Misaligned by 0.01 rad, a tooth pair has no contact line: conventional analysis knows nothing of it."""
+    geometry = pair_geometry(gear_pair(read_case("fh-12x41-45"), "coast"), (15, 11))
+    both = methods_compared(geometry.misaligned(Misalignment(shaft_angle=-0.01)), mesh_positions=4)
+    pairs = unloaded_contact(both.geometry, both.splines, both.mesh)["pair"].values
+    on_lines = both.unloaded()
+    assert set(pairs) - set(both.mesh.pair) == set(pairs) - set(on_lines["pair"].values) == {-2}
+    error, _ = point_differences(both)
+    assert error.shape == both.inside.shape == (on_lines.sizes["pair"] * 4,)
+    assert np.all(np.abs(error[both.inside]) < 1e-6)
 
 
 # --- loaded contact
