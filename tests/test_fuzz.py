@@ -10,11 +10,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import oracle
 import pytest
 from bases import Bases
 from kinds.box import INNER, Box
 from kinds.drawing import KINDS, draw
+from mutations.netcdf_mutations import Group, Variable, load, save
 from mutations.option_values import OPTIONS
 from processes import Limits, Outcome, forked
 from writing_runs import content, equal
@@ -193,6 +195,18 @@ def test_every_command_gets_odd_options(bases: Bases, tmp_path: Path) -> None:
     """There are words for each command, so that no seed ends the search."""
     drawn = (draw(seed, Box(tmp_path / str(seed), bases), "options").args for seed in range(250))
     assert set(OPTIONS) <= {words[0] for words in drawn if words}
+
+
+def test_a_file_of_the_old_format_takes_no_room_for_what_is_not_written(tmp_path: Path) -> None:
+    """Its format has no compression: a variable of a thousand million numbers would take 8 GB."""
+    content = Group(dims={"x": 10**9, "y": 3})
+    content.variables = {
+        "large": Variable(("x",), None, dtype=np.dtype("f8")),
+        "small": Variable(("y",), np.arange(3.0)),
+    }
+    save(content, tmp_path / "old.nc", "NETCDF3_CLASSIC")
+    assert (tmp_path / "old.nc").stat().st_size < 1000
+    assert list(load(tmp_path / "old.nc").variables) == ["small"]
 
 
 def test_a_cut_file_is_no_whole_one(bases: Bases, tmp_path: Path) -> None:

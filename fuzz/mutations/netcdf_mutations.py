@@ -23,6 +23,7 @@ ODD_ATTRIBUTES: tuple[Any, ...] = (
 NAMES = ("x", "é", "a b", "position", "torque", "time", "status", "n" * 200)
 FILLS: tuple[float, ...] = (0.0, -1.0, 1.0, -7.0, 99.0, 1e300, -1e300, 1e29, 1e-300, np.nan, np.inf, -np.inf)
 LARGEST = 10**10
+WRITTEN_LIMIT = 10**7  # most numbers of a variable that are written
 
 
 @dataclass
@@ -103,6 +104,9 @@ def save(tree: Group, path: Path, kind: Any = "NETCDF4") -> None:
 
 
 def _put_variable(group: Any, name: str, variable: Variable, known: dict[str, int]) -> None:
+    written = np.prod([float(known.get(dim, 0)) for dim in variable.dims]) < WRITTEN_LIMIT
+    if not written and group.data_model.startswith("NETCDF3"):
+        return  # this format keeps room on the disk for what is never written
     attrs = dict(variable.attrs)
     dtype = variable.dtype or np.asarray(variable.data).dtype
     made = group.createVariable(
@@ -117,7 +121,7 @@ def _put_variable(group: Any, name: str, variable: Variable, known: dict[str, in
         with contextlib.suppress(Exception):
             made.setncattr(key, value)
     data = variable.data
-    if data is not None and np.prod([float(known.get(dim, 0)) for dim in variable.dims]) < 1e7:
+    if data is not None and written:
         made[...] = data if dtype is str else np.resize(np.asarray(data), made.shape).astype(made.dtype)
 
 
