@@ -327,6 +327,15 @@ def test_file_holds_the_dataset(tmp_path: Path) -> None:
     assert all(variable.attrs["long_name"] for variable in found.variables.values())
 
 
+@pytest.mark.parametrize("value", [np.inf, -1e300])
+def test_a_file_with_wild_numbers_is_refused(tmp_path: Path, value: float) -> None:
+    found = sweep(CASE, {"E": [0.0, 0.05]}, torques=[100.0], workers=1)
+    found["peak_to_peak"][:] = value
+    write_sweep(found, tmp_path / "sweep.nc")
+    with pytest.raises(InputError, match=r"'peak_to_peak' holds numbers beyond 1e\+30"):
+        read_sweep(tmp_path / "sweep.nc")
+
+
 def test_sweep_names_what_every_point_departs_by() -> None:
     """Deviations, modification and contact on lines alone stand in the file and so on its pictures."""
     given = {"bias": -3.0, "lengthwise_crowning": 10.0}
