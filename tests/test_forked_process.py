@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from click.testing import CliRunner
 
 from easeoff import InputError
+from easeoff.core.processes import forked_process
 from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
 from easeoff.core.reading import netcdf_file
+from easeoff.study.cli import main
 
 
 def refuse() -> None:
@@ -33,6 +36,17 @@ def test_a_crash_is_an_error(ending: signal.Signals, capfd: pytest.CaptureFixtur
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_library_that_comes_to_no_end_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forked_process, "PROCESSOR_TIME_LIMIT", 1)
+
+    def endless() -> None:
+        while True:
+            pass
+
+    with pytest.raises(ProcessEndedError, match="the library that reads it comes to no end"):
+        in_forked_process(endless)
+
+
 def test_a_file_on_which_the_library_crashes_is_damaged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "good.nc"
     xr.Dataset({"a": ("x", [1.0, 2.0])}).to_netcdf(path, engine="netcdf4")
@@ -41,3 +55,21 @@ def test_a_file_on_which_the_library_crashes_is_damaged(tmp_path: Path, monkeypa
     for read in (netcdf_file.read_dataset, netcdf_file.read_tree):
         with pytest.raises(InputError, match=r"good\.nc is not a netCDF file, or it is damaged: .* crashed"):
             read(path)
+
+
+def test_a_file_on_which_the_library_ends_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not once more for every kind of file that it might be."""
+    path = tmp_path / "result.nc"
+    xr.Dataset({"a": ("x", [1.0, 2.0])}).to_netcdf(path, engine="netcdf4")
+    read: list[int] = []
+
+    def ended(_: object) -> None:
+        read.append(1)
+        raise ProcessEndedError("the library that reads it comes to no end")
+
+    monkeypatch.setattr(netcdf_file, "in_forked_process", ended)
+    for command, *words in (["show"], ["plot", str(tmp_path / "pictures")], ["report", "-o", str(tmp_path / "r.html")]):
+        read.clear()
+        found = CliRunner().invoke(main, [command, str(path), *words])
+        assert (found.exit_code, len(read)) == (2, 1)
+        assert "or it is damaged: the library that reads it comes to no end" in " ".join(found.output.split())

@@ -15,7 +15,7 @@ from ..errors import EaseoffError, InputError
 
 Result = TypeVar("Result")
 
-PROCESSOR_TIME_LIMIT = 300  # of the process [s]; the largest file that is read takes a tenth
+PROCESSOR_TIME_LIMIT = 100  # of the process [s]; the largest file that is read takes a third
 
 
 class ProcessEndedError(EaseoffError):
@@ -62,6 +62,8 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
             content = stream.read()
     finally:
         _, status = os.waitpid(child, 0)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == getattr(signal, "SIGXCPU", None):
+        raise ProcessEndedError("the library that reads it comes to no end")
     if status != 0 or not content:
         raise ProcessEndedError("the library that reads it crashed")
     succeeded, result = pickle.loads(content)
@@ -83,8 +85,9 @@ def _work_and_exit(work: Callable[[], Any], sink: int) -> None:
         with contextlib.suppress(ImportError, OSError, ValueError):
             import resource
 
-            resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_TIME_LIMIT, PROCESSOR_TIME_LIMIT))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            # The second number ends it by another signal, if it is not greater.
+            resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_TIME_LIMIT, PROCESSOR_TIME_LIMIT + 1))
         try:
             answer: tuple[bool, Any] = (True, work())
         except InputError as error:

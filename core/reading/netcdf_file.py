@@ -34,6 +34,10 @@ NUMBER_SIZE = 8  # of a number in memory, at least: decoding may widen it [bytes
 STRING_SIZE = 64  # of a short string in memory [bytes]
 
 
+class ReadingEndedError(InputError):
+    """The process that read a file ended without a result; no other reader of this module fares better."""
+
+
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """All groups of a netCDF file, in memory; the file is closed again.
 
@@ -58,6 +62,22 @@ def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Da
     return _read(path, xr.open_dataset, square=square)
 
 
+def outermost_group(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset | None:
+    """As ``read_dataset``, to tell what a file is: None where the reader of its kind will say what is wrong with it.
+
+    Raises
+    ------
+    ReadingEndedError
+        If the process that read it ended without a result.
+    """
+    try:
+        return read_dataset(path, square=square)
+    except ReadingEndedError:
+        raise
+    except InputError:
+        return None
+
+
 def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
     """What a function of xarray opens, read by a process of its own."""
     # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
@@ -75,7 +95,7 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, squar
     try:
         return in_forked_process(loaded)
     except ProcessEndedError as error:
-        raise InputError(f"{named(path)} is not a netCDF file, or it is damaged: {error}") from error
+        raise ReadingEndedError(f"{named(path)} is not a netCDF file, or it is damaged: {error}") from error
 
 
 @contextlib.contextmanager

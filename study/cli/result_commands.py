@@ -181,27 +181,20 @@ def cite(result: Path | None, bibtex: bool) -> None:
 
 def _holds_problems(path: Path) -> bool:
     """Whether a file is one of contact problems; of another file its own reader says what is wrong with it."""
-    from ...core.errors import InputError
-    from ...core.reading.netcdf_file import read_dataset
+    from ...core.reading.netcdf_file import outermost_group
     from ..report.summary.problem_summary import holds_problems
 
-    try:
-        return holds_problems(read_dataset(path, square=True))
-    except InputError:
-        return False
+    found = outermost_group(path, square=True)
+    return found is not None and holds_problems(found)
 
 
 def _sweep(path: Path) -> xr.Dataset | None:
     """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
-    from ...core.errors import InputError
-    from ...core.reading.netcdf_file import read_dataset
+    from ...core.reading.netcdf_file import outermost_group
     from ..sweep.sweep_file import checked_sweep, is_sweep
 
-    try:
-        found = read_dataset(path)
-    except InputError:
-        return None
-    return checked_sweep(found, path) if is_sweep(found) else None
+    found = outermost_group(path)
+    return checked_sweep(found, path) if found is not None and is_sweep(found) else None
 
 
 def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:

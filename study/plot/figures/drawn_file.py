@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import read_dataset
+from ....core.reading.netcdf_file import outermost_group
 from ....core.reading.regular_file import named
 from ...result import read_result
 from ...result_layout import index_faults, variable_faults
@@ -59,9 +59,8 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
     ...     print(error)
     no-such-file.nc: there is no such file
     """
-    try:
-        found = read_dataset(path)
-    except InputError:
+    found = outermost_group(path)
+    if found is None:
         return read_result(path)  # says what is wrong with the file
     if is_sweep(found):
         return checked_sweep(found, path)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from ....core.errors import InputError
 from ....core.printable import printable
-from ....core.reading.netcdf_file import read_dataset
+from ....core.reading.netcdf_file import outermost_group
 from ...result import read_result
 from ...sweep.sweep_file import MARK
 from .report_layout import require_groups, require_layout
@@ -127,12 +127,9 @@ def read_given(path: Path) -> xr.DataTree | xr.Dataset:
     InputError
         If it is none of them.
     """
-    try:
-        found = read_dataset(path)
-    except InputError:
-        return read_result(path)
-    kind = kind_of(found)
-    if kind == "other":
+    found = outermost_group(path)
+    kind = "other" if found is None else kind_of(found)
+    if found is None or kind == "other":
         return read_result(path)
     _require_kind(str(path), kind)
     require_layout(str(path), found, kind)
