@@ -48,10 +48,8 @@ class OppositePoints:
     @classmethod
     def of(cls, splines: FlankSplines, points: Array) -> OppositePoints:
         """Opposite points (2, n)."""
-        found = splines.derivatives(PINION_FRACTIONS, points, VALUE_AND_SLOPES)
-        fractions, *by_fraction = (np.stack(list(each.values())) for each in found)
         passing = np.stack(list(splines.evaluate(list(PASSING_FIELDS), points).values()))
-        return cls(fractions, np.stack(by_fraction, axis=1), passing[:2], passing[2:])
+        return cls(*_in_conjugate_contact(splines, points), passing[:2], passing[2:])
 
     def after(self, left: Array) -> Array:
         """Fractions (2, ..., n) when the pinion is ``left`` (..., n) [rad] beyond conjugate contact."""
@@ -61,13 +59,21 @@ class OppositePoints:
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 
+def _in_conjugate_contact(splines: FlankSplines, points: Array) -> tuple[Array, Array]:
+    """Fractions (2, n) of the pinion in conjugate contact with points (2, n) of the gear, their slopes (2, 2, n)."""
+    found = splines.derivatives(PINION_FRACTIONS, points, VALUE_AND_SLOPES)
+    fractions, *by_fraction = (np.stack(list(each.values())) for each in found)
+    return fractions, np.stack(by_fraction, axis=1)
+
+
 def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = None) -> Array:
     """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none.
 
     They are searched from points ``near`` (2, k) if given, where these are not NaN.
     """
     points = _searched(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
-    found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
+    there = np.stack(list(splines.evaluate(list(PINION_FRACTIONS), points).values()))
+    found = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE
     return np.where(found, points, np.nan)
 
 
@@ -86,8 +92,8 @@ def pinion_points(splines: FlankSplines, points: Array, rotations: Array) -> Arr
 def _searched(splines: FlankSplines, nodes: Array, points: Array) -> Array:
     """Points (2, k) on the gear or near it in conjugate contact with pinion points (2, k), from others near them."""
     for _ in range(SEARCH_ITERATIONS):
-        opposite, before = OppositePoints.of(splines, points), points
-        points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
+        before, (fractions, slopes) = points, _in_conjugate_contact(splines, points)
+        points = _near_flank(points + solved(slopes, nodes - fractions))
         if not np.any(np.abs(points - before) > SEARCH_TOLERANCE):
             break
     return points
@@ -96,7 +102,7 @@ def _searched(splines: FlankSplines, nodes: Array, points: Array) -> Array:
 def _nearest_of_lattice(splines: FlankSplines, nodes: Array) -> Array:
     """Points (2, k) of a lattice on the gear opposite which pinion points come nearest to given ones (2, k)."""
     lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
-    there = OppositePoints.of(splines, lattice).fractions
+    there = splines.evaluate(list(PINION_FRACTIONS), lattice).values()
     away = [np.subtract.outer(side, node) ** 2 for side, node in zip(there, nodes, strict=True)]
     return np.asarray(lattice[:, np.argmin(away[0] + away[1], axis=0)])
 
