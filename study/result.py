@@ -12,7 +12,7 @@ from ..core.errors import InputError
 from ..core.reading.file_origin import layout_fault, unreadable
 from ..core.reading.netcdf_file import read_tree
 from ..core.reading.regular_file import named
-from ..core.writing.output_file import whole_file
+from ..core.writing.netcdf_output import write_netcdf
 from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
 
 COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
@@ -59,8 +59,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
         for node in tree.subtree
         if node.path != "/"
     }
-    with whole_file(path) as temporary:
-        tree.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    write_netcdf(tree, path, encoding)
 
 
 def read_result(path: str | os.PathLike[str]) -> xr.DataTree:

@@ -134,12 +134,12 @@ class Shell:
 
     @cached_property
     def _mid_surface_whitening(self) -> FloatArray:
-        """L^-1 D^-1/2 of the last block: a product with it takes half the time of a substitution."""
+        """(L^-1 D^-1/2)^T of the last block: a product with it takes half the time of a substitution."""
         from scipy.linalg.lapack import dtrtri
 
         idle = self.idle_size
         inverse, _info = dtrtri(self._factor[idle:, idle:], lower=1)
-        return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]])
+        return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]]).T
 
     @property
     def _feels_mid_surface_loads(self) -> NDArray[np.bool_]:
@@ -225,15 +225,18 @@ class Shell:
 
         # Fields that the loads do not feel stay zero.
         vectors = np.zeros((*points, len(functions.root_powers), functions.height_count, functions.length_count))
-        for term in self.kinematics.displacement_terms:
-            if offset is None and term.coefficient == "offset":
-                continue
-            strength = direction[..., term.component] * coefficients[term.coefficient]
-            loaded = strength[..., None] * over_height[functions.root_powers[term.field]]
-            if weights is None:
-                np.multiply(loaded[..., :, None], along[..., None, :], out=vectors[..., term.field, :, :])
-            else:
-                vectors[..., term.field, :, :] = np.swapaxes(loaded, -1, -2) @ along
+        terms = [one for one in self.kinematics.displacement_terms if offset is not None or one.coefficient != "offset"]
+        loaded = [
+            (direction[..., one.component] * coefficients[one.coefficient])[..., None]
+            * over_height[functions.root_powers[one.field]]
+            for one in terms
+        ]
+        fields = [one.field for one in terms]
+        if weights is None:
+            vectors[..., fields, :, :] = np.stack(loaded, axis=-2)[..., None] * along[..., None, None, :]
+        else:
+            summed = np.swapaxes(np.concatenate(loaded, axis=-1), -1, -2) @ along
+            vectors[..., fields, :, :] = summed.reshape(*points, len(terms), functions.height_count, -1)
         return vectors.reshape(*points, self.size)
 
     def whiten(self, load_vectors: ArrayLike) -> FloatArray:
@@ -252,18 +255,30 @@ class Shell:
         """
         from scipy.linalg.blas import dtrsm
 
-        vectors = np.asarray(load_vectors, dtype=np.float64)
-        if vectors.ndim != 2 or vectors.shape[1] != self.size:
-            raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
+        vectors = self._checked(load_vectors)
         if vectors.shape[0] == 0:
             return np.zeros((self.size, 0))
         idle = self.idle_size
         if _columns(vectors, self._order[:idle]).any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
-        whitened = np.zeros((self.size, vectors.shape[0]))
-        np.matmul(self._mid_surface_whitening, _columns(vectors, self._order[idle:]).T, out=whitened[idle:])
-        return whitened
+        return np.concatenate([np.zeros((idle, len(vectors))), self.whiten_on_mid_surface(vectors).T])
+
+    def whiten_on_mid_surface(self, load_vectors: ArrayLike) -> FloatArray:
+        """As ``whiten`` of loads on the mid-surface, without the rows that are zero, (n, n_dof - idle_size)."""
+        from scipy.linalg.blas import dtrmm
+
+        vectors = self._checked(load_vectors)
+        felt = _columns(vectors, self._order[self.idle_size :])
+        if not felt.size:
+            return np.zeros(felt.shape)
+        return np.asarray(dtrmm(1.0, self._mid_surface_whitening, felt.T, trans_a=1).T)
+
+    def _checked(self, load_vectors: ArrayLike) -> FloatArray:
+        vectors = np.asarray(load_vectors, dtype=np.float64)
+        if vectors.ndim != 2 or vectors.shape[1] != self.size:
+            raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
+        return vectors
 
     def compliance(self, load_vectors: ArrayLike) -> FloatArray:
         """Compliance matrix between loads (Kolivand 2009, Eq. 3.11).

@@ -16,6 +16,7 @@ from ...core.checks import shown
 from ...core.errors import GeometryError, InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
+from ...core.writing.netcdf_output import write_netcdf
 from ...core.writing.output_file import whole_file
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
@@ -248,12 +249,11 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ...     write_cmm_points(points, f"{folder}/gear.csv")
     """
     suffix = _suffix(path)
-    with whole_file(path) as temporary:
-        if suffix == ".csv":
+    if suffix == ".csv":
+        with whole_file(path) as temporary:
             temporary.write_text(cmm_csv.text(dataset), encoding="utf-8")
-        else:
-            plain = {str(name): {"_FillValue": None} for name in dataset.data_vars}
-            dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=plain)
+    else:
+        write_netcdf(dataset, path, {str(name): {"_FillValue": None} for name in dataset.data_vars})
 
 
 def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:

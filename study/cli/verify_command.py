@@ -73,7 +73,8 @@ def verify(
     that is not stands what that means. Rows are printed as they come. The exit code is 1 if a difference is outside
     its limit.
     """
-    from ...core.writing.output_file import check_writable, whole_file
+    from ...core.writing.netcdf_output import write_netcdf
+    from ...core.writing.output_file import check_writable
     from ...verification.case_verification import verify as run_verification
     from ...verification.yardsticks.row_meaning import closing
     from ...verification.yardsticks.verification_table import head_lines, row_lines
@@ -110,8 +111,7 @@ def verify(
         if said := closing(found.outside):
             echo(said, err=True)
     if output is not None:
-        with whole_file(output) as temporary:
-            found.dataset().to_netcdf(temporary, engine="netcdf4")
+        write_netcdf(found.dataset(), output)
         echo(f"wrote {output}: the table, for xarray.open_dataset")
     if not found.passed:
         sys.exit(EXIT_UNCERTIFIED)

@@ -74,7 +74,8 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from ...core.writing.output_file import check_writable, whole_file
+    from ...core.writing.netcdf_output import write_netcdf
+    from ...core.writing.output_file import check_writable
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
     from ..report.wear_report import wear_summary
@@ -93,8 +94,7 @@ def wear(
             stage=lambda name: show_stage(bar, name),
             **with_defaults(options),
         )
-    with whole_file(output) as temporary:
-        history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+    write_netcdf(history, output)
     last = history.isel(step=-1)
     echo(wear_summary(history))
     echo(f"wrote {output}")

@@ -16,6 +16,7 @@ from ...core.attributes import labelled
 from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
+from ...core.writing.netcdf_output import write_netcdf
 from ...core.writing.output_file import whole_file
 from .measurement.attempt import Attempt
 from .measurement.method import Method
@@ -125,8 +126,7 @@ def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
         If a file cannot be written.
     """
     paths = [folder / TABLE_FILE, folder / "results.csv"]
-    with whole_file(paths[0]) as temporary:
-        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+    write_netcdf(dataset, paths[0])
     frame: Any = dataset.to_dataframe()
     with whole_file(paths[1]) as temporary:
         frame.to_csv(temporary, index=False)

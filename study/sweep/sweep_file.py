@@ -10,7 +10,7 @@ from ...core.errors import InputError
 from ...core.reading.file_origin import layout_fault, unreadable
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.regular_file import named
-from ...core.writing.output_file import whole_file
+from ...core.writing.netcdf_output import write_netcdf
 from .sweep_layout import SWEEP_SCHEMA_VERSION, sweep_faults
 
 MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
@@ -46,8 +46,7 @@ def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         for name, variable in dataset.variables.items()
         if variable.dtype.kind in "fiu" and variable.ndim
     }
-    with whole_file(path) as temporary:
-        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    write_netcdf(dataset, path, encoding)
 
 
 def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -20,7 +20,7 @@ from ...contact.evaluation.marking_print import checked_thickness
 from ...core.attributes import labelled
 from ...core.checks import number, whole
 from ...core.errors import InputError
-from ...core.writing.output_file import whole_file
+from ...core.writing.netcdf_output import write_netcdf
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -146,8 +146,7 @@ def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
         If the file cannot be written; nothing is left behind then.
     """
     packed = {str(name): {"zlib": True, "complevel": 1} for name, one in found.data_vars.items() if one.ndim > 1}
-    with whole_file(path) as temporary:
-        found.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=packed)
+    write_netcdf(found, path, packed)
 
 
 def _counts(grid: tuple[int, int]) -> tuple[int, int]:

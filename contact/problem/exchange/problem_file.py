@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.output_file import whole_file
+from ....core.writing.netcdf_output import write_netcdf
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays
@@ -116,8 +116,7 @@ def write_problems(
         for name, variable in dataset.variables.items()
         if variable.dtype.kind in "fi"
     }
-    with whole_file(path) as temporary:
-        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    write_netcdf(dataset, path, encoding)
 
 
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:

@@ -21,7 +21,8 @@ from ....core.checkpoint import Checkpoint, digest
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.processes.child_environment import child_environment
 from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.output_file import check_writable, whole_file
+from ....core.writing.netcdf_output import write_netcdf
+from ....core.writing.output_file import check_writable
 from ..equations.film_certificate import Status
 from ..rolling_contact.asperities import Asperities
 from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
@@ -110,9 +111,7 @@ def run_study(
     dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     dataset.attrs["model_version"] = MODEL_VERSION
-    with whole_file(target) as temporary:
-        packed = {name: {"zlib": True} for name in dataset.data_vars}
-        dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
+    write_netcdf(dataset, target, {str(name): {"zlib": True} for name in dataset.data_vars})
     return dataset
 
 
