@@ -266,7 +266,7 @@ def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
         assert isinstance(tooth, FlankCompliance)
         depth = np.maximum(places.depths[number], MATERIAL_DEPTH_MINIMUM)
         profile = member_points(fields, member, places.points[number])[1]
-        middles = fields(DEPTHS[number], END_MIDDLES).mean(axis=-1)
+        middles = np.maximum(fields(DEPTHS[number], END_MIDDLES).mean(axis=-1), MATERIAL_DEPTH_MINIMUM)
         distances = places.ends[number].distance
         for end, distance, middle in zip(tooth.ends or (), distances, middles, strict=False):
             found.append(end_loads(depth, distance, profile * end.height, end.slant, material, float(middle)))

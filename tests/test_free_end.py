@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from easeoff.contact.compliance.free_end import (
 )
 from easeoff.contact.lines.loaded_places import LoadedPlaces
 from easeoff.contact.lines.tooth_ends import tooth_ends
-from easeoff.contact.segments import end_loads_at
+from easeoff.contact.segments import DEPTHS, END_MIDDLES, end_loads_at
 from easeoff.geometry import LatticeSize, pair_geometry
 from easeoff.geometry.tooth.end_faces import end_faces
 from easeoff.geometry.tooth.tooth_lattice import tooth_lattice
@@ -157,6 +158,19 @@ def test_distances_from_both_ends_are_at_right_angles_to_them() -> None:
     of_pinion = tooth_ends(fields, "pinion", points)
     assert np.all(of_pinion.distance >= 0.0)
     assert of_pinion.distance[:, 2] == pytest.approx(of_gear.distance[:, 2], rel=0.25)
+
+
+def test_an_end_whose_flank_crosses_the_mid_surface_adds_finite_compliances() -> None:
+    """A pair at a shaft angle for which its settings are not made, on a coarse grid."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    moved = replace(pair, assembly=replace(pair.assembly, shaft_angle=math.radians(81.0)))
+    geometry = pair_geometry(moved, (9, 7))
+    fields = MeshCycle.of(geometry, mesh_positions=3, segments_per_line=9).segments.fields
+    assert min(float(fields(name, END_MIDDLES).mean(axis=-1).min()) for name in DEPTHS) < 0.0
+    middle = np.full((2, 1), 0.5)
+    with np.errstate(all="raise", under="ignore"):
+        loads = end_loads_at(LoadedPlaces(fields, middle, middle), ElasticTeeth(geometry.teeth, None, moved))
+    assert np.all(np.isfinite(loads))
 
 
 def test_plates_know_nothing_of_it() -> None:

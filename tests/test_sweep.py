@@ -336,6 +336,13 @@ def test_a_file_with_wild_numbers_is_refused(tmp_path: Path, value: float) -> No
         read_sweep(tmp_path / "sweep.nc")
 
 
+def test_a_file_with_a_dimension_by_another_name_is_refused(tmp_path: Path) -> None:
+    found = sweep(CASE, {"E": "normal(0,0.03)"}, samples=2, torques=[100.0], workers=1)
+    write_sweep(found.rename_dims(sample="other"), tmp_path / "sweep.nc")
+    with pytest.raises(InputError, match="'E' must hold values in a row, over itself or over sample or load_case"):
+        read_sweep(tmp_path / "sweep.nc")
+
+
 def test_sweep_names_what_every_point_departs_by() -> None:
     """Deviations, modification and contact on lines alone stand in the file and so on its pictures."""
     given = {"bias": -3.0, "lengthwise_crowning": 10.0}

@@ -11,7 +11,7 @@ import xarray as xr
 from ...core.errors import InputError
 from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, index_faults
 from .batch_analysis import PointStatus
-from .reductions import LOADS, point_dimensions, swept_names
+from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
 SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 ATTRIBUTES: dict[str, str | int] = {
@@ -56,8 +56,8 @@ def sweep_faults(dataset: xr.Dataset) -> list[str]:
 def _coordinate_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
     for name in (*names, *(one for one in LOADS if one in dataset.coords)):
         values = dataset[name].values
-        if values.ndim != 1 or not values.size:
-            yield f"{name!r} must hold values in a row"
+        if values.ndim != 1 or not values.size or dataset[name].dims[0] not in (name, *ROWS):
+            yield f"{name!r} must hold values in a row, over itself or over {' or '.join(ROWS)}"
         elif not (_is_text(values) or (values.dtype.kind in "fiu" and np.all(np.isfinite(values)))):
             yield f"{name!r} must hold finite numbers or texts"
         elif name in LOADS and values.dtype.kind not in "fiu":

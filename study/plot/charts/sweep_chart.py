@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 
 from ....core.errors import InputError
 from ...report.sweep_report import outcome
-from ...sweep.reductions import LOADS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
+from ...sweep.reductions import (
+    LOADS,
+    ROWS,
+    numbers,
+    point_dimensions,
+    reduced_dimensions,
+    sensitivities,
+    swept_names,
+)
 from ..page import (
     BLUE,
     BODY_SIZE,
@@ -52,7 +60,6 @@ CURVE_LIMIT = 5
 PATTERN_LIMIT = 7  # patterns that are outlined
 BAR_LIMIT = 12  # coordinates of a tornado
 BIN_LIMIT = 40
-ROWS = ("sample", "load_case")
 UNITS = {"degree": "°", "degC": "°C", "um": "µm", "rpm": "1/min", "1": ""}
 TICK_LIMIT = 7  # swept values that are ticked themselves
 PERCENT = (5.0, 50.0, 95.0)
