@@ -12,7 +12,7 @@ import pytest
 
 from easeoff import InputError
 from easeoff.core.processes import memory
-from easeoff.core.processes.child_environment import KEPT_MEMORY_VARIABLES, child_environment
+from easeoff.core.processes.child_environment import child_environment
 from easeoff.core.processes.memory import MEMORY_VARIABLE, available_memory, require_memory
 
 
@@ -130,14 +130,16 @@ def test_freed_memory_is_kept_and_taken_again_without_page_faults() -> None:
     code = """if True:
         import resource
         import numpy as np
+        from easeoff.core.processes.freed_memory import keep_freed_memory
+        {}
         before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
         for _ in range(10):
             [np.ones(2**21) for _ in range(5)]
         print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
     """
     faults = {}
-    for how, variables in {"keep": KEPT_MEMORY_VARIABLES, "free": {}}.items():
-        with child_environment(variables):
-            ended = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    for how, call in {"keep": "keep_freed_memory()", "free": ""}.items():
+        with child_environment():
+            ended = subprocess.run([sys.executable, "-c", code.format(call)], capture_output=True, check=True)
         faults[how] = int(ended.stdout)
     assert faults["keep"] < 0.3 * faults["free"]

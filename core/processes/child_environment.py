@@ -18,9 +18,6 @@ THREAD_VARIABLES = (
     "VECLIB_MAXIMUM_THREADS",
     "RAYON_NUM_THREADS",
 )
-#: Let it keep 256 MB that it has freed (glibc). Otherwise arrays above 128 kB go back to the system, and the
-#: next ones cost a page fault for every four kilobytes: a twentieth of the time of a sweep.
-KEPT_MEMORY_VARIABLES = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**28)}
 
 
 @contextlib.contextmanager

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from ...core.imports.without_package import without_package
+from ...core.processes.freed_memory import keep_freed_memory
 from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.writing.file_name import check_text
 
@@ -17,10 +18,15 @@ PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECA
 
 
 class Command(click.Command):
-    """Command whose options come at most once, unless they may be repeated.
+    """Command whose options come at most once, unless they may be repeated; its process keeps freed memory.
 
     Click would take the last value of an option given twice and say nothing.
     """
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        keep_freed_memory()
+        return super().invoke(ctx)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Check the words of the command line, then parse them as click does."""

@@ -20,12 +20,8 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
-from ...core.processes.child_environment import (
-    KEPT_MEMORY_VARIABLES,
-    THREAD_VARIABLES,
-    child_environment,
-    children_without_interrupts,
-)
+from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
+from ...core.processes.freed_memory import keep_freed_memory
 from .batch_analysis import Batch, Block, PointStatus, analyze_batch
 
 #: Times that a batch is begun whose process ends, before its points count as failed.
@@ -66,7 +62,7 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
             while True:
                 while len(running) < workers and (batch := again.pop() if again else next(batches, None)) is not None:
                     again.append(batch)  # until it runs: a pool that is broken takes none
-                    variables = dict.fromkeys(THREAD_VARIABLES, "1") | KEPT_MEMORY_VARIABLES
+                    variables = dict.fromkeys(THREAD_VARIABLES, "1")
                     with child_environment(variables), children_without_interrupts():
                         running[pool.submit(analyze_batch, batch)] = again.pop()
                 if not running:
@@ -193,7 +189,8 @@ def _lost(batch: Batch) -> Block:
 
 
 def _prepare_worker() -> None:
-    """Let this process end when the one ends that started it, however that does."""
+    """Let this process end when the one ends that started it, however that does, and keep freed memory."""
+    keep_freed_memory()
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
