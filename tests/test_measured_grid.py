@@ -158,6 +158,13 @@ def test_a_grid_of_another_size_is_refused() -> None:
         measured_grid(points(), np.ones((2, 4, 9)))
 
 
+@pytest.mark.parametrize(("rows", "columns"), [(1, 9), (5, 1)])
+def test_a_single_row_or_column_is_refused(rows: int, columns: int) -> None:
+    few = grid().isel(row=slice(rows), column=slice(columns))
+    with pytest.raises(InputError, match=f"rows x columns = {rows} x {columns} of the measured grid: must be at least"):
+        flank_deviation(few, pair().gear)
+
+
 def test_exchanged_or_reversed_rows_and_columns_are_noticed(tmp_path: Path) -> None:
     exchanged = rewritten(tmp_path, lambda cells: [cells[0], cells[2], cells[1], *cells[3:]])
     with pytest.raises(InputError, match="rows and columns of the measured grid are exchanged"):

@@ -215,6 +215,9 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
         raise InputError(
             f"the measured grid has no {name} flank, which is the one in contact; it has {', '.join(known)}"
         )
+    rows, columns = grid.sizes["row"], grid.sizes["column"]
+    if min(rows, columns) < 2:
+        raise InputError(f"rows x columns = {rows} x {columns} of the measured grid: must be at least 2 x 2")
     position = grid["position"].sel(flank=name).transpose("xyz", "column", "row").values
     axial, radial = position[2], np.hypot(position[0], position[1])
     lengthwise, profile = member.section.fractions(axial, radial)
