@@ -73,6 +73,6 @@ def write_netcdf(
         for node in tree.subtree:
             group = file if node is tree else file.createGroup(node.relative_to(tree))
             own = {name: dict(each) for name, each in by_group.get(node.path, {}).items()}
-            store = xr.backends.NetCDF4DataStore(group)
+            store = xr.backends.NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
             node.to_dataset(inherit=node is tree).dump_to_store(store, writer=later, encoding=own)
         later.write()
