@@ -33,7 +33,7 @@ SCATTER_SHARE = 3.0  # of the scatter of one point, what one combination may lea
 ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
 NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
 DIFFERENCE = 1e-3  # of a usual step, for derivatives
-MISSING_RESIDUAL = 1e3  # [mm] where settings cut no flank
+TURNS = 3  # corrections of the rotation that is taken off; each leaves of its error about the slope of the deviation
 REFIT_SHARE = 0.1  # of the greatest effect, from which on rounding is made up for
 
 
@@ -53,6 +53,35 @@ class LooseCombination:
     effect: float
 
 
+def rotations(flanks: Sequence[RecutFlank], values: Sequence[Array], one_rotation: bool = False) -> tuple[float, ...]:
+    """Rotation of each tooth flank that is nearest to its deviations (n) [mm]: radians; points that are NaN left out.
+
+    Parameters
+    ----------
+    flanks
+        The flanks.
+    values
+        Deviations of each (n) [mm].
+    one_rotation
+        Whether it is one rotation of all flanks together.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("fm-11x41")).gear
+    >>> flank = RecutFlank.of(gear, *gear.section.points(np.array([0.2, 0.5, 0.8]), np.array([0.3, 0.5, 0.7])))
+    >>> round(rotations([flank], [1e-3 * flank.lever])[0], 9)
+    0.001
+    """
+    levers = [np.where(np.isfinite(v), flank.lever, 0.0) for flank, v in zip(flanks, values, strict=True)]
+    moments = np.array([lever @ np.nan_to_num(v) for lever, v in zip(levers, values, strict=True)])
+    sizes = np.array([lever @ lever for lever in levers])
+    if one_rotation:
+        moments, sizes = np.full(len(flanks), moments.sum()), np.full(len(flanks), sizes.sum())
+    with np.errstate(invalid="ignore"):
+        return tuple(float(v) for v in moments / sizes)
+
+
 @dataclass(frozen=True)
 class SetUpFit:
     """The flanks of one set-up, and the settings that may move.
@@ -65,11 +94,15 @@ class SetUpFit:
         Free settings. A setting of the machine is one unknown, one of the blade an unknown a flank.
     one_rotation
         Whether both flanks may only be turned together.
+    position
+        Rotation of each flank in the position in which it was measured, see ``rotations`` [rad]; zero if left out. A
+        flank cut anew is compared with it in the same position.
     """
 
     flanks: tuple[RecutFlank, ...]
     names: tuple[str, ...]
     one_rotation: bool = False
+    position: tuple[float, ...] = ()
 
     @cached_property
     def unknowns(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
@@ -104,31 +137,34 @@ class SetUpFit:
 
     def form(self, values: Sequence[Array]) -> Array:
         """What a rotation leaves of deviations of all flanks (n) [mm]."""
-        levers = [flank.lever for flank in self.flanks]
-        if self.one_rotation:
-            values, levers = [np.concatenate(values)], [np.concatenate(levers)]
-        return np.concatenate(
-            [v - lever * float(lever @ v) / float(lever @ lever) for v, lever in zip(values, levers, strict=True)]
-        )
+        turns = rotations(self.flanks, values, self.one_rotation)
+        return np.concatenate([v - f.lever * turn for f, v, turn in zip(self.flanks, values, turns, strict=True)])
 
     def split(self, values: Array) -> list[Array]:
         """Values of all flanks (n) by flank."""
         return np.split(values, np.cumsum([flank.target.shape[1] for flank in self.flanks])[:-1])
 
     def departure(self, steps: Array) -> Array:
-        """Departure of the flanks at steps (m) from those designed (n) [mm], a rotation left out."""
+        """Departure of the flanks at steps (m) from those designed (n) [mm], a rotation left out; NaN where missing."""
         surfaces = [self.surface(number, steps) for number in range(len(self.flanks))]
-        turns: list[float | None] = [None] * len(surfaces)
-        if self.one_rotation:
-            mean = float(np.mean([flank.turn(s) for flank, s in zip(self.flanks, surfaces, strict=True)]))
-            turns = [mean] * len(surfaces)
-        return self.form([f.distance(s, turn) for f, s, turn in zip(self.flanks, surfaces, turns, strict=True)])
+        turns = np.array([flank.turn(s) for flank, s in zip(self.flanks, surfaces, strict=True)])
+        turns = np.full(turns.shape, np.mean(turns)) if self.one_rotation else turns
+        held = np.array(self.position or np.zeros(turns.size))
+        for _ in range(TURNS):
+            values = [flank.distance(s, turn) for flank, s, turn in zip(self.flanks, surfaces, turns, strict=True)]
+            turns = turns + np.array(rotations(self.flanks, values, self.one_rotation)) - held
+        return self.form(values)
 
     @cached_property
     def slopes(self) -> Array:
         """Derivatives of the departure by the steps (n, m) [mm]."""
         ways = DIFFERENCE * np.eye(len(self.unknowns))
-        return np.stack([(self.departure(way) - self.departure(-way)) / (2.0 * DIFFERENCE) for way in ways], axis=1)
+        numbers = range(len(self.flanks))
+
+        def displaced(steps: Array) -> Array:
+            return self.form([self.flanks[number].displacement(self.surface(number, steps)) for number in numbers])
+
+        return np.stack([(displaced(way) - displaced(-way)) / (2.0 * DIFFERENCE) for way in ways], axis=1)
 
     @cached_property
     def effects(self) -> tuple[Array, Array]:
@@ -212,8 +248,10 @@ class SetUpFit:
             return loose
 
         def residual(along: Array) -> Array:
-            left = 1e3 * (target - self.departure(loose + ways @ along))
-            return np.where(np.isfinite(left), left, 1e3 * MISSING_RESIDUAL)
+            steps = loose + ways @ along
+            departure = self.departure(steps)
+            # Points that these settings do not cut are bridged, so that the residuals stay continuous enough.
+            return np.asarray(1e3 * (target - np.where(np.isfinite(departure), departure, self.slopes @ steps)))
 
         start = np.zeros(ways.shape[1])
         differences = np.full(start.size, DIFFERENCE)

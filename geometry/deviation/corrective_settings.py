@@ -23,7 +23,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import Member, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
-from .correction_fit import LooseCombination, SetUpFit
+from .correction_fit import LooseCombination, SetUpFit, rotations
 from .deviation import Deviation
 from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
 from .measurement import zeroed
@@ -31,10 +31,15 @@ from .recut_flank import RecutFlank
 
 Array = NDArray[Any]
 
+MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found may not cut
+
 
 @dataclass(frozen=True)
 class CorrectedFlank:
     """One measured flank before and after the correction, a rotation left out.
+
+    Of points that the flank with the errors found does not have, nothing is known after the correction: they are NaN,
+    and left out of the fit.
 
     Parameters
     ----------
@@ -77,6 +82,11 @@ class CorrectedFlank:
     def side(self) -> Side:
         """Concave or convex."""
         return side(self.surface)
+
+    @property
+    def missing(self) -> NDArray[np.bool_]:
+        """Points that the flank with the errors found does not have (columns, rows)."""
+        return np.isnan(self.after)
 
 
 @dataclass(frozen=True)
@@ -128,6 +138,11 @@ class Correction:
         return self.flanks[0].after
 
     @property
+    def nothing(self) -> bool:
+        """Whether no setting changes: the deviation is less than what steps of the resolution make of it."""
+        return not any(self.changes.values())
+
+    @property
     def rms_before(self) -> float:
         """Root mean square of the deviations of all flanks [mm]."""
         return _rms([flank.before for flank in self.flanks])
@@ -144,7 +159,7 @@ class Correction:
 
 
 def _rms(values: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate([value.ravel() for value in values]) ** 2)))
+    return float(np.sqrt(np.nanmean(np.concatenate([value.ravel() for value in values]) ** 2)))
 
 
 def corrective_settings(
@@ -182,7 +197,7 @@ def corrective_settings(
     InputError
         If a free setting cannot be moved, or two flanks or a thickness are given that share no set-up.
     GeometryError
-        If a measured point lies off the designed flank, or the corrected settings cut no flank there.
+        If a measured point lies off the designed flank, or settings near the design cut no flank at many of them.
 
     Examples
     --------
@@ -209,29 +224,26 @@ def corrective_settings(
     names = tuple(free) if free is not None else usual_settings(member.loaded)
     require_movable(member.loaded, names)
     measured = [(member, deviation), *([] if opposite is None else [(member.from_opposite, opposite)])]
-    recut = tuple(RecutFlank.of(one_member, own.axial, own.radial) for one_member, own in measured)
-    fit = SetUpFit(recut, names, one_rotation=thickness is not None)
-    target = fit.form(_measured_values(measured, recut, thickness))
-    steps = fit.steps(target)
+    fit, steps, before, cut = _fit(measured, names, thickness)
+    target = np.concatenate([v[own] for v, own in zip(before, cut, strict=True)])
     to_set = fit.rounded(-steps) if rounded else -steps
     left = target - fit.departure(steps) + fit.departure(steps + to_set)
-    if not np.all(np.isfinite(left)):
-        raise GeometryError(
-            f"no settings near the design cut the measured flanks: free others than {', '.join(names)}, or check the "
-            "deviations"
-        )
-    stages = (fit.split(values) for values in (target, target + fit.slopes @ to_set, left))
+    if np.nansum(left**2) >= np.sum(target[np.isfinite(left)] ** 2):  # rounding changes more than there is to correct
+        to_set, left = np.zeros_like(to_set), target
+    stages = (fit.split(stage) for stage in (target + fit.slopes @ to_set, left))
     flanks = tuple(
         CorrectedFlank(
             seen,
             fit.surface(number, to_set),
             own,
-            before.reshape(own.value.shape),
-            linear.reshape(own.value.shape),
-            after.reshape(own.value.shape),
+            form.reshape(own.value.shape),
+            _on_grid(linear, kept).reshape(own.value.shape),
+            _on_grid(after, kept).reshape(own.value.shape),
             fit.root_change(number, to_set),
         )
-        for number, ((seen, own), before, linear, after) in enumerate(zip(measured, *stages, strict=True))
+        for number, ((seen, own), form, kept, linear, after) in enumerate(
+            zip(measured, before, cut, *stages, strict=True)
+        )
     )
     surfaces = {flank.side: flank.surface for flank in flanks}
     if one and opposite is None:
@@ -246,6 +258,45 @@ def corrective_settings(
         fit.condition(target),
         fit.loose(),
     )
+
+
+def _fit(
+    measured: Sequence[tuple[Member, Deviation]], names: tuple[str, ...], thickness: float | None
+) -> tuple[SetUpFit, Array, list[Array], list[NDArray[np.bool_]]]:
+    """Fit to the points that settings near the design cut, and its steps; form of all points (n) [mm], and which (n).
+
+    A point that the flank with the errors found does not have (undercut, beyond the blade) is left out, and the errors
+    are found anew.
+    """
+    recut = [RecutFlank.of(member, own.axial, own.radial) for member, own in measured]
+    values, together = _measured_values(measured, recut, thickness), thickness is not None
+    cut = [np.ones(v.size, dtype=bool) for v in values]
+    while True:
+        flanks = tuple(flank.at(own) for flank, own in zip(recut, cut, strict=True))
+        found = [v[own] for v, own in zip(values, cut, strict=True)]
+        fit = SetUpFit(flanks, names, together, rotations(flanks, found, together))
+        known = np.all(np.isfinite(fit.slopes), axis=1)
+        if np.all(known):
+            steps = fit.steps(fit.form(found))
+            known = np.isfinite(fit.departure(steps))
+            if np.all(known):
+                form = [v - f.lever * turn for v, f, turn in zip(values, recut, fit.position, strict=True)]
+                return fit, steps, form, cut
+        for flank, own, kept in zip(recut, cut, fit.split(known), strict=True):
+            own[own] = kept
+            if np.mean(own) < 1.0 - MISSING_LIMIT:
+                raise GeometryError(
+                    f"{side(flank.surface)} flank: settings near the design do not cut {np.sum(~own)} of {own.size} "
+                    f"measured points; must be at most {100.0 * MISSING_LIMIT:g} %. Free others than "
+                    f"{', '.join(names)}, or check the deviations"
+                )
+
+
+def _on_grid(values: Array, cut: NDArray[np.bool_]) -> Array:
+    """Values of the points that are cut as those of all points (n); NaN elsewhere."""
+    found = np.full(cut.shape, np.nan)
+    found[cut] = values
+    return found
 
 
 def _measured_values(

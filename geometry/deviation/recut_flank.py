@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from ..flanks.flank import Flank, solve_flank
 from ..newton import solve
 from ..pair.gear_pair import Member
 from ..vectors import dot, rotate_z
-from .deviation import Deviation
-from .measurement import zeroed
+from .deviation import DEVIATION_LIMIT, Deviation
+from .normal_distance import normal_distance
 
 Array = NDArray[Any]
 
@@ -57,37 +58,53 @@ class RecutFlank:
             raise GeometryError("measured points lie off the designed flank: check the measuring grid")
         return cls(surface, member.section, target, flank)
 
-    @property
+    def at(self, chosen: NDArray[np.bool_]) -> RecutFlank:
+        """The same flank at some of the points (n)."""
+        flank = self.flank
+        own = {
+            field.name: getattr(flank, field.name)[..., chosen] for field in fields(Flank) if field.name != "surface"
+        }
+        return replace(self, target=self.target[:, chosen], flank=replace(flank, **own))
+
+    @cached_property
     def lever(self) -> Array:
         """Deviation of the points by a rotation of the tooth about its axis (n) [mm/rad]."""
         (x, y, _), (along_x, along_y, _) = self.flank.position, self.flank.normal
         return np.asarray(x * along_y - y * along_x)
 
-    def _recut(self, surface: GeneratingSurface) -> tuple[Array, Array]:
-        """Points and normals (3, n) of another surface at the same coordinates; NaN where it has none."""
-        position, normal = np.full((2, *self.flank.position.shape), np.nan)
-        for number, part in enumerate(self.surface.flank_parts):
-            own = self.flank.part == number
-            if not np.any(own):
-                continue
-            moved = surface.on(part.part)
-            found = solve(moved.axial_and_radial, self.flank.parameters[:, own], self.target[:, own], moved.max_step)
-            there = moved.evaluate(found.parameters)
-            position[:, own], normal[:, own] = (np.where(found.converged, v, np.nan) for v in there[:2])
-        return position, normal
+    @cached_property
+    def _parts(self) -> tuple[tuple[GeneratingSurface, NDArray[np.bool_]], ...]:
+        """Parts of the flank that have points, and which ones (n)."""
+        owned = [(part, self.flank.part == number) for number, part in enumerate(self.surface.flank_parts)]
+        return tuple((part, own) for part, own in owned if np.any(own))
+
+    @cached_property
+    def _orientation(self) -> Array:
+        """Signs of the side of the surface that is the flank (n): on the other one it is undercut."""
+        sign = np.empty(self.lever.shape)
+        for part, own in self._parts:
+            sign[own] = np.sign(part.orientation(self.flank.parameters[:, own]))
+        return sign
 
     def turn(self, surface: GeneratingSurface) -> float:
-        """Rotation that brings a flank of another surface nearest to the designed one [rad]."""
-        return self._turn(self._recut(surface)[0])
+        """Rotation that brings a flank of another surface near the designed one [rad].
 
-    def _turn(self, position: Array) -> float:
-        weight = self.lever**2
-        around = np.arctan2(position[1], position[0]) - np.arctan2(self.flank.position[1], self.flank.position[0])
-        around = np.mod(around + np.pi, 2.0 * np.pi) - np.pi
-        return float(around @ weight / weight.sum())
+        From points with the same axial and radial coordinates, each weighted by what a rotation changes of its
+        deviation. NaN if there are none.
+        """
+        around = np.full(self.lever.shape, np.nan)
+        for part, own in self._parts:
+            moved = surface.on(part.part)
+            found = solve(moved.axial_and_radial, self.flank.parameters[:, own], self.target[:, own], moved.max_step)
+            position = moved.evaluate(found.parameters)[0]
+            around[own] = np.where(found.converged, np.arctan2(position[1], position[0]), np.nan)
+        ahead = around - np.arctan2(self.flank.position[1], self.flank.position[0])
+        ahead = np.mod(ahead + np.pi, 2.0 * np.pi) - np.pi
+        weight = np.where(np.isfinite(ahead), self.lever**2, 0.0)
+        return float(np.nansum(ahead * weight) / weight.sum()) if np.any(weight) else np.nan
 
     def distance(self, surface: GeneratingSurface, turn: float | None = None) -> Array:
-        """Distance from the points along their normals to another surface, turned back.
+        """Distance from the points along their normals to another surface, turned back: the deviation that it is.
 
         Parameters
         ----------
@@ -99,13 +116,30 @@ class RecutFlank:
         Returns
         -------
         Array
-            Distance (n) [mm], positive where the other surface has more metal; from its tangent plane, which errs by
-            the square of the distance over the radius of curvature. NaN where it is not found.
+            Distance (n) [mm], positive where the other surface has more metal. NaN where the normal misses it, meets it
+            where it is undercut, or only further away than ``DEVIATION_LIMIT``.
         """
-        position, normal = self._recut(surface)
-        back = np.full(position.shape[1], -(self._turn(position) if turn is None else turn))
-        position, normal = rotate_z(back, position), rotate_z(back, normal)
-        return np.asarray(dot(position - self.flank.position, normal) / dot(self.flank.normal, normal))
+        ahead = np.full(self.lever.shape, self.turn(surface) if turn is None else turn)
+        position, normal = rotate_z(ahead, self.flank.position), rotate_z(ahead, self.flank.normal)
+        found = np.full(ahead.shape, np.nan)
+        for part, own in self._parts:
+            start = self.flank.parameters[:, own]
+            distance, points = normal_distance(surface.on(part.part), position[:, own], normal[:, own], start)
+            usable = (points.orientation * self._orientation[own] > 0.0) & (np.abs(distance) <= DEVIATION_LIMIT)
+            found[own] = np.where(usable, distance, np.nan)
+        return found
+
+    def displacement(self, surface: GeneratingSurface) -> Array:
+        """Distance (n) [mm] as ``distance``, not turned back, to first order in the change of the settings.
+
+        A point that the same place of the blade cuts at the same cradle rotation moves along the surface, too, which is
+        of second order for the distance.
+        """
+        moved = np.empty(self.lever.shape)
+        for part, own in self._parts:
+            position = surface.on(part.part).evaluate(self.flank.parameters[:, own])[0]
+            moved[own] = dot(position - self.flank.position[:, own], self.flank.normal[:, own])
+        return moved
 
 
 def departure(
@@ -127,7 +161,7 @@ def departure(
     Raises
     ------
     GeometryError
-        If the settings cut no flank at a point of the grid.
+        If the settings cut no flank near a point of the grid.
 
     Examples
     --------
@@ -140,7 +174,12 @@ def departure(
     """
     fractions = (np.linspace(margin, 1.0 - margin, count) for count in nodes)
     axial, radial = member.section.points(*np.meshgrid(*fractions, indexing="ij"))
-    value = RecutFlank.of(member, axial, radial).distance(surface.designed).reshape(axial.shape)
+    real = surface.designed
+    # The measuring machine turns the tooth until its flank passes through the reference point.
+    turn = RecutFlank.of(member, *member.section.points(np.array([0.5]), np.array([0.5]))).turn(real)
+    value = RecutFlank.of(member, axial, radial).distance(real, turn).reshape(axial.shape)
     if not np.all(np.isfinite(value)):
-        raise GeometryError("these settings cut no flank at some of the measuring points")
-    return zeroed(Deviation(member.section, axial, radial, value), member.loaded)
+        raise GeometryError(
+            f"these settings cut no flank within {DEVIATION_LIMIT:g} mm of some of the measuring points"
+        )
+    return Deviation(member.section, axial, radial, value)

@@ -34,6 +34,7 @@ UNSUPPORTED_FORMATS = {
     ".mes": "Klingelnberg and Zeiss measuring files: their formats are not public",
 }
 DEVIATION_RESOLUTION = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
+NO_DEVIATION = 1e-4  # [um]; below it in all points the flank is the one designed, in whichever unit
 DEVIATION_LIMIT = 1000.0  # [um]
 NOMINAL_DISTANCE_LIMIT = 0.05  # [mm] between the nominal points of a file and the designed flank
 SIDE_DISTANCE_LIMIT = 0.5  # [mm] between a measured point and the normal of its nominal point
@@ -271,7 +272,7 @@ def _check_size(grid: xr.Dataset, source: str) -> None:
             "is not finite: measure the point again, or leave its row or column out"
         )
     largest = float(np.max(np.abs(values)))
-    if 0.0 < largest < DEVIATION_RESOLUTION:
+    if NO_DEVIATION < largest < DEVIATION_RESOLUTION:
         raise InputError(
             f"{source}: largest deviation = {largest:g} um: must be at least {DEVIATION_RESOLUTION:g} um. "
             "If the values are in mm, add the line '# deviation_unit: mm'"

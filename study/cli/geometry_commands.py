@@ -247,6 +247,12 @@ def _executed(case: str, corrections: Any) -> str:
         f"{name} {' and '.join(flank.side for own in found for flank in own.flanks)}"
         for name, found in corrections.items()
     )
+    unchanged = [
+        f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in own.flanks)}; as designed."
+        for name, found in corrections.items()
+        for own in found
+        if own.nothing
+    ]
     warned = [
         f"\nWarning, {name}: {warning}"
         for name, found in corrections.items()
@@ -256,5 +262,5 @@ def _executed(case: str, corrections: Any) -> str:
     return (
         f"Settings to execute, by easeoff correct from {Path(case).name} for measured flanks: {flanks}.\n"
         "On the machine that cut the measured flanks they come near the flanks designed; on one without errors they "
-        "cut others." + "".join(warned)
+        "cut others." + "".join(unchanged + warned)
     )

@@ -132,11 +132,24 @@ def _setting_rows(correction: Correction) -> Iterator[tuple[str, str, str, str, 
 
 def _sizes(values: np.ndarray) -> tuple[str, ...]:
     """Root mean square, extremes and sum of squares of deviations [mm], in um."""
-    um = 1e3 * values
+    um = 1e3 * values[np.isfinite(values)]
     return f"{np.sqrt(np.mean(um**2)):.2f}", f"{um.min():+.1f}", f"{um.max():+.1f}", f"{np.sum(um**2):.1f}"
 
 
 def _notes(correction: Correction) -> Iterator[str]:
+    for flank in correction.flanks:
+        if np.any(flank.missing):
+            column, row = np.argwhere(flank.missing)[0] + 1
+            yield (
+                f"Note: {flank.side} flank: {np.sum(flank.missing)} of {flank.missing.size} points, the first in row "
+                f"{row}, column {column}, are left out: the flank with the errors found does not reach them."
+            )
+    if correction.nothing:
+        yield (
+            "Note: nothing to correct: no change of these settings by steps of the machine's resolution lessens the "
+            "deviation."
+        )
+        return
     if correction.rms > SMALL_GAIN * correction.rms_before:
         yield (
             "Note: most of the deviation is no error of these settings; the changes hardly pay. Free others, or fewer."

@@ -18,12 +18,12 @@ from ...cases.reading import read_case
 from ...cases.schema.case_schema import Case
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.cutting.named_settings import get_setting, with_settings
-from ...geometry.deviation.measurement import zeroed
+from ...geometry.flanks.flank import solve_flank
 from ...geometry.formats.measured_grid import flank_deviation
 from ...geometry.formats.measured_matrix import measured_matrix
-from ...geometry.formats.measuring_points import cmm_points
 from ...geometry.pair.gear_pair import Member
 from ...geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
+from ...geometry.vectors import rotate_z
 from ...study.deviations.case_correction import CaseCorrection, correct_case
 from .measured_distance import distance_along_normals
 
@@ -151,11 +151,17 @@ def with_errors(surface: GeneratingSurface, errors: Mapping[str, float]) -> Gene
 
 def measured(designed: Member, real: GeneratingSurface) -> Array:
     """Deviations (rows, columns) [um] that a machine measures along the normals, the tooth turned to its middle."""
-    points = cmm_points(designed)
-    place, normal = (points[name].values[0].reshape(-1, 3).T for name in ("position", "normal"))
-    distance = distance_along_normals(real, designed.section, place, normal).reshape(5, 9)
-    found = flank_deviation(measured_matrix(designed, distance, deviation_unit="mm"), designed)
-    return 1e3 * zeroed(found, designed.loaded).value.T
+    # The points of a plain matrix: those of both flanks, which end at one height above the root.
+    grid = flank_deviation(measured_matrix(designed, np.zeros((5, 9))), designed)
+    surface, section = designed.loaded.designed, designed.section
+    nominal = solve_flank(surface, section, grid.axial.ravel(), grid.radial.ravel())
+    middle = section.points(np.array([0.5]), np.array([0.5]))
+    places = (solve_flank(flank, section, *middle).position for flank in (real, surface))
+    made, wanted = (np.arctan2(place[1], place[0]) for place in places)
+    # The points are turned to the flank, as the tooth would be turned back: then its middle has no deviation.
+    turn = np.broadcast_to(made - wanted, grid.value.size)
+    place, normal = rotate_z(turn, nominal.position), rotate_z(turn, nominal.normal)
+    return np.asarray(1e3 * distance_along_normals(real, section, place, normal).reshape(grid.value.shape).T)
 
 
 def measured_case(

@@ -34,7 +34,7 @@ def draw(correction: Correction, title: str, parts: str | Sequence[str] | None =
     found = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
     for number, axes in enumerate(found.axes):
         flank, name = flanks[number // len(names)], names[number % len(names)]
-        largest = max(float(np.max(np.abs(getattr(flank, part)))) for part in names)
+        largest = max(float(np.nanmax(np.abs(getattr(flank, part)))) for part in names)
         _draw_flank(axes, flank, name, 1e3 * max(largest, 1e-4))
     return found.figure
 
@@ -65,6 +65,8 @@ def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) ->
         axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)
     for column, row in _labelled(value.shape):
         one = value[column, row]
+        if np.isnan(one):
+            continue
         text = f"{round(one, 1) or 0.0:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
         place = (x[column, row], y[column, row] + scale * one)
         # Beside the bar and above the row's line: rows are near one another, columns are not.
@@ -96,8 +98,9 @@ def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, val
     axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
     axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
     axes.set_title(f"{flank.side} flank, {PARTS[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
-    sizes = f"rms {np.sqrt(np.mean(value**2)):.2f} · {value.min():+.1f} to {value.max():+.1f} µm"
-    text = f"{sizes} · sum of squares {np.sum(value**2):.4g} µm²".replace("-", "−")
+    known = value[np.isfinite(value)]
+    sizes = f"rms {np.sqrt(np.mean(known**2)):.2f} · {known.min():+.1f} to {known.max():+.1f} µm"
+    text = f"{sizes} · sum of squares {np.sum(known**2):.4g} µm²".replace("-", "−")
     axes.text(0.0, -BAR_SHARE - 0.12, text, ha="left", **style)
 
 
