@@ -15,6 +15,7 @@ import easeoff
 from easeoff import GeometryError, InputError, plot
 from easeoff.cases import case_toml, gear_pair, read_case, write_case
 from easeoff.cases.changes import changed_case
+from easeoff.cases.schema.case_schema import Case
 from easeoff.geometry import (
     GlobalErrors,
     corrective_settings,
@@ -28,12 +29,16 @@ from easeoff.geometry import (
     usual_settings,
     with_settings,
 )
+from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
+from easeoff.geometry.deviation.deviated_flank import deviated_member
+from easeoff.geometry.deviation.deviation import Deviation
 from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
+from easeoff.geometry.pair.gear_pair import Member
 from easeoff.geometry.pair.tooth_body import middle_angle
-from easeoff.geometry.tooth.tooth_flanks import Side, side
+from easeoff.geometry.tooth.tooth_flanks import MemberName, Side, side
 from easeoff.study import correct_case, measured_file, summary_sheet
 from easeoff.study.cli import main
 from easeoff.study.deviations.case_correction import CaseCorrection
@@ -46,6 +51,7 @@ from easeoff.verification.measuring.correction_loop import (
     FORMATE,
     GENERATED,
     SIDES,
+    TILTED,
     Array,
     greatest,
     grids,
@@ -113,16 +119,214 @@ def test_random_errors_of_all_machine_settings_are_corrected(case: str, member: 
     assert done.left < 0.03
 
 
-def test_the_departure_of_a_recut_flank_is_its_distance_along_the_normals() -> None:
-    for seen in views(read_case("nasa-12x36"), "gear").values():
-        real = with_errors(seen.loaded, GENERATED)
+def turned_to_its_middle(seen: Member, real: GeneratingSurface) -> float:
+    """Rotation with which a machine measures a flank [rad]."""
+    return RecutFlank.of(seen, *seen.section.points(np.array([0.5]), np.array([0.5]))).turn(real)
+
+
+@pytest.mark.parametrize(("case", "errors"), [("nasa-12x36", GENERATED), ("fh-design-a completing", TILTED)])
+def test_the_departure_of_a_recut_flank_is_what_the_yardstick_measures(case: str, errors: dict[str, float]) -> None:
+    """Undercut, the other case has its points further up: those of both flanks."""
+    for seen in views(loop_case(case), "gear" if case == "nasa-12x36" else "pinion").values():
+        real = with_errors(seen.loaded, errors)
         exact = measured(seen, real)
         grid = flank_deviation(measured_matrix(seen, exact), seen)
-        found = RecutFlank.of(seen, grid.axial, grid.radial)
-        lever = found.lever
-        form = [v - lever * (lever @ v) / (lever @ lever) for v in (1e3 * found.distance(real), exact.T.ravel())]
-        # The yardstick measures the tooth where it was cut, turned: to second order in the rotation.
-        assert np.max(np.abs(form[0] - form[1])) < 3e-3 * np.max(np.abs(exact))
+        found = RecutFlank.of(seen, grid.axial, grid.radial).distance(real, turned_to_its_middle(seen, real))
+        np.testing.assert_allclose(1e3 * found, exact.T.ravel(), rtol=0, atol=1e-6)
+
+
+def roots(function: Any, starts: Array) -> Array:
+    """Solutions (n, m) of equations of one point after the other, by MINPACK."""
+    from scipy.optimize import root
+
+    found = [root(function, start, args=(number,), tol=1e-13) for number, start in enumerate(starts)]
+    assert max(float(np.abs(one.fun).max()) for one in found) < 1e-8
+    return np.array([one.x for one in found])
+
+
+def point(surface: GeneratingSurface, parameters: Array) -> tuple[Array, Array]:
+    """Position and normal (3) of one point of a surface."""
+    position, normal, _ = surface.evaluate(np.reshape(parameters, (2, 1)))
+    return position[:, 0], normal[:, 0]
+
+
+def about_the_axis(vector: Array, angle: float) -> Array:
+    matrix = [[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]]
+    return np.asarray(np.array(matrix) @ vector)
+
+
+def test_a_departure_lies_along_the_designed_normals_where_the_tangent_plane_errs_in_second_order() -> None:
+    """Each normal of the designed flank is intersected with the recut flank by MINPACK, point by point."""
+    seen = views(loop_case("fh-12x41-45 completing"), "pinion")["convex"]
+    wrong, largest, of_plane = [], [], []
+    for size in (1.0, 2.0, 4.0):
+        real = with_errors(seen.loaded, {name: size * by for name, by in TILTED.items()})
+        deviation = departure(seen, real, (5, 3))
+        assert abs(float(deviation.value[2, 1])) < 1e-9  # the middle of the flank
+        designed = RecutFlank.of(seen, deviation.axial, deviation.radial).flank
+        starts, target = designed.parameters.T, RecutFlank.of(seen, deviation.axial, deviation.radial).target
+
+        def beside(p: Array, number: int, real: Any = real, target: Array = target) -> Array:
+            x, y, z = point(real, p)[0]
+            return np.array([z, np.hypot(x, y)]) - target[:, number]
+
+        near = roots(beside, starts)
+        middle = 2 * 3 + 1
+        around = [np.arctan2(*place[1::-1]) for place in (point(real, near[middle])[0], designed.position[:, middle])]
+        back = float(around[1] - around[0])
+
+        def off(p: Array, number: int, real: Any = real, back: float = back, flank: Any = designed) -> Array:
+            gone = flank.position[:, number] + p[2] * flank.normal[:, number]
+            return np.asarray(about_the_axis(point(real, p[:2])[0], back) - gone)
+
+        met = roots(off, np.column_stack([near, np.zeros(len(near))]))
+        exact = met[:, 2]
+        wrong.append(float(np.abs(deviation.value.ravel() - exact).max()))
+        largest.append(float(np.abs(exact).max()))
+        tangent = []
+        for number, p in enumerate(near):
+            place, normal = (about_the_axis(vector, back) for vector in point(real, p))
+            own, along = designed.position[:, number], designed.normal[:, number]
+            tangent.append(float((place - own) @ normal / (along @ normal)))
+        of_plane.append(float(np.abs(tangent - exact).max()))
+        # The deviated flank, of which contact and loads are computed, goes through the same points of the recut one.
+        surface = deviated_member(seen, deviation).loaded
+        through = surface.evaluate(designed.parameters)[0].T
+        real_points = [about_the_axis(point(real, p[:2])[0], back) for p in met]
+        np.testing.assert_allclose(through, real_points, rtol=0, atol=1e-8)
+    assert largest[-1] > 0.25
+    assert max(wrong) < 1e-8
+    orders = np.diff(np.log2(of_plane))
+    np.testing.assert_allclose(orders, 2.0, atol=0.35)
+    assert of_plane[-1] > 1e-3  # more than a micrometre
+
+
+def scaled_errors(case: Case, member: MemberName, errors: dict[Side, dict[str, float]], size: float) -> Any:
+    """Errors in proportion, with which the greatest deviation is about a size [um]."""
+    factor = 1.0
+    for _ in range(4):
+        tried = {which: {name: factor * by for name, by in own.items()} for which, own in errors.items()}
+        factor *= size / greatest(measured_case(case, case, member, tried))
+    return tried
+
+
+@pytest.mark.parametrize(
+    ("loop", "size", "limit"),
+    [
+        ("hobbed, completing, generated", 300.0, 0.002),
+        *[
+            pytest.param(loop, size, 0.04 if "fixed" in loop else 0.012, marks=pytest.mark.thorough)
+            for loop in CORRECTION_LOOPS
+            for size in (100.0, 300.0)
+        ],
+    ],
+)
+def test_large_deviations_are_corrected_in_one_pass(loop: str, size: float, limit: float) -> None:
+    """Of the first one the tangent plane left 1 %."""
+    name, member, errors = CORRECTION_LOOPS[loop]
+    case = loop_case(name)
+    done = correction_loop(case, member, scaled_errors(case, member, errors, size))
+    assert greatest(done.before) == pytest.approx(size, rel=0.1)
+    assert done.left < limit
+    assert not any(np.any(flank.missing) for found in done.found.corrections[member] for flank in found.flanks)
+
+
+def test_a_completing_pinion_with_an_undercut_flank_is_corrected() -> None:
+    done = correction_loop(loop_case("fh-design-a completing"), "pinion", dict.fromkeys(SIDES, TILTED))
+    assert greatest(done.before) > 30.0
+    assert done.left < 0.01
+
+
+# Errors [mm, rad] with which a completing pinion is undercut at the root of its toe.
+UNDERCUT = {"work_offset": 0.2, "machine_center_to_crossing_point": 0.2, "radial_distance": 0.1}
+UNDERCUT_BOTH = {"work_offset": 0.5, "machine_center_to_crossing_point": 0.3}
+
+
+def near_the_root(seen: Member, real: GeneratingSurface, lengthwise: Array, profile: Array) -> tuple[Deviation, int]:
+    """Deviation at fractions of a flank, the first row carried on where it is undercut, and how many points these are.
+
+    What a machine finds there is another surface; a measured row looks smooth all the same.
+    """
+    axial, radial = seen.section.points(*np.meshgrid(lengthwise, profile, indexing="ij"))
+    found = RecutFlank.of(seen, axial, radial).distance(real, turned_to_its_middle(seen, real)).reshape(axial.shape)
+    missing = int(np.sum(np.isnan(found)))
+    assert np.all(np.isnan(found[:missing, 0])) or not missing
+    along = np.arange(missing, min(missing + 5, len(found)))
+    if missing:
+        found[:missing, 0] = np.polyval(np.polyfit(along, found[along, 0], min(3, along.size - 1)), np.arange(missing))
+    return Deviation(seen.section, axial, radial, found), missing
+
+
+@pytest.mark.parametrize(("errors", "lost"), [(UNDERCUT, [0, 1]), (UNDERCUT_BOTH, [1, 1])])
+def test_points_that_the_flank_with_errors_does_not_have_are_left_out_and_told(
+    errors: dict[str, float], lost: list[int]
+) -> None:
+    case = loop_case("fh-12x41-45 completing")
+    seen = views(case, "pinion")
+    real = {which: with_errors(seen[which].loaded, errors) for which in SIDES}
+    places = np.linspace(0.1, 0.9, 9), np.linspace(0.02, 0.9, 5)
+    rows = {which: near_the_root(seen[which], real[which], *places) for which in SIDES}
+    assert [rows[which][1] for which in SIDES] == lost
+    found = corrective_settings(seen["concave"], rows["concave"][0], opposite=rows["convex"][0])
+    for flank, count in zip(found.flanks, lost, strict=True):
+        assert np.all(flank.missing[:count, 0])
+        assert flank.missing.sum() == count
+        assert np.all(np.isfinite(flank.before))
+        np.testing.assert_array_equal(np.isnan(flank.linear), flank.missing)
+    assert found.rms < 0.005 * found.rms_before
+    executed = {which: with_errors(found.surfaces[which], errors) for which in SIDES}
+    before, after = ({which: measured(seen[which], cut[which]) for which in SIDES} for cut in (real, executed))
+    assert greatest(before) > 50.0
+    assert greatest(after) < 0.006 * greatest(before)
+    report = " ".join(correction_report(CaseCorrection(case, {"pinion": (found,)})).split())
+    assert "Note: convex flank: 1 of 45 points, the first in row 1, column 1, are left out" in report
+    assert ("concave flank: 1 of 45 points" in report) == (lost[0] == 1)
+    assert "nan" not in report
+    assert not any("nan" in text.get_text() for axes in plot.topography(found).axes for text in axes.texts)
+
+
+def test_too_many_missing_points_are_refused() -> None:
+    seen = views(loop_case("fh-12x41-45 completing"), "pinion")["concave"]
+    real = with_errors(seen.loaded, UNDERCUT_BOTH)
+    few, missing = near_the_root(seen, real, np.linspace(0.1, 0.2, 3), np.array([0.02, 0.06]))
+    assert missing == 2
+    with pytest.raises(
+        GeometryError, match=r"concave flank: settings near .* \d of 6 measured points; .* at most 25 %"
+    ):
+        corrective_settings(seen, few, shared=False)
+
+
+def test_slopes_are_the_derivatives_of_departures() -> None:
+    """To first order a place of the blade moves along the normal as the flank does; against the flanks cut anew."""
+    seen = views(loop_case("fh-12x41-45 completing"), "pinion")
+    recut = []
+    for which in SIDES:
+        grid = departure(seen[which], seen[which].loaded)
+        recut.append(RecutFlank.of(seen[which], grid.axial, grid.radial))
+    for together in (False, True):
+        fit = SetUpFit(tuple(recut), usual_settings(seen["concave"].loaded), together)
+        for slope, way in zip(fit.slopes.T, 1e-3 * np.eye(len(fit.unknowns)), strict=True):
+            differences = (fit.departure(way) - fit.departure(-way)) / 2e-3
+            np.testing.assert_allclose(slope, differences, rtol=0, atol=1e-5 * max(1e-2, np.abs(slope).max()))
+
+
+@pytest.mark.parametrize("largest", [0.0, 1e-6, 1e-3])  # [um]
+@pytest.mark.parametrize("case", ["fm-11x41", "fh-12x41-45"])
+def test_a_deviation_below_the_resolution_is_nothing_to_correct(largest: float, case: str) -> None:
+    designed = read_case(case)
+    gear = views(designed, "gear")["convex"]
+    deviation = deviation_from_formula(gear.section, GlobalErrors(spiral_angle=largest, twist=largest), (9, 5))
+    found = correct_case(designed, {"gear": deviation})
+    (correction,) = found.corrections["gear"]
+    assert correction.nothing
+    assert set(correction.changes.values()) == {0.0}
+    assert correction.rms == correction.rms_before
+    assert found.case == designed
+    report = correction_report(found)
+    assert "nothing to correct" in report
+    assert report.count("Note:") == 1
+    felt = deviation_from_formula(gear.section, GlobalErrors(spiral_angle=1.0), (9, 5))
+    assert not correct_case(designed, {"gear": felt}).corrections["gear"][0].nothing
 
 
 def test_a_measured_thickness_is_restored_and_an_unmeasured_one_is_not_asked_for() -> None:
@@ -461,6 +665,19 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(matrices: di
         done = call("correct", "fm-11x41", *given, "--set-up", other, "--free", "machine_root_angle")
         assert done.exit_code == 0
         assert ("one set-up" in done.output) == (other == "shared")
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-7])
+def test_the_command_tells_that_there_is_nothing_to_correct(size: float, tmp_path: Path) -> None:
+    matrix, output = tmp_path / "perfect.txt", tmp_path / "same.toml"
+    matrix.write_text(written(np.full((5, 9), size), "convex").replace("0.0000", f"{size:g}"), encoding="utf-8")
+    done = call("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output, "--plots", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert "Note: nothing to correct" in done.output
+    assert "hardly pay" not in done.output
+    assert read_case(output).gear == read_case("fm-11x41").gear
+    assert read_case(output).corrected_flanks == ()
+    assert "Nothing to correct, gear: convex" in output.read_text(encoding="utf-8").partition("[")[0]
 
 
 def test_sheet_result_and_report_tell_settings_to_execute(tmp_path: Path) -> None:

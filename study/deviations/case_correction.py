@@ -132,7 +132,9 @@ def _member_corrections(flanks: Sequence[MeasuredFlank], options: dict[str, Any]
 def _with_corrections(case: Case, name: MemberName, corrections: Sequence[Correction]) -> Case:
     """The case with the corrected settings of a member; what its flanks were fitted to is no longer theirs."""
     table = getattr(case, name)
-    changed = (found for found in corrections if not found.nothing)
+    changed = [found for found in corrections if not found.nothing]
+    if not changed:
+        return case
     surfaces = {which: surface for found in changed for which, surface in found.surfaces.items()}
     try:
         update = {which: flank_settings(surface, table.number_of_teeth) for which, surface in surfaces.items()}
