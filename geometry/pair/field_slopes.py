@@ -2,9 +2,10 @@
 
 At a fixed node of the gear flank (a fixed axial and radial coordinate) every field is an analytic function of the
 settings. How the surface parameters at a node follow a setting is known implicitly, see ``near_pair``; along that path
-the closed-form fields are differentiated by differences of fourth order. Their steps are so short that truncation and
-rounding stay near 1e-9 of a derivative, and near 1e-7 of that of the separation skew. The ease-off's own derivative has
-a closed form, too, see ``gap_slopes``.
+the closed-form fields are differentiated by differences of fourth order. Rounding grows as a step gets shorter, and
+truncation with the fourth power of a longer one. A setting may move conjugate contact far and unevenly, as the high
+powers of the roll do on coast flanks; its step is shortened until both stay near 1e-8 of a derivative, and near 1e-7 of
+that of the separation skew. The ease-off's own derivative has a closed form, too, see ``gap_slopes``.
 """
 
 from __future__ import annotations
@@ -21,13 +22,17 @@ from .datasets import first_contact
 from .ease_off import EaseOff
 from .gear_pair import PairGeometry
 from .modification import Modification
-from .near_pair import PLACES, KnownPair, NearPair, rate
+from .near_pair import PLACES, KnownPair, NearPair, rate, uneven
 from .pair_setting import PairSetting
 from .rolling import drift
 
 Array = NDArray[Any]
 
-STEP_SHARE = 0.02  # of the usual step of a setting
+STEP_SHARE = 0.02  # of the usual step of a setting, at most
+UNEVENNESS_LIMIT = 3e-4  # of the separation skew, which bends most: truncation is near the square, rounding 1e-8
+WITHIN_LIMIT = 0.8  # of that limit, at which a shortened step aims: the departure grows with the square of the step
+SHORTEST_SHARE = 1.0 / 32.0  # of a step, by which one round shortens it at most
+STEP_ROUNDS = 3  # of shortening: over a step that is much too long the departure says little
 ZERO_STEP = 1e-9  # [rad], of the ease-off: its zero is that of the same node on either side
 
 
@@ -77,15 +82,31 @@ def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dic
         if setting.of == "modification":
             columns.append(at_node.by_term(setting.name))
             continue
-        step = STEP_SHARE * setting.scale
-        pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
-        each = [at_node(near) for near in known.along(pairs, step)]
+        each, step = _balanced(known, at_node, setting)
         columns.append({name: rate([one[name] for one in each], step) for name in each[0]})
         angle = columns[-1]["ease_off_angle"]
         columns[-1]["ease_off_angle"] = at_node.from_first_contact(angle)
         columns[-1]["put_in"] += columns[-1]["ease_off_angle"] - angle
     names = columns[0] if columns else at_node.known
     return {name: np.stack([one[name] for one in columns], axis=-1) for name in names}
+
+
+def _balanced(known: KnownPair, at_node: _Fields, setting: PairSetting) -> tuple[list[dict[str, Array]], float]:
+    """Fields at the ``PLACES`` of a setting, and the step: as long as the fields hardly bend over it."""
+
+    def places(step: float) -> list[dict[str, Array]]:
+        pairs = [setting.moved(known.geometry.pair, step * place) for place in PLACES]
+        return [at_node(near) for near in known.along(pairs, step)]
+
+    step = STEP_SHARE * setting.scale
+    each = places(step)
+    for _ in range(STEP_ROUNDS):
+        departure = uneven([one["separation_skew"] for one in each])
+        if departure <= UNEVENNESS_LIMIT:
+            break
+        step *= max((WITHIN_LIMIT * UNEVENNESS_LIMIT / departure) ** 0.5, SHORTEST_SHARE)
+        each = places(step)
+    return each, step
 
 
 class _Fields:

@@ -30,6 +30,7 @@ Array = NDArray[Any]
 
 #: Steps of a fourth-order difference, see ``rate``.
 PLACES = (-2.0, -1.0, 1.0, 2.0)
+ROUNDED_CHANGE = 1e-6  # over a step, by the value; of less, rounding could be told for a departure
 
 
 def rate(values: Sequence[Array], step: float) -> Array:
@@ -42,6 +43,24 @@ def rate(values: Sequence[Array], step: float) -> Array:
     """
     far_behind, behind, ahead, far_ahead = values
     return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
+
+
+def uneven(values: Sequence[Array]) -> float:
+    """How much two differences of second order depart from each other, over the derivative; NaN does not count.
+
+    Over the ``PLACES`` one reaches twice as far as the other, so that it departs by about three times the error of the
+    nearer one. The error of ``rate`` is of the order of the square. Values that hardly change count as even.
+
+    Examples
+    --------
+    >>> round(uneven([np.exp(0.1 * np.array([place])) for place in PLACES]), 4)
+    0.005
+    """
+    far_behind, behind, ahead, far_ahead = values
+    near, far = 0.5 * (ahead - behind), 0.25 * (far_ahead - far_behind)
+    known = (np.where(np.isfinite(far - near), np.abs(x), 0.0) for x in (ahead, near, far - near))
+    size, change, departure = (float(np.max(x)) for x in known)
+    return departure / max(change, ROUNDED_CHANGE * size) if departure > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
