@@ -25,7 +25,7 @@ from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from easeoff.geometry.pair.field_slopes import field_slopes
-from easeoff.geometry.pair.gap_slopes import gap_slopes
+from easeoff.geometry.pair.gap_slopes import gear_gap_slopes, pinion_gap_slopes
 from easeoff.geometry.pair.gear_pair import FlankName, GearPair, PairGeometry
 from easeoff.geometry.pair.modification import Modification, modified_ease_off
 from easeoff.geometry.pair.near_pair import PLACES, rate
@@ -197,8 +197,8 @@ def test_ease_off_moves_as_the_flanks_do_along_their_normals(name: str, flank: F
     geometry = pair_geometry(gear_pair(read_case(name), flank), (9, 7))
     settings = settings_of(geometry.pair)
     exact = geometry.exact
-    opposite = exact.pinion_parameters, exact.part, exact.roll_angle
-    closed = gap_slopes(geometry, settings, geometry.members.gear, *opposite)
+    closed = pinion_gap_slopes(geometry, settings, exact.pinion_parameters, exact.part, exact.roll_angle)
+    closed += gear_gap_slopes(geometry, settings, geometry.members.gear)
     slopes = field_slopes(geometry, settings)
     full = slopes["ease_off_angle"].reshape(-1, len(settings))
     # Of every setting that moves the flanks at all.

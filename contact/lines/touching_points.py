@@ -199,7 +199,27 @@ def refined(
     gap[level], bound[level] = best.gap[level], best.bound[level]
     points[:, level], parameters[:, level] = best.points[:, level], best.parameters[:, level]
     hole = flanks.in_hole(np.clip(points, 0.0, 1.0), part)
-    return TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
+    found = TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
+    return _nearer_to_edges(flanks, found, rotations)
+
+
+def _nearer_to_edges(flanks: TurnedFlanks, found: TouchingPoints, rotations: Array) -> TouchingPoints:
+    """Points (n) after one more step of those on edges: an edge is curved, and a step ends beside it by the square.
+
+    The gap off the edge errs by 1e-14 rad, of which differences over small changes of a setting see five digits.
+    """
+    own = np.flatnonzero((found.bound >= 0) & np.isfinite(found.gap))
+    if not own.size:
+        return found
+    part, parameters = found.part[own], found.parameters[:, own]
+    here = flanks.at(found.points[:, own], rotations[own], parameters, part)
+    step, promised = _bounded_step(here, np.full(own.size, DAMPING_MINIMUM))
+    short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
+    kept, step = own[short], step[:, short]
+    found.gap[kept] = (here.gap + promised)[short]
+    found.points[:, kept] += step
+    found.parameters[:, kept] = here.parameters[:, short] + np.einsum("kin,in->kn", here.following[..., short], step)
+    return found
 
 
 @dataclass(frozen=True)

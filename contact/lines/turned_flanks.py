@@ -12,7 +12,7 @@ gap opens as that of the generated flanks does. That is right to the first order
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -99,6 +99,21 @@ class TurnedFlanks:
         return self.geometry.exact.motion.surface.flank_parts, parts
 
     @cached_property
+    def continued(self) -> tuple[Flank, ...]:
+        """Parts of the gear flank; one that exists on a lesser share of it is continued by what the others cut."""
+        known = self.geometry.members.gear
+        if len(self.parts[1]) == 1:
+            return self.parts[1]
+        flanks = []
+        for number, part in enumerate(self.parts[1]):
+            alone = np.isfinite(part.position[0]) | (np.mean(np.isfinite(part.position[0])) >= 0.5)
+            names = ("parameters", "position", "normal", "blade_distance")
+            taken = {name: np.where(alone, getattr(part, name), getattr(known, name)) for name in names}
+            own = np.where(alone, number, known.part).astype(np.int8)
+            flanks.append(replace(part, surface=known.surface, part=own, **taken))
+        return tuple(flanks)
+
+    @cached_property
     def own(self) -> tuple[FlankSplines, ...]:
         """Splines of every gear part's azimuth less what is put in, of a later roll angle, and of its blade."""
         geometry, exact = self.geometry, self.geometry.exact
@@ -109,13 +124,14 @@ class TurnedFlanks:
         )
         middle = np.nanmedian(np.arctan2(known.position[1], known.position[0]))
         splines = []
-        for part in self.parts[1]:
-            # A part that exists on a lesser share of the flank is continued by what the others cut.
-            alone = np.isfinite(part.position[0]) | (np.mean(np.isfinite(part.position[0])) >= 0.5)
-            x, y = np.where(alone, part.position, known.position)[:2]
-            blade = np.where(alone, part.blade_distance, known.blade_distance)
+        for part in self.continued:
+            x, y = part.position[:2]
             azimuth = np.mod(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi + middle
-            values = (put_in - exact.motion.pinion_sense * azimuth, later, blade / _depth(geometry.pair.gear))
+            values = (
+                put_in - exact.motion.pinion_sense * azimuth,
+                later,
+                part.blade_distance / _depth(geometry.pair.gear),
+            )
             grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_OWN_FIELDS, values, strict=True)}
             splines.append(fit(members.lengthwise, members.profile, grid))
         return tuple(splines)

@@ -26,26 +26,23 @@ from .pair_setting import PairSetting
 Array = NDArray[Any]
 
 
-def gap_slopes(
+def pinion_gap_slopes(
     geometry: PairGeometry,
     settings: Sequence[PairSetting],
-    gear: Flank,
     pinion_parameters: Array,
     pinion_part: NDArray[np.int8],
     rotation: Array,
 ) -> Array:
-    """Derivatives of the gap of the flanks, as a gear rotation (n, j) [rad], without what is put in.
+    """Derivatives of the gap of the flanks by how the pinion stands to the gear, as a gear rotation (n, j) [rad].
 
     Parameters
     ----------
     geometry
         The pair.
     settings
-        By what to differentiate (j).
-    gear
-        Points of the gear flank (n).
+        By what to differentiate (j): zero for settings of the gear, and for a modification.
     pinion_parameters, pinion_part
-        The pinion points opposite (2, n), on parts of the pinion flank (n).
+        Pinion points (2, n), on parts of the pinion flank (n).
     rotation
         Of the pinion (n) [rad], counted as the roll angle; its zero follows the pinion's mean point.
 
@@ -58,25 +55,50 @@ def gap_slopes(
     >>> from easeoff.geometry.pair.field_slopes import field_slopes
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> by_roll, exact = [PairSetting("pinion", "ratio_of_roll")], geometry.exact
-    >>> opposite = exact.pinion_parameters, exact.part, exact.roll_angle
-    >>> closed = gap_slopes(geometry, by_roll, geometry.members.gear, *opposite).ravel()
+    >>> closed = pinion_gap_slopes(geometry, by_roll, exact.pinion_parameters, exact.part, exact.roll_angle).ravel()
     >>> full = field_slopes(geometry, by_roll)["ease_off_angle"].ravel()
     >>> bool(np.ptp(closed - full) < 1e-8 * np.ptp(full))
     True
     """
     known = KnownPair(geometry)
-    columns = []
-    for setting in settings:
-        if setting.of == "modification":
-            columns.append(np.zeros(rotation.shape))
-            continue
-        step = STEP_SHARE * setting.scale
-        pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+    slopes = np.zeros((*rotation.shape, len(settings)))
+    for number, setting in enumerate(settings):
+        if setting.of not in ("modification", "gear"):
+            step = STEP_SHARE * setting.scale
+            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            slopes[..., number] = _of_pinion(known, pairs, step, pinion_parameters, pinion_part, rotation)
+    return slopes
+
+
+def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gear: Flank) -> Array:
+    """Derivatives of the gap of the flanks by what moves the gear's, as a gear rotation (n, j) [rad].
+
+    Parameters
+    ----------
+    geometry
+        The pair.
+    settings
+        By what to differentiate (j): zero for all but those of the gear.
+    gear
+        Points of the gear flank (n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> settings = [PairSetting("gear", "radial_distance"), PairSetting("pinion", "radial_distance")]
+    >>> np.any(gear_gap_slopes(geometry, settings, geometry.members.gear), axis=0)
+    array([ True, False])
+    """
+    known = KnownPair(geometry)
+    slopes = np.zeros((gear.part.size, len(settings)))
+    for number, setting in enumerate(settings):
         if setting.of == "gear":
-            columns.append(_of_gear(known, pairs, step, gear))
-        else:
-            columns.append(_of_pinion(known, pairs, step, pinion_parameters, pinion_part, rotation))
-    return np.stack(columns, axis=-1) if columns else np.zeros((*rotation.shape, 0))
+            step = STEP_SHARE * setting.scale
+            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            slopes[:, number] = _of_gear(known, pairs, step, gear)
+    return slopes
 
 
 def held_point_slopes(
@@ -91,7 +113,7 @@ def held_point_slopes(
     Parameters
     ----------
     geometry, settings, pinion_parameters, pinion_part, rotation
-        As of ``gap_slopes``.
+        As of ``pinion_gap_slopes``.
 
     Returns
     -------

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....geometry.flanks.flank import solve_flank
-from ....geometry.flanks.flank_parts import on_parts
+from ....geometry.flanks.flank_parts import on_parts, pick
 from ....geometry.newton import cramers_rule
-from ....geometry.pair.gap_slopes import gap_slopes, held_point_slopes
+from ....geometry.pair.gap_slopes import gear_gap_slopes, held_point_slopes, pinion_gap_slopes
 from ....geometry.pair.gear_pair import PairGeometry
 from ....geometry.pair.pair_setting import PairSetting
-from ...lines.flank_splines import fit
+from ...lines.flank_splines import FlankSplines, fit
 from ...lines.mesh_lines import MeshLines
 from ...lines.touching_points import TouchingPoints
 from ...lines.turned_flanks import BOUNDS, TurnedFlanks
@@ -112,22 +112,29 @@ class _TouchingMotion:
 
     def _found(self, at: TouchingPoints, rotation: Array) -> Array:
         geometry, members = self.geometry, self.geometry.members
-        gear, parts = geometry.pair.gear, geometry.exact.motion.surface.flank_parts
+        parts = geometry.exact.motion.surface.flank_parts
         of_pinion = (at.part % len(parts)).astype(np.int8)
         here = self.errors.flanks.at(at.points, rotation, at.parameters, at.part)
         parameters = here.parameters.reshape(-1, 2, at.gap.size)[of_pinion, :, np.arange(at.gap.size)].T
-        place = gear.section.points(*at.points)
-        flank = solve_flank(gear.loaded, gear.section, *place)
-        change = gap_slopes(geometry, self.settings, flank, parameters, of_pinion, rotation)
+        change = pinion_gap_slopes(geometry, self.settings, parameters, of_pinion, rotation)
+        change = change + pick([spline("gap", at.points) for spline in self._gear_slopes], at.part // len(parts)).T
         put_in = fit(members.lengthwise, members.profile, {"put_in": self.slopes["put_in"]})("put_in", at.points)
         change = change + put_in.T
 
         force, held = _bound_forces(here.slope, here.margins, here.margin_slopes)
         own = np.flatnonzero(np.any(force[slice(*PINION_BOUNDS)] != 0.0, axis=0))
         if own.size:
-            margins = self._pinion_margins(parameters[:, own], of_pinion[own], rotation[own], place[:, own])
+            place = geometry.pair.gear.section.points(*at.points[:, own])
+            margins = self._pinion_margins(parameters[:, own], of_pinion[own], rotation[own], place)
             change[own] -= np.einsum("bn,bnj->nj", force[slice(*PINION_BOUNDS), own], margins)
         return np.where(held[:, None], change, np.nan)
+
+    @cached_property
+    def _gear_slopes(self) -> list[FlankSplines]:
+        """Splines of the derivatives by the motion of each gear part, as the gap is made of splines of the parts."""
+        members, shape = self.geometry.members, (*self.geometry.nodes, len(self.settings))
+        found = [gear_gap_slopes(self.geometry, self.settings, part) for part in self.errors.flanks.continued]
+        return [fit(members.lengthwise, members.profile, {"gap": slopes.reshape(shape)}) for slopes in found]
 
     def _pinion_margins(self, parameters: Array, part: NDArray[np.int8], rotation: Array, place: Array) -> Array:
         """Derivatives (4, n, j) of the distances of fixed points of the gear from the pinion's toe, heel, root, tip."""
