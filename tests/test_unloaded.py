@@ -450,6 +450,26 @@ def test_point_of_contact_lies_on_its_edge() -> None:
     assert not np.any((edge == -1) & np.isfinite(own["line_length"].values))
 
 
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+def test_gap_on_an_edge_is_that_of_the_edge_itself(flank: FlankName) -> None:
+    """Further steps along the curved edges of the pinion leave it as it is, but for rounding."""
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36"), flank))
+    errors = PairErrors.of(TurnedFlanks(geometry), MeshCycle.of(geometry, mesh_positions=8).lines)
+    ahead = np.arange(128) / 128
+    carrying, found = errors.carrying_at(ahead)
+    rotations, on_pinion = errors.rotations_at(ahead, carrying), found.bound >= BOUNDS.index("pinion_toe")
+    assert on_pinion.sum() > 60
+    points, parameters = found.points, found.parameters
+    for _ in range(4):
+        here = errors.flanks.at(points, rotations, parameters, found.part)
+        step, promised = touching_points._bounded_step(here, np.full(128, touching_points.DAMPING_MINIMUM))
+        points, parameters = points + step, here.parameters + np.einsum("kin,in->kn", here.following, step)
+    assert np.max(np.abs(here.gap + promised - found.gap)) < 2e-15
+    # The points lie on their edges to rounding as well.
+    at = errors.flanks.at(found.points, rotations, found.parameters, found.part)
+    assert np.max(np.abs(np.min(at.margins, axis=0)[on_pinion])) < 1e-13
+
+
 def test_derivatives_of_the_gap_are_those_of_differences(nasa: tuple[GearPair, PairGeometry]) -> None:
     """By both fractions: slope, bend, margins; the rotation closes the gap as the expansion says near conjugacy."""
     _, geometry = nasa
