@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 from held_teeth import anew
 from numpy.typing import NDArray
+from test_unloaded import relieved
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
@@ -22,7 +23,7 @@ from easeoff.contact.lines.turned_flanks import TurnedFlanks
 from easeoff.contact.loaded_cases import LoadedCase, rotation_numbers
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.core.errors import InputError
-from easeoff.geometry import pair_geometry
+from easeoff.geometry import Relief, pair_geometry
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from easeoff.geometry.pair.field_slopes import field_slopes
 from easeoff.geometry.pair.gap_slopes import gear_gap_slopes, pinion_gap_slopes
@@ -313,6 +314,23 @@ def test_unloaded_error_follows_the_gear_as_its_splines_do() -> None:
         errors = [PairErrors.of(TurnedFlanks(one.geometry), one.lines) for one in found]
         change = rate([one.envelope_at(places) for one in errors], step)
         assert np.abs(change - own[:, number]).max() < 5e-7 * np.abs(own[:, number]).max(), setting
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("flank", FLANKS)
+def test_unloaded_error_follows_a_gear_of_several_parts(flank: FlankName) -> None:
+    """Parts of the gear flank join at kinks; each has a spline of its own, which others continue."""
+    reliefs = {"toprem": Relief(0.3, 0.0, 30.0), "flankrem": Relief(0.6, 0.0, 50.0)}
+    geometry = relieved(gear_pair(read_case("nasa-12x36"), flank), "gear", **reliefs)
+    cycle = MeshCycle.of(geometry, mesh_positions=4)
+    settings = [PairSetting("gear", "pressure_angle"), PairSetting("gear", "radial_distance")]
+    own = unloaded_slopes(geometry, cycle.lines, settings, field_slopes(geometry, settings)).slopes
+    for number, setting in enumerate(settings):
+        step = 1e-3 * setting.scale
+        found = [anew(cycle, setting.moved(geometry.pair, place * step)) for place in PLACES]
+        errors = [PairErrors.of(TurnedFlanks(one.geometry), one.lines) for one in found]
+        change = rate([one.envelope_at(np.arange(64) / 64) for one in errors], step)
+        assert np.abs(change - own[:, number]).max() < 1e-8 * np.abs(own[:, number]).max(), setting
 
 
 def errors_of(geometry: PairGeometry) -> PairErrors:
