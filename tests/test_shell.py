@@ -482,6 +482,22 @@ def test_no_loads_give_an_empty_matrix() -> None:
     assert vectors.shape == (0, shell.size)
     assert shell.whiten(vectors).shape == (shell.size, 0)
     assert shell.compliance(vectors).shape == (0, 0)
+    on_segments = shell.load_vectors(np.zeros((0, 3)), np.zeros((0, 3)), RADIAL, weights=np.full(3, 1.0 / 3.0))
+    assert shell.whiten_on_mid_surface(on_segments).shape == (0, shell.size - shell.idle_size)
+
+
+def test_loads_on_the_mid_surface_are_whitened_without_the_rows_that_are_zero() -> None:
+    shell = Shell(FE_TOOTH, STEEL, modes=(3, 4))
+    vectors = scattered_loads(shell, 5)
+    whole = shell.whiten(vectors)
+    assert not whole[: shell.idle_size].any()
+    np.testing.assert_array_equal(shell.whiten_on_mid_surface(vectors), whole[shell.idle_size :].T)
+    np.testing.assert_allclose(
+        whole.T @ whole,
+        vectors @ np.linalg.solve(shell.stiffness(), vectors.T),
+        rtol=0,
+        atol=1e-10 * np.abs(whole).max(),
+    )
 
 
 def test_whitening_leaves_its_argument_alone() -> None:

@@ -236,7 +236,7 @@ class Shell:
             vectors[..., fields, :, :] = np.stack(loaded, axis=-2)[..., None] * along[..., None, None, :]
         else:
             summed = np.swapaxes(np.concatenate(loaded, axis=-1), -1, -2) @ along
-            vectors[..., fields, :, :] = summed.reshape(*points, len(terms), functions.height_count, -1)
+            vectors[..., fields, :, :] = summed.reshape(*points, len(terms), *vectors.shape[-2:])
         return vectors.reshape(*points, self.size)
 
     def whiten(self, load_vectors: ArrayLike) -> FloatArray:

@@ -16,7 +16,7 @@ from ...core.checks import shown
 from ...core.errors import GeometryError, InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
-from ...core.writing.netcdf_file import write_netcdf
+from ...core.writing.netcdf_output import write_netcdf
 from ...core.writing.output_file import whole_file
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus

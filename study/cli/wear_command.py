@@ -74,7 +74,7 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from ...core.writing.netcdf_file import write_netcdf
+    from ...core.writing.netcdf_output import write_netcdf
     from ...core.writing.output_file import check_writable
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn

@@ -16,7 +16,7 @@ from ...core.attributes import labelled
 from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
-from ...core.writing.netcdf_file import write_netcdf
+from ...core.writing.netcdf_output import write_netcdf
 from ...core.writing.output_file import whole_file
 from .measurement.attempt import Attempt
 from .measurement.method import Method

@@ -20,7 +20,7 @@ from ...contact.evaluation.marking_print import checked_thickness
 from ...core.attributes import labelled
 from ...core.checks import number, whole
 from ...core.errors import InputError
-from ...core.writing.netcdf_file import write_netcdf
+from ...core.writing.netcdf_output import write_netcdf
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification

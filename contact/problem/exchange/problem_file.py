@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.netcdf_file import write_netcdf
+from ....core.writing.netcdf_output import write_netcdf
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays

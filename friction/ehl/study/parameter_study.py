@@ -21,7 +21,7 @@ from ....core.checkpoint import Checkpoint, digest
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.processes.child_environment import child_environment
 from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.netcdf_file import write_netcdf
+from ....core.writing.netcdf_output import write_netcdf
 from ....core.writing.output_file import check_writable
 from ..equations.film_certificate import Status
 from ..rolling_contact.asperities import Asperities
