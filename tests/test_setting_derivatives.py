@@ -134,6 +134,20 @@ def check_settings(
         assert best[np.isfinite(best)].max() < TOLERANCE * np.abs(own).max(), setting
 
 
+def test_a_load_beside_the_border_of_a_shape_function_moves_on_its_own_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the third mesh position one point of a segment lies within 1e-6 of the flank from such a border."""
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    cycle, setting = cycle_of("fm-11x41"), PairSetting("pinion", "machine_root_angle")
+    _, slopes = values_and_slopes("fm-11x41", (setting,))
+    own, step = 1e-6 * slopes["transmission_error"].values[0, :, 0], 1e-4 * setting.scale
+    found = []
+    for place in PLACES:
+        cases = anew(cycle, setting.moved(cycle.geometry.pair, place * step)).loaded([TORQUES["fm-11x41"]])[1]
+        found.append(np.array([case.solution.rotation for case in cases]))
+    change = rate(found, step)
+    assert abs(change[2] - own[2]) < 2e-6 * np.abs(own).max() + ROTATION_ROUNDING / step
+
+
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
 def test_fields_agree_with_differences_of_solutions(name: str) -> None:

@@ -27,7 +27,7 @@ from .segment_slopes import SegmentSlopes
 
 Array = NDArray[Any]
 
-POINT_STEP = 1e-6  # fraction of the flank; shape functions are quadratic
+POINT_STEP = 1e-7  # fraction of the flank; shape functions are quadratic between borders, few of which are so near
 END_STEP_SHARE = 0.05  # of the usual steps: unit loads of free ends fall off in hundredths of a millimetre
 PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetres wide
 
