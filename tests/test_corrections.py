@@ -215,10 +215,10 @@ def scaled_errors(case: Case, member: MemberName, errors: dict[Side, dict[str, f
     [
         ("hobbed, completing, generated", 300.0, 0.002),
         *[
-            pytest.param(loop, size, 0.04 if "fixed" in loop else 0.012, marks=pytest.mark.thorough)
+            pytest.param(loop, size, 0.012, marks=pytest.mark.thorough)
             for loop in CORRECTION_LOOPS
             for size in (100.0, 300.0)
-            if (loop, size) != ("hobbed, completing, generated", 300.0)
+            if (loop, size) not in (("hobbed, completing, generated", 300.0), ("milled, fixed setting", 300.0))
         ],
     ],
 )
@@ -287,15 +287,19 @@ def test_points_that_the_flank_with_errors_does_not_have_are_left_out_and_told(
     assert not any("nan" in text.get_text() for axes in plot.topography(found).axes for text in axes.texts)
 
 
-def test_too_many_missing_points_are_refused() -> None:
+def test_a_quarter_of_the_points_may_be_missing_and_no_more() -> None:
     seen = views(loop_case("fh-12x41-45 completing"), "pinion")["concave"]
-    real = with_errors(seen.loaded, UNDERCUT_BOTH)
-    few, missing = near_the_root(seen, real, np.linspace(0.1, 0.2, 3), np.array([0.02, 0.06]))
-    assert missing == 2
+    real, rows = with_errors(seen.loaded, {"work_offset": 0.8}), np.array([0.02, 0.06])
+    quarter, missing = near_the_root(seen, real, np.linspace(0.1, 0.2, 4), rows)
+    assert (missing, quarter.value.size) == (2, 8)
+    found = corrective_settings(seen, quarter, shared=False, free=["work_offset"])
+    assert found.errors["work_offset"] == pytest.approx(0.8, abs=1e-6)  # of the others alone
+    third, missing = near_the_root(seen, real, np.array([0.1, 0.11, 0.12, 0.13, 0.165, 0.2]), rows)
+    assert (missing, third.value.size) == (4, 12)
     with pytest.raises(
-        GeometryError, match=r"concave flank: settings near .* \d of 6 measured points; .* at most 25 %"
+        GeometryError, match=r"concave flank: settings near .* \d of 12 measured points; .* at most 25 %"
     ):
-        corrective_settings(seen, few, shared=False)
+        corrective_settings(seen, third, shared=False, free=["work_offset"])
 
 
 def test_slopes_are_the_derivatives_of_departures() -> None:
@@ -525,6 +529,17 @@ def test_what_the_flanks_do_not_tell_holds_the_root() -> None:
     assert held < 0.5 * free
     assert abs(fit.root_change(0, found)[1]) < 0.1 * free  # at mid-face
     assert np.linalg.norm(found) < 1.0  # usual steps
+
+
+def test_the_root_is_held_by_small_steps() -> None:
+    """Of large errors it takes steps so long that what the flanks do not tell changes them: 3 % were left."""
+    loop = "milled, fixed setting"
+    name, member, errors = CORRECTION_LOOPS[loop]
+    case = loop_case(name)
+    done = correction_loop(case, member, scaled_errors(case, member, errors, 300.0))
+    assert done.left < 0.012
+    for correction in done.found.corrections[member]:
+        assert np.abs(correction.flanks[0].root_change).max() > 0.1
 
 
 def test_a_rotation_alone_is_nothing_to_correct() -> None:

@@ -1,9 +1,10 @@
 """Least squares on the settings of one set-up: the settings that would have made the measured flanks.
 
 Settings are counted in usual steps. Combinations of them that hardly change the flanks are not determined by any
-measurement. They are told, and taken so that the blade's tip stays on its root line as well as they let it; of all
-changes with the same effect on flanks and root the smallest are taken. Of those that are determined the ones with the
-least effect are left at the design while what they could still correct is next to nothing (truncated least squares).
+measurement. They are told, and taken so that the blade's tip stays on its root line as well as small steps of them let
+it; of all changes with the same effect on flanks and root the smallest are taken. Of those that are determined the ones
+with the least effect are left at the design while what they could still correct is next to nothing (truncated least
+squares).
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ GIVEN_UP = 0.01  # of a departure's root mean square, the most that combinations
 LEAST_GIVEN_UP = 0.003  # the same where the points scatter so little that they tell these combinations
 SCATTER_SHARE = 3.0  # of the scatter of one point, what one combination may leave
 ROOT_EFFECT_LIMIT = 0.2  # [mm]; change of the root line by a usual step below which a combination does not hold it
+HOLDING_LIMIT = 0.5  # usual steps, the most that hold the root: the effect on the flanks grows with their square
 NAMED_SHARE = 0.3  # of a combination, from which on a setting is named
 DIFFERENCE = 1e-3  # of a usual step, for derivatives
 TURNS = 3  # corrections of the rotation that is taken off; each leaves of its error about the slope of the deviation
@@ -234,6 +236,7 @@ class SetUpFit:
         left, sizes, right = np.linalg.svd(np.nan_to_num(slopes), full_matrices=False)
         holding = sizes >= ROOT_EFFECT_LIMIT
         along = -(left[:, holding].T @ change[known]) / sizes[holding]
+        along *= min(1.0, HOLDING_LIMIT / max(float(np.linalg.norm(along)), HOLDING_LIMIT))
         return self._nearest(target, ways @ (right[holding].T @ along))
 
     def _root_changes(self, steps: Array) -> Array:
