@@ -379,6 +379,16 @@ def test_command_sweeps_shows_and_keeps_the_worst(case: Path, tmp_path: Path) ->
     assert "First-order sensitivities of max_pressure at 300 N m" in shown.output
 
 
+def test_a_kept_result_that_cannot_be_written_is_a_mistake(case: Path, tmp_path: Path) -> None:
+    """Here its folder is a file; the batches stay, from which the next run goes on."""
+    (tmp_path / "sweep-points").touch()
+    words = ["sweep", str(case), "-o", str(tmp_path / "sweep.nc"), "--over", "E=0", "--torque", "100", "--workers", "1"]
+    found = call(*words, "--keep", "worst=max_pressure:1")
+    assert found.exit_code == 2, found.output
+    assert "000000.nc cannot be written" in found.output
+    assert (tmp_path / "sweep.nc.batches").is_dir()
+
+
 @pytest.mark.parametrize(
     ("words", "wanted"),
     [

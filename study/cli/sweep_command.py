@@ -246,10 +246,11 @@ def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]
             path = output.with_name(f"{output.stem}-points") / f"{row:06d}.nc"
             try:
                 with working(f"analysing point {row}"):
-                    write_result(point_tree(plan.setup, plan.table.values(row)), path)
+                    tree = point_tree(plan.setup, plan.table.values(row))
             except EaseoffError as error:
                 echo(f"point {row}: {error}", err=True)
                 continue
+            write_result(tree, path)
             written[row] = path
             said = ", ".join(
                 f"{key} = {value:g}" if isinstance(value, float) else f"{key} = {value}"
