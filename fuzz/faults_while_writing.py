@@ -69,11 +69,17 @@ def fill_disk(rng: random.Random, run: WritingRun, reference: Reference, bases: 
         words = [f"disk/{word}" if word in run.outputs else word for word in run.words.split()]
         outcome = forked(command_line(words), stage.folder, environment=stage.environment)
         left = [str(path.relative_to(disk)) for path in disk.rglob("*") if path.is_file()]
-        left = [name for name in left if not name.startswith("out.nc.batches/batch")]  # a sweep goes on from them
+        left = [name for name in left if not name.startswith("out.nc.batches/")]  # a sweep goes on from them
         faults = _faults_of_an_end(outcome)
         remains = [name for name in left if Path(name).name.startswith(".") or name.endswith(".tmp")]
-        if remains or (outcome.code == 2 and any(Path(word).suffix for word in run.outputs) and left):
-            faults.append(f"left behind: {', '.join(left[:3])}")
+        if outcome.code == 2 and len(run.outputs) == 1 and Path(run.outputs[0]).suffix:
+            remains = left
+        elif outcome.code == 2:  # of several outputs the first may be there, whole
+            whole = reference.contents
+            left = [name for name in left if whole.get(name, "") is not None]  # ``None``: no two runs write it alike
+            remains += [name for name in left if not equal(content(disk / name), whole.get(name))]
+        if remains:
+            faults.append(f"left behind: {', '.join(remains[:3])}")
     finally:
         subprocess.run(["umount", str(disk)], check=True)
     stage.clear()
