@@ -59,13 +59,19 @@ def test_a_fillet_that_grows_takes_the_flank_from_the_mates_tip() -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("spiral", [0.0, 35.0])
 def test_pair_of_equal_teeth_has_whole_teeth_and_blade_tips_on_the_root(spiral: float) -> None:
-    """Generated flanks of few teeth end far above the root cone: no undercut, as the mate's tip does not come there."""
+    """Generated flanks of few teeth end far above the root cone, where the mate's tip hardly comes: at one end at most.
+
+    The shares do not depend on the last digits of linear algebra: the fit ends where passes change nothing.
+    """
     extreme = Extreme((20, 20), module=6.0, spiral=spiral, generated=True, addendum=0.5, thickness=0.0, face=0.236)
     case, report = design_case(parse_design(extreme.text("closest_fit")))
     assert report.analysable
-    assert not any("undercut" in warning for warning in report.warnings)
     for side in ("drive", "coast"):
         pair = gear_pair(case, side)
+        at_one_end = 0.15 if spiral == 0.0 and side == "coast" else 0.0
+        assert max(unmet_tips(pair)) <= at_one_end
+        told = any(warning.startswith(side) and "undercut" in warning for warning in report.warnings)
+        assert told == (max(unmet_tips(pair)) > 0.0)
         assert np.abs(tip_gap(pair.pinion.loaded, pair.pinion.section)).max() < 0.05
         assert report.sides[side].root_gap == pytest.approx(tip_gap(pair.pinion.loaded, pair.pinion.section), abs=1e-6)
 

@@ -21,7 +21,7 @@ from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, 
 
 RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
 FOLD_MARGIN = 0.2  # of the conjugate gear's area; nodes nearer to a fold are no part of a fit from the crown gear
-ROOT_PASSES = 4  # fits in which the blade tips come onto the root cone
+ROOT_PASSES = 10  # fits in which the blade tips come onto the root cone; two or three are usual
 ROOT_TOLERANCE = 0.02  # [mm]; blade tips as near to the root cone are on it
 
 
