@@ -255,10 +255,7 @@ class Shell:
         """
         from scipy.linalg.blas import dtrsm
 
-        vectors = self._checked(load_vectors)
-        if vectors.shape[0] == 0:
-            return np.zeros((self.size, 0))
-        idle = self.idle_size
+        vectors, idle = self._checked(load_vectors), self.idle_size
         if _columns(vectors, self._order[:idle]).any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))

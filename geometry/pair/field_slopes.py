@@ -22,7 +22,7 @@ from .datasets import first_contact
 from .ease_off import EaseOff
 from .gear_pair import PairGeometry
 from .modification import Modification
-from .near_pair import PLACES, KnownPair, NearPair, rate, uneven
+from .near_pair import KnownPair, NearPair, at_places, rate, uneven
 from .pair_setting import PairSetting
 from .rolling import drift
 
@@ -95,8 +95,7 @@ def _balanced(known: KnownPair, at_node: _Fields, setting: PairSetting) -> tuple
     """Fields at the ``PLACES`` of a setting, and the step: as long as the fields hardly bend over it."""
 
     def places(step: float) -> list[dict[str, Array]]:
-        pairs = [setting.moved(known.geometry.pair, step * place) for place in PLACES]
-        return [at_node(near) for near in known.along(pairs, step)]
+        return [at_node(near) for near in known.along(at_places(setting, known.geometry.pair, step), step)]
 
     step = STEP_SHARE * setting.scale
     each = places(step)

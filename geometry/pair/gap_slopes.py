@@ -20,7 +20,7 @@ from ..flanks.flank_parts import on_parts
 from ..vectors import dot
 from .field_slopes import STEP_SHARE
 from .gear_pair import GearPair, PairGeometry
-from .near_pair import PLACES, KnownPair, rate
+from .near_pair import KnownPair, at_places, rate
 from .pair_setting import PairSetting
 
 Array = NDArray[Any]
@@ -65,7 +65,7 @@ def pinion_gap_slopes(
     for number, setting in enumerate(settings):
         if setting.of not in ("modification", "gear"):
             step = STEP_SHARE * setting.scale
-            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            pairs = at_places(setting, geometry.pair, step)
             slopes[..., number] = _of_pinion(known, pairs, step, pinion_parameters, pinion_part, rotation)
     return slopes
 
@@ -96,7 +96,7 @@ def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gea
     for number, setting in enumerate(settings):
         if setting.of == "gear":
             step = STEP_SHARE * setting.scale
-            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            pairs = at_places(setting, geometry.pair, step)
             slopes[:, number] = _of_gear(known, pairs, step, gear)
     return slopes
 
@@ -140,7 +140,7 @@ def held_point_slopes(
     for number, setting in enumerate(settings):
         if setting.of not in ("modification", "gear"):
             step = STEP_SHARE * setting.scale
-            pairs = [setting.moved(geometry.pair, step * place) for place in PLACES]
+            pairs = at_places(setting, geometry.pair, step)
             found[..., number] = rate([stand(pair) for pair in pairs], step)
     return found[:2], found[2:]
 

@@ -25,6 +25,7 @@ from ..newton import cramers_rule, solve
 from .conjugate_motion import ConjugateMotion
 from .ease_off import EaseOff, classified
 from .gear_pair import GearPair, PairGeometry
+from .pair_setting import PairSetting
 
 Array = NDArray[Any]
 
@@ -43,6 +44,19 @@ def rate(values: Sequence[Array], step: float) -> Array:
     """
     far_behind, behind, ahead, far_ahead = values
     return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
+
+
+def at_places(setting: PairSetting, pair: GearPair, step: float) -> list[GearPair]:
+    """The pair with a setting moved by a step to each of the ``PLACES``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair, setting = gear_pair(read_case("nasa-12x36")), PairSetting("gear", "radial_distance")
+    >>> [round(setting.value(moved) - setting.value(pair), 9) for moved in at_places(setting, pair, 0.5)]
+    [-1.0, -0.5, 0.5, 1.0]
+    """
+    return [setting.moved(pair, step * place) for place in PLACES]
 
 
 def uneven(values: Sequence[Array]) -> float:

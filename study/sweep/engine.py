@@ -62,8 +62,7 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
             while True:
                 while len(running) < workers and (batch := again.pop() if again else next(batches, None)) is not None:
                     again.append(batch)  # until it runs: a pool that is broken takes none
-                    variables = dict.fromkeys(THREAD_VARIABLES, "1")
-                    with child_environment(variables), children_without_interrupts():
+                    with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
                         running[pool.submit(analyze_batch, batch)] = again.pop()
                 if not running:
                     pool.shutdown()

@@ -128,8 +128,7 @@ def read_given(path: Path) -> xr.DataTree | xr.Dataset:
         If it is none of them.
     """
     found = outermost_group(path)
-    kind = "other" if found is None else kind_of(found)
-    if found is None or kind == "other":
+    if found is None or (kind := kind_of(found)) == "other":
         return read_result(path)
     _require_kind(str(path), kind)
     require_layout(str(path), found, kind)
