@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -12,6 +11,7 @@ import xarray as xr
 from held_teeth import anew
 from numpy.typing import NDArray
 from test_unloaded import relieved
+from whole_differences import Analyses, departures, moves
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
@@ -20,7 +20,7 @@ from easeoff.contact.evaluation.derivatives.cycle_slopes import cycle_slopes
 from easeoff.contact.evaluation.derivatives.unloaded_slopes import UnloadedSlopes, unloaded_slopes
 from easeoff.contact.lines.opposite_points import PASSING_FIELDS
 from easeoff.contact.lines.turned_flanks import TurnedFlanks
-from easeoff.contact.loaded_cases import LoadedCase, rotation_numbers
+from easeoff.contact.loaded_cases import rotation_numbers
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.core.errors import InputError
 from easeoff.geometry import Relief, pair_geometry
@@ -39,9 +39,6 @@ CASES = ("fm-11x41", "nasa-12x36", "fh-12x41-45", "fh-design-a", "fh-design-b")
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 TORQUES = {"fm-11x41": 250.0, "nasa-12x36": 100.0}
 MOTIONS = ("sliding_base_motion_1", "cutter_tilt_motion_2")
-#: Steps of the differences, over the usual step of a setting. Long ones are for what hardly moves the flanks, where
-#: rounding rules; of others a short one meets no change of the touching segments, and curves less.
-STEPS = (1e-4, 3e-3, 1e-5, 3e-6, 1e-6)
 TOLERANCE = 1e-6
 #: What rounding leaves of the rotation [rad]; over a step it is the least error a difference can have.
 ROTATION_ROUNDING = 3e-15
@@ -100,38 +97,16 @@ def test_loaded_contact_agrees_with_differences(name: str, edges: bool, monkeypa
     check_settings(name, "drive", [PairSetting("pinion", "radial_distance")], edges=edges)
 
 
-def touching(case: LoadedCase) -> Array:
-    """Tooth pair, edge and element of the segments in contact, on lines their numbers."""
-    here = case.segments
-    element = np.where(here.edge < 0, np.arange(here.pair.size), here.element)
-    return np.stack([here.pair, here.edge, element])[:, case.solution.force > 0.0]
-
-
-def check_settings(
-    name: str, flank: FlankName, settings: list[PairSetting], steps: Sequence[float] = STEPS, edges: bool = True
-) -> None:
-    cycle, torque = cycle_of(name, flank), TORQUES.get(name, 300.0)
-    pair = cycle.geometry.pair
-    cases = cycle.loaded([torque], edge_contact=edges)[1]
-    _, slopes = values_and_slopes(name, tuple(settings), flank, edges)
+def check_settings(name: str, flank: FlankName, settings: list[PairSetting], edges: bool = True) -> None:
+    """Every number, wherever the same segments touch on both sides."""
+    cycle, analyses = cycle_of(name, flank), Analyses((TORQUES.get(name, 300.0),), edges)
+    slopes = analyses.slopes(cycle, settings)
     for number, setting in enumerate(settings):
-        own = 1e-6 * slopes["transmission_error"].values[0, :, number]
-        best = np.full(own.size, np.inf)
-        for share in steps:
-            step = share * setting.scale
-            ahead, behind = (
-                anew(cycle, setting.moved(pair, sign * step)).loaded([torque], edge_contact=edges)[1]
-                for sign in (1.0, -1.0)
-            )
-            for at, case in enumerate(cases):
-                if not all(np.array_equal(touching(case), touching(cycles[at])) for cycles in (ahead, behind)):
-                    continue
-                change = (ahead[at].solution.rotation - behind[at].solution.rotation) / (2.0 * step)
-                best[at] = min(best[at], max(abs(change - own[at]) - ROTATION_ROUNDING / step, 0.0))
-            if best.max() < TOLERANCE * np.abs(own).max():
-                break
-        assert np.isfinite(best).mean() > 0.7, setting
-        assert best[np.isfinite(best)].max() < TOLERANCE * np.abs(own).max(), setting
+        own = slopes.isel(setting=number)
+        if moves(setting, own):
+            for variable, (apart, compared) in departures(cycle, setting, own, analyses, TOLERANCE).items():
+                assert apart < TOLERANCE, (setting, variable)
+                assert compared > 0.7, (setting, variable)
 
 
 def test_a_load_beside_the_border_of_a_shape_function_moves_on_its_own_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -271,24 +246,6 @@ def test_numbers_of_a_cycle_follow_its_transmission_error() -> None:
     # Pairs share one torque, and forces keep its balance.
     np.testing.assert_allclose(slopes["load_share"].sum("pair"), 0.0, atol=1e-9)
     np.testing.assert_allclose(values["load_share"].sum("pair"), 1.0, rtol=1e-9)
-
-
-def test_pressure_agrees_with_differences() -> None:
-    setting = PairSetting("pinion", "radial_distance")
-    _values, slopes = values_and_slopes("fm-11x41", (setting,))
-    step, torque = 1e-5 * setting.scale, TORQUES["fm-11x41"]
-    cycle = cycle_of("fm-11x41")
-    ahead, behind = (
-        anew(cycle, setting.moved(cycle.geometry.pair, sign * step)).loaded([torque])[0] for sign in (1.0, -1.0)
-    )
-    change = (ahead["max_pressure"] - behind["max_pressure"]).item() / (2.0 * step)
-    assert slopes["max_pressure"].values[0, 0] == pytest.approx(change, rel=1e-4)
-    share = (ahead["load_share"] - behind["load_share"]).values / (2.0 * step)
-    own = slopes["load_share"].values[..., 0]
-    assert np.nanmax(np.abs(share - own)) < 1e-4 * np.nanmax(np.abs(own))
-    on_edges = (ahead["edge_share"] - behind["edge_share"]).values / (2.0 * step)
-    own = slopes["edge_share"].values[..., 0]
-    assert np.abs(on_edges - own).max() < 1e-4 * np.abs(own).max()
 
 
 @pytest.mark.quick(1)

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 
-STEP = 1e-5  # of forces, sizes, places and points of action, relative
+STEP = 1e-5  # of forces, sizes, places and points of action, relative to the greatest
+SMALL_FORCE_STEP = 1e-3  # of each force, relative to itself: friction is no linear function of it
+SHORTEST_STEP = 1e-3  # of ``STEP``, below which rounding rules
 LEAST_SHARE = 1e-3  # of a small force that a step leaves
 OF_LOSS = (
     *("mean_power_loss", "mean_sliding_loss", "mean_rolling_loss", "efficiency", "mean_friction_coefficient"),
@@ -136,7 +138,7 @@ class _FrictionInputs:
 
     @property
     def steps(self) -> Array:
-        """Steps (j) that change no input by more than ``STEP``."""
+        """Steps (j) that change no input by more than ``STEP``, and no small force by much of it."""
         contacts, nodes = self.contacts, self.found.nodes
         sizes = [
             np.abs(self.force).max(axis=0) / contacts.force.max(),
@@ -145,7 +147,9 @@ class _FrictionInputs:
             np.abs(self.place).max(axis=(0, 1)),
             np.append(np.nanmax(np.abs(nodes["action_normal"]), axis=(0, 1, 2)), 0.0),
         ]
-        return np.asarray(STEP / np.maximum(np.max(sizes, axis=0), 1e-300))
+        steps = STEP / np.maximum(np.max(sizes, axis=0), 1e-300)
+        own = np.abs(self.force / contacts.force[:, None]).max(axis=0)
+        return np.asarray(np.clip(SMALL_FORCE_STEP / np.maximum(own, 1e-300), SHORTEST_STEP * steps, steps))
 
     def moved(self, setting: int, step: float) -> LoadedContacts:
         """The contacts after a step of one setting."""
