@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,22 @@ from easeoff.contact.compliance.finite_elements.finite_element_tooth import Fini
 from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes, cycle_values
 from easeoff.contact.loaded_cases import LoadedCase
 from easeoff.friction import FrictionModel, Operation
-from easeoff.geometry.pair.near_pair import at_places, rate
+from easeoff.geometry.pair.modification import Modification, modified_ease_off
+from easeoff.geometry.pair.near_pair import PLACES, rate
 from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
 
 Array = NDArray[Any]
 
+#: Numbers after a step, and what touches in every case.
+Course = Callable[[float], tuple[xr.Dataset, list[Array]]]
+
 OPERATION = Operation(speed=1500.0, roughness=0.8)
 LONGEST_STEP = 0.3  # of the ease-off, the most that a step changes it anywhere [um]
 LONGEST_SHARE = 0.1  # of the usual step of a setting that hardly moves the flanks
 FINER, STEP_COUNT = 10.0**0.5, 8
+SCATTER_LIMIT = 1e-5  # of a derivative, the most that two differences are apart
+LEAST_CHANGE = 1e-9  # of a number over the first step; of less, rounding could be told for a departure
 STILL = 1e-5  # change of the ease-off by a usual step [um], below which a setting does not move the flanks
 
 #: What a number is made of, whose derivative counts where its own all but cancels.
@@ -60,18 +67,18 @@ class Analyses:
         ordered = sorted(cases, key=lambda one: (one.torque, one.mesh_position))
         return values.merge(losses, compat="override"), [touching(one) for one in ordered]
 
-    def change(self, cycle: MeshCycle, setting: PairSetting, step: float, touched: list[Array]) -> xr.Dataset:
-        """Differences of fourth order; NaN where other segments touch than at the pair itself."""
-        moved = [self.numbers(anew(cycle, pair)) for pair in at_places(setting, cycle.geometry.pair, step)]
-        same = [all(np.array_equal(at[n], there) for _, at in moved) for n, there in enumerate(touched)]
-        values = [one for one, _ in moved]
-        found = xr.Dataset({name: _rate([one[name] for one in values], step) for name in values[0]})
-        dims = ("torque", "mesh_position")
-        alike = xr.DataArray(np.reshape(same, [values[0].sizes[dim] for dim in dims]), dims=dims)
-        for name in [name for name in found if "torque" in found[name].dims]:
-            own = alike if "mesh_position" in found[name].dims else alike.all("mesh_position")
-            found[name] = found[name].where(own)
-        return found
+    def along(self, cycle: MeshCycle, setting: PairSetting) -> Course:
+        """Numbers after a step of a setting."""
+        pair, told = cycle.geometry.pair, cycle.geometry.ease_off
+        if setting.of == "modification":
+            return lambda step: self.numbers(
+                cycle.with_ease_off(modified_ease_off(told, Modification({setting.name: step})))
+            )
+        return lambda step: self.numbers(anew(cycle, setting.moved(pair, step)))
+
+    def along_torque(self, cycle: MeshCycle) -> Course:
+        """Numbers after a step of all torques [N m]."""
+        return lambda step: replace(self, torques=tuple(torque + step for torque in self.torques)).numbers(cycle)
 
 
 def touching(case: LoadedCase) -> Array:
@@ -81,44 +88,69 @@ def touching(case: LoadedCase) -> Array:
     return np.stack([here.pair, here.edge, element])[:, case.solution.force > 0.0]
 
 
-def departures(
-    cycle: MeshCycle, setting: PairSetting, slopes: xr.Dataset, analyses: Analyses, tolerance: float
-) -> dict[str, tuple[float, float]]:
-    """How far the derivatives by a setting are from differences, relative, and the share that could be compared.
+def moves(setting: PairSetting, slopes: xr.Dataset) -> bool:
+    """Whether a setting moves the flanks at all."""
+    return _greatest(slopes["ease_off"]) * setting.scale > STILL
 
-    It is as far as the farther of two differences, one with a step a third of the other. Of such pairs, from long steps
-    down, the nearest counts: longer steps curve or meet a change of what touches, and of shorter ones rounding rules.
+
+def longest_step(setting: PairSetting, slopes: xr.Dataset) -> float:
+    """The first step of a setting for ``departures``."""
+    limit = np.inf if setting.of == "modification" else LONGEST_SHARE * setting.scale
+    return min(LONGEST_STEP / _greatest(slopes["ease_off"]), limit)
+
+
+def departures(course: Course, slopes: xr.Dataset, step: float, tolerance: float) -> dict[str, tuple[float, float]]:
+    """How far derivatives are from differences, relative, and the share of them that could be compared.
+
+    Of two differences of fourth order, one with a step a third of the other, the nearer one counts, but for how far
+    they are from each other, which may be ``SCATTER_LIMIT`` at most. Of such pairs, from the first step down, the
+    nearest counts: longer steps curve or meet a change of what touches, and of shorter ones rounding rules. The search
+    ends below the tolerance.
     """
-    own = {str(name): slopes[name].values for name in slopes}
-    greatest = {name: float(np.nanmax(np.abs(values), initial=0.0)) for name, values in own.items()}
-    size = {name: max(greatest[name], greatest.get(MADE_OF.get(name, name), 0.0), 1e-300) for name in own}
-    apart = {name: np.where(np.isfinite(values), np.inf, 0.0) for name, values in own.items()}
-    touched, before = analyses.numbers(cycle)[1], dict.fromkeys(own, np.asarray(np.inf))
-    step = min(LONGEST_STEP / greatest["ease_off"], LONGEST_SHARE * setting.scale)
+    greatest = {str(name): _greatest(slopes[name]) for name in slopes}
+    values, touched = course(0.0)
+    least = {name: LEAST_CHANGE * max(_greatest(values[name]), 1e-290) / step for name in greatest}
+    size = {name: max(own, greatest.get(MADE_OF.get(name, name), 0.0), least[name]) for name, own in greatest.items()}
+    apart = {str(name): np.where(np.isfinite(slopes[name].values), np.inf, 0.0) for name in slopes}
+    before = dict.fromkeys(apart, np.asarray(np.nan))
     for _ in range(STEP_COUNT):
-        change = analyses.change(cycle, setting, step, touched)
-        for name, values in own.items():
-            by_step = change[name].transpose(*slopes[name].dims).values if change[name].ndim else np.nan
-            here = np.nan_to_num(np.abs(by_step - values) / size[name], nan=np.inf)
-            apart[name] = np.minimum(apart[name], np.maximum(here, before[name]))
-            before[name] = here
-        if all(np.all(values < tolerance) for values in apart.values()):
+        change = _difference(course, step, touched)
+        for name, own in slopes.items():
+            by_step = change[name].transpose(*own.dims).values if change[name].ndim else np.nan
+            here, last = (by_step - own.values) / size[str(name)], before[str(name)]
+            scatter, nearer = np.abs(here - last), np.minimum(np.abs(here), np.abs(last))
+            known = scatter < SCATTER_LIMIT
+            apart[str(name)] = np.where(known, np.fmin(apart[str(name)], nearer - scatter), apart[str(name)])
+            before[str(name)] = here
+        if all(np.all(each < tolerance) for each in apart.values()):
             break
         step /= FINER
     found = {}
-    for name, values in apart.items():
-        compared = np.isfinite(values)
-        found[name] = float(np.max(values[compared], initial=0.0)), float(np.mean(compared))
+    for variable, own_apart in apart.items():
+        compared = np.isfinite(own_apart)
+        found[variable] = float(np.max(own_apart[compared], initial=0.0)), float(np.mean(compared))
     return found
 
 
-def moves(setting: PairSetting, slopes: xr.Dataset) -> bool:
-    """Whether a setting moves the flanks at all."""
-    return float(np.nanmax(np.abs(slopes["ease_off"].values))) * setting.scale > STILL
+def _greatest(values: xr.DataArray) -> float:
+    return float(np.nanmax(np.abs(values.values), initial=0.0))
+
+
+def _difference(course: Course, step: float, touched: list[Array]) -> xr.Dataset:
+    """Difference of fourth order; NaN where other segments touch than at the pair itself."""
+    moved = [course(step * place) for place in PLACES]
+    same = [all(np.array_equal(at[n], there) for _, at in moved) for n, there in enumerate(touched)]
+    values, dims = [one.drop_vars(one.coords) for one, _ in moved], ("torque", "mesh_position")
+    found = xr.Dataset({name: _rate([one[name] for one in values], step) for name in values[0]})
+    alike = xr.DataArray(np.reshape(same, [values[0].sizes[dim] for dim in dims]), dims=dims)
+    for name in [name for name in found if "torque" in found[name].dims]:
+        own = alike if "mesh_position" in found[name].dims else alike.all("mesh_position")
+        found[name] = found[name].where(own)
+    return found
 
 
 def _rate(values: list[xr.DataArray], step: float) -> xr.DataArray:
-    """Their derivative; NaN where there are other segments."""
+    """Their derivative; NaN alone where there are other segments."""
     if len({one.shape for one in values}) > 1:
         return xr.DataArray(np.nan)
-    return values[0].copy(data=rate([one.values for one in values], step)).drop_vars(values[0].coords)
+    return values[0].copy(data=rate([one.values for one in values], step))

@@ -75,7 +75,12 @@ def loss_slopes(
             for sign in (1.0, -1.0)
         )
         columns.append((ahead - behind) / (2.0 * step))
-    slopes = xr.concat(columns, "setting").transpose(..., "setting")
+    slopes = xr.concat(columns, "setting")
+    # Of the small loss, not of a number near one, whose rounding a short step makes large.
+    share = values["mean_power_loss"] / values["input_power"]
+    of_efficiency = (share * slopes["input_power"] - slopes["mean_power_loss"]) / values["input_power"]
+    slopes["efficiency"] = of_efficiency.assign_attrs(values["efficiency"].attrs)
+    slopes = slopes.transpose(*values["efficiency"].dims, "setting")
     return values, slopes.assign_coords({"torque": loaded["torque"]})
 
 
@@ -164,7 +169,8 @@ class _FrictionInputs:
             order = ("lengthwise", "profile")
             told = told.transpose(*order, ...)
             told = told.assign({name: told[name].copy(data=told[name].values + c) for name, c in changes.items()})
-            motion = replace(geometry.exact.motion, assembly=one.moved(geometry.pair, step).assembly)
+            moved = one.moved(geometry.pair, step) if one.of == "assembly" else geometry.pair
+            motion = replace(geometry.exact.motion, assembly=moved.assembly)
             origins = {"pinion_origin_mm": motion.assembly.pinion_origin, "gear_origin_mm": motion.assembly.gear_origin}
             told = told.assign_attrs(pinion_axis=motion.pinion_axis, gear_axis=motion.gear_axis, **origins)
         else:
