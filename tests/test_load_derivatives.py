@@ -131,3 +131,10 @@ def test_user_gets_losses_with_a_speed_and_the_torque_alone() -> None:
     assert (slopes["mean_power_loss"] > 0.0).all()
     assert tree.attrs["edge_contact"] == 1
     assert (slopes["tooth_thickness"] == 0.0).all()
+
+
+def test_user_gets_losses_by_deviations() -> None:
+    slopes = derivatives(coarse("nasa-12x36"), ["modification.bias"], torques=TORQUES, speed=[1000.0])["derivatives"]
+    share = slopes["mean_power_loss"] / slopes["efficiency"]
+    power = np.array(TORQUES) * np.pi * 1000.0 / 30.0
+    np.testing.assert_allclose(share.values.ravel(), -power, rtol=1e-9)

@@ -27,11 +27,11 @@ Array = NDArray[Any]
 Course = Callable[[float], tuple[xr.Dataset, list[Array]]]
 
 OPERATION = Operation(speed=1500.0, roughness=0.8)
-LONGEST_STEP = 0.3  # of the ease-off, the most that a step changes it anywhere [um]
+LONGEST_STEP = 0.03  # of the ease-off, the most that a step changes it anywhere [um]
 LONGEST_SHARE = 0.1  # of the usual step of a setting that hardly moves the flanks
 FINER, STEP_COUNT = 10.0**0.5, 8
 SCATTER_LIMIT = 1e-5  # of a derivative, the most that two differences are apart
-LEAST_CHANGE = 1e-9  # of a number over the first step; of less, rounding could be told for a departure
+LEAST_CHANGE = 3e-6  # of a number over the first step; of less, rounding of its solution could be told for a departure
 STILL = 1e-5  # change of the ease-off by a usual step [um], below which a setting does not move the flanks
 
 #: What a number is made of, whose derivative counts where its own all but cancels.
