@@ -27,10 +27,11 @@ Array = NDArray[Any]
 Course = Callable[[float], tuple[xr.Dataset, list[Array]]]
 
 OPERATION = Operation(speed=1500.0, roughness=0.8)
-LONGEST_STEP = 0.03  # of the ease-off, the most that a step changes it anywhere [um]
+LONGEST_STEP = 0.1  # of the ease-off, the most that a step changes it anywhere [um]
 LONGEST_SHARE = 0.1  # of the usual step of a setting that hardly moves the flanks
 FINER, STEP_COUNT = 10.0**0.5, 8
-SCATTER_LIMIT = 1e-5  # of a derivative, the most that two differences are apart
+ENOUGH_STEPS = 6  # after which differences that scatter may end the search
+SCATTER_LIMIT = 3e-5  # of a derivative, the most that two differences are apart
 LEAST_CHANGE = 3e-6  # of a number over the first step; of less, rounding of its solution could be told for a departure
 STILL = 1e-5  # change of the ease-off by a usual step [um], below which a setting does not move the flanks
 
@@ -99,37 +100,62 @@ def longest_step(setting: PairSetting, slopes: xr.Dataset) -> float:
     return min(LONGEST_STEP / _greatest(slopes["ease_off"]), limit)
 
 
-def departures(course: Course, slopes: xr.Dataset, step: float, tolerance: float) -> dict[str, tuple[float, float]]:
-    """How far derivatives are from differences, relative, and the share of them that could be compared.
+def departures(course: Course, slopes: xr.Dataset, step: float, tolerance: float) -> dict[str, Departure]:
+    """How far the derivatives of every number are from differences, down from the first step of a course.
 
-    Of two differences of fourth order, one with a step a third of the other, the nearer one counts, but for how far
-    they are from each other, which may be ``SCATTER_LIMIT`` at most. Of such pairs, from the first step down, the
-    nearest counts: longer steps curve or meet a change of what touches, and of shorter ones rounding rules. The search
-    ends below the tolerance.
+    The search ends when differences of two steps agree with all of them, or their scatter tells no more.
     """
     greatest = {str(name): _greatest(slopes[name]) for name in slopes}
     values, touched = course(0.0)
     least = {name: LEAST_CHANGE * max(_greatest(values[name]), 1e-290) / step for name in greatest}
     size = {name: max(own, greatest.get(MADE_OF.get(name, name), 0.0), least[name]) for name, own in greatest.items()}
-    apart = {str(name): np.where(np.isfinite(slopes[name].values), np.inf, 0.0) for name in slopes}
-    before = dict.fromkeys(apart, np.asarray(np.nan))
-    for _ in range(STEP_COUNT):
+    # NaN is no derivative, and needs none.
+    farther = {str(name): np.where(np.isfinite(slopes[name].values), np.inf, 0.0) for name in slopes}
+    beyond, before = dict(farther), dict.fromkeys(farther, np.asarray(np.nan))
+    for count in range(1, STEP_COUNT + 1):
         change = _difference(course, step, touched)
         for name, own in slopes.items():
             by_step = change[name].transpose(*own.dims).values if change[name].ndim else np.nan
             here, last = (by_step - own.values) / size[str(name)], before[str(name)]
-            scatter, nearer = np.abs(here - last), np.minimum(np.abs(here), np.abs(last))
-            known = scatter < SCATTER_LIMIT
-            apart[str(name)] = np.where(known, np.fmin(apart[str(name)], nearer - scatter), apart[str(name)])
+            scatter = np.abs(here - last)
+            scatter = np.where(scatter < SCATTER_LIMIT, scatter, np.nan)
+            farther[str(name)] = np.fmin(farther[str(name)], np.maximum(np.abs(here), np.abs(last)))
+            beyond[str(name)] = np.fmin(beyond[str(name)], np.minimum(np.abs(here), np.abs(last)) - scatter)
             before[str(name)] = here
-        if all(np.all(each < tolerance) for each in apart.values()):
+        told = beyond if count >= ENOUGH_STEPS else farther
+        if all(np.all(values < tolerance) for values in told.values()):
             break
         step /= FINER
-    found = {}
-    for variable, own_apart in apart.items():
-        compared = np.isfinite(own_apart)
-        found[variable] = float(np.max(own_apart[compared], initial=0.0)), float(np.mean(compared))
-    return found
+    return {name: Departure.of(farther[name], beyond[name]) for name in farther}
+
+
+@dataclass(frozen=True)
+class Departure:
+    """How far derivatives of a number are from differences, relative: the greatest of what could be compared.
+
+    Two differences of fourth order count together, one with a step a third of the other. Of such pairs the nearest
+    counts: longer steps curve or meet a change of what touches, and of shorter ones rounding rules.
+
+    Parameters
+    ----------
+    farther
+        Of the farther one of a pair.
+    beyond
+        Of the nearer one, but for how far both are from each other, ``SCATTER_LIMIT`` at most.
+    compared
+        The share that could be compared.
+    """
+
+    farther: float
+    beyond: float
+    compared: float
+
+    @classmethod
+    def of(cls, farther: Array, beyond: Array) -> Departure:
+        """Of all derivatives of a number."""
+        known = np.isfinite(beyond)
+        greatest = (float(np.max(values[known], initial=0.0)) for values in (farther, beyond))
+        return cls(*greatest, float(np.mean(known)))
 
 
 def _greatest(values: xr.DataArray) -> float:
