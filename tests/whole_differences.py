@@ -115,7 +115,8 @@ def departures(course: Course, slopes: xr.Dataset, step: float, tolerance: float
     for count in range(1, STEP_COUNT + 1):
         change = _difference(course, step, touched)
         for name, own in slopes.items():
-            by_step = change[name].transpose(*own.dims).values if change[name].ndim else np.nan
+            same = dict(change[name].sizes) == dict(own.sizes)  # else there are other segments
+            by_step = change[name].transpose(*own.dims).values if same else np.nan
             here, last = (by_step - own.values) / size[str(name)], before[str(name)]
             scatter = np.abs(here - last)
             scatter = np.where(scatter < SCATTER_LIMIT, scatter, np.nan)
@@ -154,8 +155,8 @@ class Departure:
     def of(cls, farther: Array, beyond: Array) -> Departure:
         """Of all derivatives of a number."""
         known = np.isfinite(beyond)
-        greatest = (float(np.max(values[known], initial=0.0)) for values in (farther, beyond))
-        return cls(*greatest, float(np.mean(known)))
+        greatest = [float(np.max(values[known], initial=0.0)) for values in (farther, beyond)]
+        return cls(greatest[0], greatest[1], float(np.mean(known)))
 
 
 def _greatest(values: xr.DataArray) -> float:
