@@ -134,7 +134,8 @@ def test_user_gets_losses_with_a_speed_and_the_torque_alone() -> None:
 
 
 def test_user_gets_losses_by_deviations() -> None:
-    slopes = derivatives(coarse("nasa-12x36"), ["modification.bias"], torques=TORQUES, speed=[1000.0])["derivatives"]
+    tree = derivatives(coarse("nasa-12x36"), ["modification.bias"], torques=TORQUES, speed=[1000.0])
+    slopes = tree["derivatives"].to_dataset()
     share = slopes["mean_power_loss"] / slopes["efficiency"]
     power = np.array(TORQUES) * np.pi * 1000.0 / 30.0
     np.testing.assert_allclose(share.values.ravel(), -power, rtol=1e-9)
