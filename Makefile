@@ -20,15 +20,21 @@ run: $(READY)
 test: $(READY_FOR_TESTS)
 	$(PYTEST) -m "not thorough"
 
-# Everything: style, spelling, types, the site, all tests, and the quick ones again as below.
-check: $(READY_FOR_CHECKS) $(READY_FOR_DOCS)
+# What the quick tests leave out.
+thorough: $(READY_FOR_CHECKS)
+	$(PYTEST) -m thorough
+
+# Style, spelling, types.
+lint: $(READY_FOR_CHECKS)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell
 	.ci/types
-	$(MAKE) docs
+
+# Everything: style, spelling, types, the site, all tests, and the quick ones again as below.
+check: lint docs
 	$(PYTEST)
-	.ci/installed lowest $(WORKERS)
+	$(MAKE) lowest
 
 # The quick tests on the package as it is installed from a wheel that is built from the source distribution: with the
 # lowest versions that pyproject.toml allows, or with the newest.
@@ -80,4 +86,4 @@ $(READY_FOR_DOCS): pyproject.toml | .venv
 	$(PIP) -e '.[docs]'
 	touch $(READY) $@
 
-.PHONY: run test check docs lowest newest dist random fuzz
+.PHONY: run test thorough lint check docs lowest newest dist random fuzz
