@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from held_teeth import anew
 from numpy.typing import NDArray
 from whole_differences import OPERATION, Analyses, departures, longest_step
 
@@ -17,6 +18,7 @@ from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse
 from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes
+from easeoff.contact.evaluation.load_spot import load_spot
 from easeoff.contact.load_capacity.tooth_root_stress import root_stress
 from easeoff.friction import FrictionModel, friction
 from easeoff.geometry.pair.gear_pair import tooth_angles
@@ -30,6 +32,7 @@ Array = NDArray[Any]
 COARSE = {"mesh_positions": 4, "segments_per_line": 11, "lengthwise_nodes": 17, "profile_nodes": 11}
 SETTINGS = (PairSetting("pinion", "radial_distance"), PairSetting("gear", "pressure_angle"))
 TORQUES = [100.0, 250.0]
+STEP_SHARE = 2.5e-6  # of the usual step of a setting; errors fall with its square, to 1e-6 here
 TOLERANCE = 1e-6
 
 
@@ -55,6 +58,34 @@ def test_values_are_those_of_the_friction_stage() -> None:
     whole, values = loss_of(cycle, loaded), loss_values(cycle, loaded, OPERATION, FrictionModel())
     for name in values:
         np.testing.assert_array_equal(values[name], whole[name])
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: f"{one.of}_{one.name}")
+def test_losses_and_place_of_the_load_agree_with_differences(
+    setting: PairSetting, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    cycle = cycle_of("nasa-12x36")
+    loaded, cases = cycle.loaded(TORQUES)
+    found = CycleSlopes.of(cycle, [setting], cases)
+    slopes, step = found.datasets(loaded)[1], STEP_SHARE * setting.scale
+    values, of_loss = loss_slopes(found, loaded, OPERATION, FrictionModel())
+    whole = loss_of(cycle, loaded)
+    np.testing.assert_array_equal(values["mean_power_loss"], whole["mean_power_loss"])
+    np.testing.assert_array_equal(values["efficiency"], whole["efficiency"])
+    moved = [anew(cycle, setting.moved(cycle.geometry.pair, sign * step)) for sign in (1.0, -1.0)]
+    both = [(one, one.loaded(TORQUES)[0]) for one in moved]
+    spots = [load_spot(one) for _, one in both]
+    for name in spots[0]:
+        change = (spots[0][name][1] - spots[1][name][1]) / (2.0 * step)
+        # At one torque the derivative may be next to nothing, and rounding of the difference is not.
+        rounding = 1e-5 * np.abs(change).max()
+        np.testing.assert_allclose(slopes[name].values[:, 0], change, rtol=1e-4, atol=rounding, err_msg=name)
+    ahead, behind = (loss_of(*one) for one in both)
+    for name in ("mean_power_loss", "efficiency", "mean_friction_coefficient"):
+        change = ((ahead[name] - behind[name]) / (2.0 * step)).values
+        np.testing.assert_allclose(of_loss[name].values[..., 0], change, rtol=1e-5, err_msg=name)
 
 
 def test_loss_follows_the_torque() -> None:
@@ -99,6 +130,7 @@ def test_root_stress_agrees_with_differences(name: str, monkeypatch: pytest.Monk
         found = departures(analyses.along(cycle, setting), own, longest_step(setting, own), TOLERANCE)
         for variable in ("root_stress_history", "max_root_stress"):
             assert found[variable].farther < TOLERANCE, (setting, variable)
+            assert found[variable].compared > 0.7, (setting, variable)
     # More torque, more stress, in every root.
     assert (slopes["max_root_stress"].isel(setting=-1) > 0.0).all()
 

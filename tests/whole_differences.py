@@ -96,8 +96,7 @@ def moves(setting: PairSetting, slopes: xr.Dataset) -> bool:
 
 def longest_step(setting: PairSetting, slopes: xr.Dataset) -> float:
     """The first step of a setting for ``departures``."""
-    limit = np.inf if setting.of == "modification" else LONGEST_SHARE * setting.scale
-    return min(LONGEST_STEP / _greatest(slopes["ease_off"]), limit)
+    return min(LONGEST_STEP / _greatest(slopes["ease_off"]), LONGEST_SHARE * setting.scale)
 
 
 def departures(course: Course, slopes: xr.Dataset, step: float, tolerance: float) -> dict[str, Departure]:
