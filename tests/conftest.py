@@ -60,14 +60,15 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark as thorough what the mark ``quick(count)`` leaves out: all but that many cases, spread over the test's."""
-    cases = defaultdict(list)
-    for item in items:
-        mark = item.get_closest_marker("quick")
-        if mark is not None:
-            cases[item.nodeid.partition("[")[0], *mark.args].append(item)
-    for (_, count), found in cases.items():
-        quick = {len(found) * k // count for k in range(count)}
-        for number, item in enumerate(found):
-            if number not in quick:
-                item.add_marker(pytest.mark.thorough)
+    """Mark the cases that ``quick(count)`` and ``ci(count)`` leave out: all but that many, spread over the test's."""
+    for name, left_out in (("quick", pytest.mark.thorough), ("ci", pytest.mark.beyond_ci)):
+        cases = defaultdict(list)
+        for item in items:
+            mark = item.get_closest_marker(name)
+            if mark is not None:
+                cases[item.nodeid.partition("[")[0], *mark.args].append(item)
+        for (_, count), found in cases.items():
+            kept = {len(found) * k // count for k in range(count)}
+            for number, item in enumerate(found):
+                if number not in kept:
+                    item.add_marker(left_out)

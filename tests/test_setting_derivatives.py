@@ -77,6 +77,7 @@ def values_and_slopes(
 
 
 @pytest.mark.thorough
+@pytest.mark.ci(3)
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
 def test_loaded_contact_agrees_with_differences_for_all_settings(
@@ -130,6 +131,7 @@ def check_rotations(
 
 
 @pytest.mark.thorough
+@pytest.mark.ci(3)
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
 def test_numbers_agree_with_differences_for_settings_of_all_kinds(
