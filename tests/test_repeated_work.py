@@ -44,8 +44,9 @@ def test_the_edges_of_a_light_load_are_the_same_after_a_heavy_one() -> None:
 def test_blocks_of_unit_loads_are_their_compliance_with_edges_and_without() -> None:
     rng = np.random.default_rng(3)
     on_lines, on_edges = rng.normal(size=(12, 40)), rng.normal(size=(5, 40))
-    none = np.empty((12, 0)), np.empty((5, 0))
-    loads = UnitLoads(Loads(on_lines, none[0])).with_edges(Loads(on_edges, none[1]))
+    parts = slice(0, 25), slice(25, 40)
+    lines, edges = (Loads(tuple(one[:, own] for own in parts), one[:, :0]) for one in (on_lines, on_edges))
+    loads = UnitLoads(lines).with_edges(edges)
     both = np.concatenate([on_lines, on_edges])
     for rows in (np.arange(9), np.array([0, 1, 2, 5, 13, 16]), np.arange(9)):
         pairs = np.where(np.arange(rows.size) % 3 == 0, -1, 2)

@@ -48,11 +48,15 @@ def condition_number(shell: Shell) -> float:
     return float(np.linalg.cond(stiffness * scale[:, None] * scale))
 
 
-def scattered_loads(shell: Shell, count: int, seed: int = 3) -> FloatArray:
+def scattered_points(shell: Shell, count: int, seed: int = 3) -> tuple[FloatArray, FloatArray, FloatArray]:
     random = np.random.default_rng(seed)
     y = random.uniform(0.0, shell.dimensions.trace_length, count)
     x = shell.dimensions.height(y) * random.uniform(0.1, 1.0, count)
-    return shell.load_vectors(x, y, random.normal(size=(count, 3)))
+    return x, y, random.normal(size=(count, 3))
+
+
+def scattered_loads(shell: Shell, count: int, seed: int = 3) -> FloatArray:
+    return shell.load_vectors(*scattered_points(shell, count, seed))
 
 
 @pytest.mark.parametrize(
@@ -483,7 +487,9 @@ def test_no_loads_give_an_empty_matrix() -> None:
     assert shell.whiten(vectors).shape == (shell.size, 0)
     assert shell.compliance(vectors).shape == (0, 0)
     on_segments = shell.load_vectors(np.zeros((0, 3)), np.zeros((0, 3)), RADIAL, weights=np.full(3, 1.0 / 3.0))
-    assert shell.whiten_on_mid_surface(on_segments).shape == (0, shell.size - shell.idle_size)
+    assert on_segments.shape == (0, shell.size)
+    felt = shell.mid_surface_loads(np.zeros((0, 3)), np.zeros((0, 3)), RADIAL, weights=np.full(3, 1.0 / 3.0))
+    assert shell.whitened_on_mid_surface(felt).shape == (0, shell.size - shell.idle_size)
 
 
 def test_loads_on_the_mid_surface_are_whitened_without_the_rows_that_are_zero() -> None:
@@ -491,7 +497,8 @@ def test_loads_on_the_mid_surface_are_whitened_without_the_rows_that_are_zero() 
     vectors = scattered_loads(shell, 5)
     whole = shell.whiten(vectors)
     assert not whole[: shell.idle_size].any()
-    np.testing.assert_array_equal(shell.whiten_on_mid_surface(vectors), whole[shell.idle_size :].T)
+    felt = shell.mid_surface_loads(*scattered_points(shell, 5))
+    np.testing.assert_allclose(shell.whitened_on_mid_surface(felt), whole[shell.idle_size :].T, rtol=1e-14)
     np.testing.assert_allclose(
         whole.T @ whole,
         vectors @ np.linalg.solve(shell.stiffness(), vectors.T),

@@ -201,6 +201,23 @@ class Shell:
         InputError
             If ``direction`` has no last axis of length 3.
         """
+        fields, work = self._work(x, y, direction, weights, offset)
+        # Fields that the loads do not feel stay zero.
+        vectors = np.zeros((*work.shape[:-3], len(self.functions.root_powers), *work.shape[-2:]))
+        vectors[..., fields, :, :] = work
+        return vectors.reshape(*work.shape[:-3], self.size)
+
+    def mid_surface_loads(
+        self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None = None
+    ) -> FloatArray:
+        """As ``load_vectors`` on the mid-surface, without the ``idle_size`` degrees of freedom that feel nothing."""
+        _fields, work = self._work(x, y, direction, weights, None)
+        return work.reshape(*work.shape[:-3], self.size - self.idle_size)
+
+    def _work(
+        self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None, offset: ArrayLike | None
+    ) -> tuple[list[int], FloatArray]:
+        """The fields that feel loads, ascending, and the work on their trial functions (points, field, height, length)."""
         direction = np.asarray(direction, dtype=np.float64)
         if direction.ndim == 0 or direction.shape[-1] != 3:
             raise InputError(f"direction of shape {direction.shape}: must have a last axis of length 3")
@@ -223,21 +240,21 @@ class Shell:
             points = points[:-1]
         coefficients = {"one": 1.0, "metric": 1.0 + self.dimensions.trace_curvature * z, "offset": z}
 
-        # Fields that the loads do not feel stay zero.
-        vectors = np.zeros((*points, len(functions.root_powers), functions.height_count, functions.length_count))
-        terms = [one for one in self.kinematics.displacement_terms if offset is not None or one.coefficient != "offset"]
+        offered = self.kinematics.displacement_terms
+        terms = sorted(
+            (one for one in offered if offset is not None or one.coefficient != "offset"), key=lambda one: one.field
+        )
         loaded = [
             (direction[..., one.component] * coefficients[one.coefficient])[..., None]
             * over_height[functions.root_powers[one.field]]
             for one in terms
         ]
-        fields = [one.field for one in terms]
         if weights is None:
-            vectors[..., fields, :, :] = np.stack(loaded, axis=-2)[..., None] * along[..., None, None, :]
+            work = np.stack(loaded, axis=-2)[..., None] * along[..., None, None, :]
         else:
             summed = np.swapaxes(np.concatenate(loaded, axis=-1), -1, -2) @ along
-            vectors[..., fields, :, :] = summed.reshape(*points, len(terms), *vectors.shape[-2:])
-        return vectors.reshape(*points, self.size)
+            work = summed.reshape(*points, len(terms), functions.height_count, functions.length_count)
+        return [one.field for one in terms], work
 
     def whiten(self, load_vectors: ArrayLike) -> FloatArray:
         """Whitened loads: their inner products are the compliances.
@@ -256,20 +273,19 @@ class Shell:
         from scipy.linalg.blas import dtrsm
 
         vectors, idle = self._checked(load_vectors), self.idle_size
-        if _columns(vectors, self._order[:idle]).any():
+        if vectors[:, self._order[:idle]].any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
-        return np.concatenate([np.zeros((idle, len(vectors))), self.whiten_on_mid_surface(vectors).T])
+        felt = self.whitened_on_mid_surface(vectors[:, self._order[idle:]])
+        return np.concatenate([np.zeros((idle, len(vectors))), felt.T])
 
-    def whiten_on_mid_surface(self, load_vectors: ArrayLike) -> FloatArray:
-        """As ``whiten`` of loads on the mid-surface, without the rows that are zero, (n, n_dof - idle_size)."""
+    def whitened_on_mid_surface(self, loads: FloatArray) -> FloatArray:
+        """As ``whiten`` of ``mid_surface_loads``, without the rows that are zero; a row each, as the loads."""
         from scipy.linalg.blas import dtrmm
 
-        vectors = self._checked(load_vectors)
-        felt = _columns(vectors, self._order[self.idle_size :])
-        if not felt.size:
-            return np.zeros(felt.shape)
-        return np.asarray(dtrmm(1.0, self._mid_surface_whitening, felt.T, trans_a=1).T)
+        if not loads.size:
+            return np.zeros(loads.shape)
+        return np.asarray(dtrmm(1.0, self._mid_surface_whitening, loads.T, trans_a=1).T)
 
     def _checked(self, load_vectors: ArrayLike) -> FloatArray:
         vectors = np.asarray(load_vectors, dtype=np.float64)
@@ -293,9 +309,3 @@ class Shell:
         whitened = self.whiten(load_vectors)
         return np.asarray(whitened.T @ whitened)
 
-
-def _columns(matrix: FloatArray, index: NDArray[np.intp]) -> FloatArray:
-    """Columns of a matrix, without a copy where they lie side by side."""
-    if index.size and index[-1] - index[0] + 1 == index.size and bool((np.diff(index) == 1).all()):
-        return matrix[:, index[0] : index[-1] + 1]
-    return matrix[:, index]

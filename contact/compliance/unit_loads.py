@@ -6,7 +6,7 @@ Segments on different tooth pairs are coupled through the bodies of the members 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +24,13 @@ class Loads:
     Parameters
     ----------
     own
-        Whitened (n, k): the inner products of rows are bending compliances of segments on one tooth pair.
+        Whitened, in parts (n, k): the inner products of rows, summed over the parts, are bending compliances of
+        segments on one tooth pair. They are not one array, which would take longer to fill than to use.
     on_bodies
         In the modes of the bodies of both members (n, q).
     """
 
-    own: Array
+    own: tuple[Array, ...]
     on_bodies: Array
 
 
@@ -72,26 +73,29 @@ class UnitLoads:
         blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
         shared = None
         if self.coupling is not None:
-            shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, "on_bodies"))
+            on_edges = None if self.on_edges is None else self.on_edges.on_bodies
+            shared = self.coupling.shared_modes(numbers, blocks, _rows(rows, self.on_lines.on_bodies, on_edges))
         return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks], shared)
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""
-        if np.any(rows >= len(self.on_lines.own)):
-            return compressed_block(self._rows(rows, "own"))
+        if self.on_edges is not None and np.any(rows >= len(self.on_lines.on_bodies)):
+            return compressed_block(self._own(rows))
         key = rows.tobytes()
         if key not in self.known:
-            self.known[key] = compressed_block(self.on_lines.own[rows])
+            self.known[key] = compressed_block(self._own(rows))
         return self.known[key]
 
-    def _rows(self, rows: NDArray[np.int64], name: Literal["own", "on_bodies"]) -> Array:
-        """Loads of the segments of given numbers (s), in any order of lines and edges."""
-        lines: Array = getattr(self.on_lines, name)
-        on_edges = rows >= len(lines)
-        if not np.any(on_edges):
-            return lines[rows]
-        assert self.on_edges is not None
-        edges: Array = getattr(self.on_edges, name)
-        result = np.empty((rows.size, lines.shape[1]))
-        result[~on_edges], result[on_edges] = lines[rows[~on_edges]], edges[rows[on_edges] - len(lines)]
-        return result
+    def _own(self, rows: NDArray[np.int64]) -> Array:
+        lines = self.on_lines.own
+        edges = (None,) * len(lines) if self.on_edges is None else self.on_edges.own
+        return np.concatenate([_rows(rows, *parts) for parts in zip(lines, edges, strict=True)], axis=1)
+
+
+def _rows(rows: NDArray[np.int64], lines: Array, edges: Array | None) -> Array:
+    """Rows of given numbers (s), in any order of lines and edges."""
+    if edges is None or not np.any(on_edges := rows >= len(lines)):
+        return lines[rows]
+    result = np.empty((rows.size, lines.shape[1]))
+    result[~on_edges], result[on_edges] = lines[rows[~on_edges]], edges[rows[on_edges] - len(lines)]
+    return result
