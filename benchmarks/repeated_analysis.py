@@ -93,7 +93,7 @@ def tasks() -> Iterator[tuple[str, Callable[[], Any]]]:
 
 def processes(repetitions: int) -> Iterator[tuple[str, float]]:
     """Processor time of commands as processes [s], least of all."""
-    program = [sys.executable, "-c", "from easeoff.study.cli import main; main()"]
+    program = [sys.executable, "-c", "from easeoff.study.cli import program; program()"]
     # As users have it: modules are compiled once.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     with TemporaryDirectory() as folder:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import shutil
@@ -21,6 +22,7 @@ from easeoff.contact import read_labels, read_problems
 from easeoff.friction import available_lubricants
 from easeoff.study import shipped_deviations
 from easeoff.study.cli import main
+from easeoff.study.cli.command import PROGRAM
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
 WEAR = ["wear", "nasa-12x36", "--torque", "5", "--revolutions", "1"]
@@ -388,6 +390,15 @@ def test_help_imports_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_only_a_process_that_ends_with_a_command_is_never_searched_for_garbage() -> None:
+    for of_process, frozen in ((PROGRAM, True), (None, False)):
+        assert gc.get_freeze_count() == 0
+        done = CliRunner().invoke(main, ["cases"], obj=of_process)
+        count = gc.get_freeze_count()
+        gc.unfreeze()
+        assert (done.exit_code, gc.isenabled(), count > 0) == (0, True, frozen)
 
 
 def test_help_names_commands_in_whole_sentences() -> None:

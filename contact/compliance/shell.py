@@ -217,7 +217,7 @@ class Shell:
     def _work(
         self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None, offset: ArrayLike | None
     ) -> tuple[list[int], FloatArray]:
-        """The fields that feel loads, ascending, and the work on their trial functions (points, field, height, length)."""
+        """Fields that feel loads, ascending, and the work on their trial functions (points, field, height, length)."""
         direction = np.asarray(direction, dtype=np.float64)
         if direction.ndim == 0 or direction.shape[-1] != 3:
             raise InputError(f"direction of shape {direction.shape}: must have a last axis of length 3")
@@ -308,4 +308,3 @@ class Shell:
         """
         whitened = self.whiten(load_vectors)
         return np.asarray(whitened.T @ whitened)
-

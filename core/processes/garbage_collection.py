@@ -8,8 +8,13 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def without_garbage_collection() -> Iterator[None]:
+def without_garbage_collection(*, at_all: bool = False) -> Iterator[None]:
     """Leave the search to the end of this context: it takes a thirtieth of the time of an analysis.
+
+    Parameters
+    ----------
+    at_all
+        Whether the process ends after it: what it has made until then is never searched.
 
     Examples
     --------
@@ -24,5 +29,7 @@ def without_garbage_collection() -> Iterator[None]:
     try:
         yield
     finally:
+        if at_all:
+            gc.freeze()
         if searches:
             gc.enable()

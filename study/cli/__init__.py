@@ -17,6 +17,7 @@ import click
 from ...core import printable
 from ...core.compiled.compiled_use import compilation_told
 from ...core.errors import EaseoffError
+from .command import PROGRAM
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .inputs.case_commands import cases, convert, design
@@ -156,3 +157,8 @@ for _command in (
     completion,
 ):
     main.add_command(_command)
+
+
+def program() -> None:
+    """Run a command in a process that does nothing else, and ends with it."""
+    main(obj=PROGRAM)
