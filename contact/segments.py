@@ -230,7 +230,7 @@ class LineSegments:
         bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
         members = zip(self.spread, points, strict=False)  # no spread deflection beside plates
         spread = [one.loads(self.fields, points[1], loaded, weights).T for one, loaded in members]
-        return Loads((*bending, *spread, (ends @ weights).T), on_bodies)
+        return Loads((*bending, np.concatenate([*spread, (ends @ weights).T], axis=1)), on_bodies)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:

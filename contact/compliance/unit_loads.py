@@ -5,6 +5,7 @@ Segments on different tooth pairs are coupled through the bodies of the members 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -73,29 +74,30 @@ class UnitLoads:
         blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
         shared = None
         if self.coupling is not None:
-            on_edges = None if self.on_edges is None else self.on_edges.on_bodies
-            shared = self.coupling.shared_modes(numbers, blocks, _rows(rows, self.on_lines.on_bodies, on_edges))
+            shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, lambda loads: (loads.on_bodies,)))
         return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks], shared)
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""
-        if self.on_edges is not None and np.any(rows >= len(self.on_lines.on_bodies)):
-            return compressed_block(self._own(rows))
+        if np.any(rows >= len(self.on_lines.on_bodies)):
+            return compressed_block(self._rows(rows, _own))
         key = rows.tobytes()
         if key not in self.known:
-            self.known[key] = compressed_block(self._own(rows))
+            self.known[key] = compressed_block(self._rows(rows, _own))
         return self.known[key]
 
-    def _own(self, rows: NDArray[np.int64]) -> Array:
-        lines = self.on_lines.own
-        edges = (None,) * len(lines) if self.on_edges is None else self.on_edges.own
-        return np.concatenate([_rows(rows, *parts) for parts in zip(lines, edges, strict=True)], axis=1)
+    def _rows(self, rows: NDArray[np.int64], parts: Callable[[Loads], tuple[Array, ...]]) -> Array:
+        """Rows of given numbers (s), those on lines first, of parts of the loads side by side."""
+        lines = parts(self.on_lines)
+        count = int(np.count_nonzero(rows < len(lines[0])))
+        result = np.empty((rows.size, sum(part.shape[1] for part in lines)))
+        np.concatenate([part[rows[:count]] for part in lines], axis=1, out=result[:count])
+        if count < rows.size:
+            assert self.on_edges is not None
+            beyond = rows[count:] - len(lines[0])
+            np.concatenate([part[beyond] for part in parts(self.on_edges)], axis=1, out=result[count:])
+        return result
 
 
-def _rows(rows: NDArray[np.int64], lines: Array, edges: Array | None) -> Array:
-    """Rows of given numbers (s), in any order of lines and edges."""
-    if edges is None or not np.any(on_edges := rows >= len(lines)):
-        return lines[rows]
-    result = np.empty((rows.size, lines.shape[1]))
-    result[~on_edges], result[on_edges] = lines[rows[~on_edges]], edges[rows[on_edges] - len(lines)]
-    return result
+def _own(loads: Loads) -> tuple[Array, ...]:
+    return loads.own
