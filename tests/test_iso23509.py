@@ -224,6 +224,22 @@ def test_offset_methods_without_offset_give_the_bevel_cones(design: BlankDesign)
         assert member.pitch_apex == pytest.approx(0.0, abs=1e-10)
 
 
+@pytest.mark.parametrize("design", [HYPOID, HOBBED], ids=["milled", "hobbed"])
+@pytest.mark.parametrize("shaft_angle", SHAFT_ANGLES)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_gleason_cones_tend_to_the_bevel_cones_with_the_offset(
+    design: BlankDesign, shaft_angle: float, sign: float
+) -> None:
+    """Method 1 has no cones without offset; with small ones they differ from those of method 0 in proportion."""
+    angle = math.radians(shaft_angle)
+    bevel = blank_dimensions(replace(design, method=0, shaft_angle=angle, hypoid_offset=0.0))
+    offsets = np.array([2.0, 0.2, 0.02, 0.002])
+    hypoid = [blank_dimensions(replace(design, shaft_angle=angle, hypoid_offset=sign * one)) for one in offsets]
+    for member in ("pinion", "gear"):
+        apart = [getattr(one, member).pitch_angle - getattr(bevel, member).pitch_angle for one in hypoid]
+        np.testing.assert_allclose(np.array(apart[1:]) / offsets[1:], apart[0] / offsets[0], rtol=0.03)
+
+
 # --- face and root cones ----------------------------------------------------------------------------------------------
 
 

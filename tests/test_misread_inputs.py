@@ -17,7 +17,12 @@ from easeoff.cases.conversion import blank_design
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly
 from easeoff.study.cli import main
-from easeoff.study.design.design_advice import cutter_radius_advice, offset_advice, small_target_advice
+from easeoff.study.design.design_advice import (
+    cutter_radius_advice,
+    limit_pressure_angle_advice,
+    offset_advice,
+    small_target_advice,
+)
 from easeoff.verification.yardsticks.flank_rows import flank_rows
 from easeoff.verification.yardsticks.row_meaning import closing
 from easeoff.verification.yardsticks.verification_row import VerificationRow
@@ -137,6 +142,18 @@ def test_a_positive_offset_is_below_centre_for_a_left_hand_pinion_and_enlarges_i
     assert bool(told) == (offset < 0.0)
     if told:
         assert f"the {hand}-hand pinion lies {'above' if above else 'below'} centre and has the smaller" in told[0]
+
+
+@pytest.mark.parametrize(("offset", "told"), [(60.0, True), (20.0, False)])
+def test_a_small_generated_pressure_angle_is_told(offset: float, told: bool) -> None:
+    """The limit pressure angle of a wide offset leaves the drive flank little; what the advice names helps."""
+    design = changed("fm-11x41", "pair", hypoid_offset=offset)
+    data = replace(basic_data(design), limit_pressure_angle_influence=1.0)
+    found = limit_pressure_angle_advice(data)
+    assert bool(found) == told
+    if told:
+        assert "generated drive pressure angle of" in found[0]
+        assert not limit_pressure_angle_advice(replace(data, nominal_drive_pressure_angle=math.radians(40.0)))
 
 
 def row(quantity: str, difference: float) -> VerificationRow:

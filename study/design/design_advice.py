@@ -10,20 +10,31 @@ from ...geometry.design.blank import BlankDesign, blank_dimensions
 
 FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 CUTTER_RADIUS_RATIO = 1.5  # over the gear's mean cone distance; pairs in use lie between 0.7 and 1.2
+LEAST_PRESSURE_ANGLE = 10.0  # generated [deg]; next to it a slot has parallel walls
 LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
 
 def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
-    """Advice, in one line or none, on pressure angles that leave out the limit pressure angle of a hypoid pair."""
-    if basic_data.hypoid_offset == 0.0 or basic_data.limit_pressure_angle_influence > 0.0:
+    """Advice, in one line or none, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
+    if basic_data.hypoid_offset == 0.0:
         return []
     try:
-        limit = math.degrees(blank_dimensions(basic_data).limit_pressure_angle)
+        blank = blank_dimensions(basic_data)
     except GeometryError:
         return []
+    limit = math.degrees(blank.limit_pressure_angle)
+    if not basic_data.limit_pressure_angle_influence > 0.0:
+        return [
+            f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: "
+            "1 gives drive and coast flanks pressure angles that allow for it"
+        ]
+    generated = {"drive": blank.generated_drive_pressure_angle, "coast": blank.generated_coast_pressure_angle}
     return [
-        f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: 1 "
-        "gives drive and coast flanks pressure angles that allow for it"
+        f"the generated {side} pressure angle of {math.degrees(angle):.1f} degrees is small, as the limit pressure "
+        f"angle of this offset is {limit:.1f} degrees: a smaller hypoid_offset or a larger "
+        f"nominal_{side}_pressure_angle helps"
+        for side, angle in generated.items()
+        if math.degrees(angle) < LEAST_PRESSURE_ANGLE
     ]
 
 

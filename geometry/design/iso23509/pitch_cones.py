@@ -21,6 +21,11 @@ from .blank_design import BlankDesign
 from .cones import PitchCones
 from .crown_gear import crown_gear
 
+#: Step of the search for pitch cones, and how far it goes [rad].
+SEARCH_STEP, FARTHEST_ANGLE = 0.004, 0.8
+#: Relative mismatch up to which a change of sign is a root, and no pole; with small offsets it is rounding.
+ROOT_MISMATCH = 1e-6
+
 
 def pitch_cones(design: BlankDesign) -> PitchCones:
     """Pitch cones by the method of the design.
@@ -122,13 +127,15 @@ def _gleason(design: BlankDesign) -> PitchCones:
             face_width_factor=(outer / (2.0 * math.sin(gear)) - distance) / design.gear_face_width,
         )
 
-    def mismatch(gear_offset_angle: float) -> float:
-        trial = cones(gear_offset_angle)
+    def mismatch(trial: PitchCones) -> float:
         crown = crown_gear(design, trial.gear_pitch_angle, trial.gear_mean_cone_distance, trial.gear_mean_spiral_angle)
         return crown.mean_radius_of_curvature * trial.limit_curvature - 1.0
 
     reach = radius * (math.tan(first) * math.cos(excess) - math.sin(excess)) + pinion_radius
-    return cones(_nearest_root(mismatch, math.atan2(offset, reach), design))
+    start = math.atan2(offset, reach)
+    # Of the size of the offset is also the range of angles in which cones exist.
+    step, farthest = min(SEARCH_STEP, abs(start) / 50.0), min(FARTHEST_ANGLE, 4.0 * abs(start))
+    return _nearest_cones(cones, mismatch, start, design, step, farthest)
 
 
 def _oerlikon(design: BlankDesign) -> PitchCones:
@@ -142,17 +149,18 @@ def _oerlikon(design: BlankDesign) -> PitchCones:
     diameter = design.gear_mean_pitch_diameter
     cutter = design.cutter_radius
 
-    def mismatch(gear_pitch_angle: float) -> float:
-        trial = _touching_cones(design, gear_pitch_angle, diameter)
+    def cones(gear_pitch_angle: float) -> PitchCones:
+        return _touching_cones(design, gear_pitch_angle, diameter)
+
+    def mismatch(trial: PitchCones) -> float:
         distance = trial.gear_mean_cone_distance
-        crown = crown_gear(design, gear_pitch_angle, distance, trial.gear_mean_spiral_angle)
+        crown = crown_gear(design, trial.gear_pitch_angle, distance, trial.gear_mean_spiral_angle)
         # polar angle of the cutter centre about the gear apex, counted from the gear's cone element
         course = trial.gear_mean_spiral_angle - crown.cutter_lead_angle
         polar = math.atan2(cutter * math.cos(course), distance - cutter * math.sin(course))
         return distance * math.sin(polar) / math.sin(trial.offset_angle + polar) / trial.pinion_mean_cone_distance - 1.0
 
-    angle = _nearest_root(mismatch, _bevel_gear_angle(design), design)
-    return _touching_cones(design, angle, diameter)
+    return _nearest_cones(cones, mismatch, _bevel_gear_angle(design), design)
 
 
 def _klingelnberg(design: BlankDesign) -> PitchCones:
@@ -164,8 +172,8 @@ def _klingelnberg(design: BlankDesign) -> PitchCones:
         diameter = outer - design.gear_face_width * math.sin(gear_pitch_angle)
         return _touching_cones(design, gear_pitch_angle, diameter)
 
-    def mismatch(gear_pitch_angle: float) -> float:
-        trial = cones(gear_pitch_angle)
+    def mismatch(trial: PitchCones) -> float:
+        gear_pitch_angle = trial.gear_pitch_angle
         distance, spiral = trial.gear_mean_cone_distance, trial.gear_mean_spiral_angle
         lead = crown_gear(design, gear_pitch_angle, distance, spiral).cutter_lead_angle
         lean = math.atan(math.sin(gear_pitch_angle) * math.tan(trial.axial_offset_angle))
@@ -180,7 +188,7 @@ def _klingelnberg(design: BlankDesign) -> PitchCones:
         required = cutter_term * gear_term / (offset_term * reach + cutter_term * pinion_term)
         return required / trial.pinion_mean_cone_distance - 1.0
 
-    return cones(_nearest_root(mismatch, _bevel_gear_angle(design), design))
+    return _nearest_cones(cones, mismatch, _bevel_gear_angle(design), design)
 
 
 def _bevel_gear_angle(design: BlankDesign) -> float:
@@ -241,29 +249,40 @@ def _touching_cones(design: BlankDesign, gear_pitch_angle: float, gear_mean_diam
     )
 
 
-def _nearest_root(
-    mismatch: Callable[[float], float], start: float, design: BlankDesign, step: float = 0.004, reach: float = 0.8
-) -> float:
-    """Root nearest to a starting angle [rad]; sign changes through a pole or outside the domain are passed over."""
+def _nearest_cones(
+    cones: Callable[[float], PitchCones],
+    mismatch: Callable[[PitchCones], float],
+    start: float,
+    design: BlankDesign,
+    step: float = SEARCH_STEP,
+    farthest: float = FARTHEST_ANGLE,
+) -> PitchCones:
+    """Cones without mismatch whose angle [rad] is nearest to a starting one.
+
+    Sign changes through a pole, outside the domain or between cones that are none are passed over.
+    """
     from scipy.optimize import brentq
 
     def value(angle: float) -> float:
         try:
-            return mismatch(angle)
+            trial = cones(angle)
+            if not min(trial.pinion_pitch_angle, trial.gear_pitch_angle) > 0.0:
+                return math.nan
+            return mismatch(trial)
         except (ValueError, ZeroDivisionError, GeometryError):  # no such cones
             return math.nan
 
     ends = {1.0: (start, value(start)), -1.0: (start, value(start))}
-    for count in range(1, int(reach / step)):
+    for count in range(1, int(farthest / step)):
         for side, (last, last_value) in ends.items():
             angle = start + side * count * step
             now = value(angle)
             if last_value == 0.0:
-                return last
+                return cones(last)
             if last_value * now < 0.0:
                 root = float(brentq(value, last, angle, xtol=1e-16))
-                if abs(value(root)) < 1e-9:
-                    return root
+                if abs(value(root)) < ROOT_MISMATCH:
+                    return cones(root)
             ends[side] = (angle, now)
     raise GeometryError(
         f"method {design.method}: no pitch cones suit cutter_radius = {design.cutter_radius:g} mm with "
