@@ -15,7 +15,7 @@ LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
 
 def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
-    """Advice, in one line or none, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
+    """Advice, a line each, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
     if basic_data.hypoid_offset == 0.0:
         return []
     try:

@@ -134,7 +134,7 @@ def _gleason(design: BlankDesign) -> PitchCones:
     reach = radius * (math.tan(first) * math.cos(excess) - math.sin(excess)) + pinion_radius
     start = math.atan2(offset, reach)
     # Of the size of the offset is also the range of angles in which cones exist.
-    step, farthest = min(SEARCH_STEP, abs(start) / 50.0), min(FARTHEST_ANGLE, 4.0 * abs(start))
+    step, farthest = min(SEARCH_STEP, abs(start) / 50.0), min(FARTHEST_ANGLE, 8.0 * abs(start))
     return _nearest_cones(cones, mismatch, start, design, step, farthest)
 
 
