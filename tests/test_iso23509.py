@@ -240,6 +240,16 @@ def test_gleason_cones_tend_to_the_bevel_cones_with_the_offset(
         np.testing.assert_allclose(np.array(apart[1:]) / offsets[1:], apart[0] / offsets[0], rtol=0.03)
 
 
+def test_a_search_for_cones_without_success_names_what_to_change() -> None:
+    with pytest.raises(GeometryError, match=r"number_of_blade_groups = \d+: too many for cutter_radius"):
+        blank_dimensions(replace(HOBBED, number_of_teeth=(7, 8), hypoid_offset=-0.4))
+    # Between two angles with a change of sign, some have no cones.
+    wide: dict[str, Any] = {"number_of_teeth": (12, 30), "hypoid_offset": 14.4482, "mean_spiral_angle": 0.8272}
+    wide |= {"gear_outer_pitch_diameter": 60.5725, "gear_face_width": 8.8226, "cutter_radius": 56.7111}
+    with pytest.raises(GeometryError, match="no pitch cones suit cutter_radius"):
+        blank_dimensions(replace(KLINGELNBERG, **wide))
+
+
 # --- face and root cones ----------------------------------------------------------------------------------------------
 
 

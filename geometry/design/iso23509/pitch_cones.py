@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 
 from ....core.errors import GeometryError, InputError
 from .blank_design import BlankDesign
@@ -266,9 +267,8 @@ def _nearest_cones(
     def value(angle: float) -> float:
         try:
             trial = cones(angle)
-            if not min(trial.pinion_pitch_angle, trial.gear_pitch_angle) > 0.0:
-                return math.nan
-            return mismatch(trial)
+            angles_exist = min(trial.pinion_pitch_angle, trial.gear_pitch_angle) > 0.0
+            return mismatch(trial) if angles_exist and 0.0 < trial.face_width_factor < 1.0 else math.nan
         except (ValueError, ZeroDivisionError, GeometryError):  # no such cones
             return math.nan
 
@@ -280,10 +280,13 @@ def _nearest_cones(
             if last_value == 0.0:
                 return cones(last)
             if last_value * now < 0.0:
-                root = float(brentq(value, last, angle, xtol=1e-16))
-                if abs(value(root)) < ROOT_MISMATCH:
-                    return cones(root)
+                with suppress(ValueError):  # between them are angles without cones
+                    root = float(brentq(value, last, angle, xtol=1e-16))
+                    if abs(value(root)) < ROOT_MISMATCH:
+                        return cones(root)
             ends[side] = (angle, now)
+    with suppress(ValueError, ZeroDivisionError):
+        mismatch(cones(start))  # a cutter that suits no cones is told in its own words
     raise GeometryError(
         f"method {design.method}: no pitch cones suit cutter_radius = {design.cutter_radius:g} mm with "
         f"hypoid_offset = {design.hypoid_offset:g} mm and this mean spiral angle; change one of them"
