@@ -21,7 +21,8 @@ FILE_SIZE_LIMIT = 2**30  # [bytes] of a written file
 END_TIME_LIMIT = 10.0  # [s] in which processes started by an ended one must be gone
 
 #: What the console script runs, without the current folder on the path of modules.
-FRESH = [sys.executable, "-P", "-c", "from easeoff.study.cli import main; main(prog_name='easeoff')"]
+CONSOLE_SCRIPT = "import sys; sys.argv[0] = 'easeoff'; from easeoff.study.cli import program; program()"
+FRESH = [sys.executable, "-P", "-c", CONSOLE_SCRIPT]
 
 
 @dataclass(frozen=True)
