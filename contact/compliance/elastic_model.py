@@ -254,8 +254,7 @@ def unit_loads(
         height, arc, direction = splines.evaluate(names, at).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
-        loads = tooth.mid_surface_loads(height, arc, np.moveaxis(direction, 0, -1), weights)
-        own.append(tooth.whitened_on_mid_surface(loads))
+        own.append(tooth.whitened_mid_surface_loads(height, arc, np.moveaxis(direction, 0, -1), weights))
     return own, np.concatenate([np.empty((points[0].shape[1], 0)), *on_bodies], axis=1)
 
 

@@ -207,12 +207,23 @@ class Shell:
         vectors[..., fields, :, :] = work
         return vectors.reshape(*work.shape[:-3], self.size)
 
-    def mid_surface_loads(
+    def whitened_mid_surface_loads(
         self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None = None
     ) -> FloatArray:
-        """As ``load_vectors`` on the mid-surface, without the ``idle_size`` degrees of freedom that feel nothing."""
+        """Whitened unit loads on the mid-surface, as ``whiten`` of ``load_vectors`` without the rows that are zero.
+
+        Parameters
+        ----------
+        x, y, direction, weights
+            As of ``load_vectors``, of loads (n).
+
+        Returns
+        -------
+        Array
+            A row for each load (n, n_dof - idle_size); the inner products of rows are the compliances [mm/N].
+        """
         _fields, work = self._work(x, y, direction, weights, None)
-        return work.reshape(*work.shape[:-3], self.size - self.idle_size)
+        return self._whitened(work.reshape(*work.shape[:-3], self.size - self.idle_size))
 
     def _work(
         self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None, offset: ArrayLike | None
@@ -276,11 +287,11 @@ class Shell:
         if vectors[:, self._order[:idle]].any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
-        felt = self.whitened_on_mid_surface(vectors[:, self._order[idle:]])
+        felt = self._whitened(vectors[:, self._order[idle:]])
         return np.concatenate([np.zeros((idle, len(vectors))), felt.T])
 
-    def whitened_on_mid_surface(self, loads: FloatArray) -> FloatArray:
-        """As ``whiten`` of ``mid_surface_loads``, without the rows that are zero; a row each, as the loads."""
+    def _whitened(self, loads: FloatArray) -> FloatArray:
+        """Whitened loads from their work on the degrees of freedom that feel them, a row each."""
         from scipy.linalg.blas import dtrmm
 
         if not loads.size:

@@ -79,12 +79,13 @@ class UnitLoads:
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""
-        if np.any(rows >= len(self.on_lines.on_bodies)):
-            return compressed_block(self._rows(rows, _own))
         key = rows.tobytes()
-        if key not in self.known:
-            self.known[key] = compressed_block(self._rows(rows, _own))
-        return self.known[key]
+        if key in self.known:
+            return self.known[key]
+        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
+        if np.all(rows < len(self.on_lines.on_bodies)):
+            self.known[key] = compressed
+        return compressed
 
     def _rows(self, rows: NDArray[np.int64], parts: Callable[[Loads], tuple[Array, ...]]) -> Array:
         """Rows of given numbers (s), those on lines first, of parts of the loads side by side."""
@@ -97,7 +98,3 @@ class UnitLoads:
             beyond = rows[count:] - len(lines[0])
             np.concatenate([part[beyond] for part in parts(self.on_edges)], axis=1, out=result[count:])
         return result
-
-
-def _own(loads: Loads) -> tuple[Array, ...]:
-    return loads.own
