@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
-import importlib
 import os
 import shutil
+import sys
 import tempfile
 from collections import defaultdict
+from collections.abc import Iterator
 from typing import Any, cast
 
 import pytest
@@ -17,18 +17,18 @@ from hypothesis import HealthCheck, settings
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 os.environ["EASEOFF_PROGRESS"] = "off"  # lines of progress come by the clock
+# The methods in numpy, whatever this machine has compiled; tests of compiled functions ask for them, see ``kernels``.
+os.environ["EASEOFF_COMPILED"] = "0"
+# Modules are read by two workers and by all processes that tests start: their byte code is kept.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # Condensed teeth of the tests are not the user's.
 if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker takes the folder of the process that started it
     CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")
     atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
     os.environ["EASEOFF_CACHE"] = CACHE
 
-
-COMPILED_MODULES = (
-    "easeoff.contact.solvers.compiled.newton_kernel",
-    "easeoff.contact.lines.spline_kernel",
-    "easeoff.contact.evaluation.least_gap_kernel",
-)
+import kernels  # noqa: E402  # with the environment above
 
 # No test is judged by the clock. ``make random`` takes the second profile: other examples, and more of them.
 CALM: dict[str, Any] = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
@@ -48,14 +48,18 @@ def patience() -> None:
                 cast(dict[str, Any], solver.settings)[key] = 3600.0
 
 
-def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile before the workers start: the first tests would else use the methods in numpy, with other last digits."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        from easeoff.core.compiled.compiled_use import compiling
+@pytest.fixture
+def kernels_in_python() -> Iterator[None]:
+    """Run compiled functions as the Python that they are written in."""
+    with kernels.in_python():
+        yield
 
-        with compiling(), contextlib.suppress(ImportError):
-            for module in COMPILED_MODULES:
-                importlib.import_module(module)
+
+@pytest.fixture
+def compiled_kernels() -> Iterator[None]:
+    """Compile what a test uses of the compiled functions, unless the same files are compiled on this machine."""
+    with kernels.compiled():
+        yield
 
 
 @pytest.hookimpl(tryfirst=True)

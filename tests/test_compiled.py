@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import kernels
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -21,6 +23,7 @@ from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.solvers import registry
 from easeoff.contact.solvers.compiled import compiled_answer
 from easeoff.contact.solvers.compiled.compiled_answer import (
+    CompiledAnswer,
     compiled_code,
     line_contact_answers,
     linear_answer,
@@ -32,7 +35,7 @@ from easeoff.verification import PROBLEM_CLASSES, problems
 Array = NDArray[np.float64]
 STEEL = Material(206000.0, 0.3)
 
-pytestmark = pytest.mark.skipif(compiled_code() is None, reason="numba is not installed")
+pytestmark = pytest.mark.usefixtures("kernels_in_python")
 
 
 def modal(problem: ContactProblem) -> ContactProblem:
@@ -323,6 +326,32 @@ def test_statuses_have_numbers_in_arrays() -> None:
 
 
 @pytest.mark.thorough
+def test_compiled_code_is_its_source() -> None:
+    """On all classes of problems, lines of every size and line contact; its sums may be taken in another order."""
+    given = [*chain.from_iterable(problems(name, 10, 11) for name in PROBLEM_CLASSES)]
+    given += [modal(lines(size, phase)) for size in (60, 151, 400) for phase in (-0.9, 0.4)]
+    soft, contact = lines(62, 0.1), contact_of(62, 3, edges=True)
+    basis = modal_basis(soft.compliance[1])
+    bending = ContactProblem.of_modes(soft.separation, soft.lever_arm, 1e6, np.zeros(62), basis)
+
+    def answers() -> list[CompiledAnswer | None]:
+        return [*map(linear_answer, given), *line_contact_answers([bending], contact.parameters)]
+
+    expected = answers()
+    with kernels.compiled():
+        assert compiled_code().solve_batch.signatures
+        found = answers()
+    assert sum(answer is not None for answer in found) > 100
+    for mine, other in zip(found, expected, strict=True):
+        assert (mine is None) == (other is None)
+        if mine is not None and other is not None:
+            assert np.abs(mine.answer.force - other.answer.force).max() <= 1e-10 * other.answer.force.max()
+            assert mine.answer.elastic_rotation == pytest.approx(other.answer.elastic_rotation, rel=1e-11)
+            assert mine.secant == pytest.approx(other.secant, rel=1e-10)
+            assert mine.stiffness == pytest.approx(other.stiffness, rel=1e-10, nan_ok=True)
+
+
+@pytest.mark.thorough
 def test_the_process_that_compiles_gives_the_same_bits_as_later_ones(tmp_path: Path) -> None:
     """Inner sums are taken in any order: which copies of them run must not depend on who compiled them."""
     code = """
@@ -335,7 +364,11 @@ case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)
 with compiling():
     print(easeoff.analyze(case, torques=[50.0, 150.0])["loaded/force"].values.tobytes().hex())
 """
-    variables = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    variables = {
+        "EASEOFF_COMPILED": "1",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
     first, second = (
         subprocess.run(
             [sys.executable, "-c", code], env={**os.environ, **variables}, capture_output=True, text=True, check=True
@@ -357,7 +390,8 @@ def test_code_counts_as_kept_where_numba_loads_it(tmp_path: Path) -> None:
     compiling = "from easeoff.core.compiled.compiled_use import compiling\nwith compiling(): import doubled\n"
     plain = "import doubled\nprint(doubled.doubled.stats.cache_hits)\n"
     folders = os.pathsep.join(filter(None, [str(tmp_path), *sys.path]))
-    variables = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": folders}
+    kept = {"EASEOFF_COMPILED": "1", "NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": folders}
+    variables = os.environ | kept
 
     def run(code: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run([sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=False)

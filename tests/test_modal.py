@@ -30,8 +30,7 @@ from easeoff.contact.line_contact.line_contact_law import LineContactLaw
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import modal_newton as method_of_newton
-from easeoff.contact.solvers import problem_batch, registry
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code
+from easeoff.contact.solvers import problem_batch
 from easeoff.contact.solvers.modal_batch import Amplitudes, ModalBatch
 from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
 from easeoff.contact.solvers.native import METHODS
@@ -301,14 +300,11 @@ def test_matrix_is_never_formed(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize(("size", "first"), [(60, "primal_dual_active_set"), (480, "modal")])
 def test_what_is_faster_comes_first(
-    size: int, compressed: bool, first: str, compiled: bool, monkeypatch: pytest.MonkeyPatch
+    size: int, compressed: bool, first: str, compiled: bool, request: pytest.FixtureRequest
 ) -> None:
     """Calling numpy costs the modal method more than small dense matrices cost the active set, compiled it does not."""
-    if not compiled:
-        monkeypatch.setattr(registry, "linear_answer", lambda *_: None)
-    elif compiled_code() is None:
-        pytest.skip("numba is not installed")
-    else:
+    if compiled:
+        request.getfixturevalue("kernels_in_python")
         first = "modal"
     along = np.linspace(-1.0, 1.0, size)
     factor = np.asarray(1e-3 * np.polynomial.legendre.legvander(along, 5), dtype=np.float64)

@@ -97,6 +97,7 @@ def test_lines_are_spaced_evenly_as_each_by_itself() -> None:
     assert np.all(np.isfinite(found))
 
 
+@pytest.mark.usefixtures("kernels_in_python")
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
 def test_compiled_search_of_the_least_gap_is_the_plain_one(name: str) -> None:
     cycle = cycle_of(name)
@@ -108,6 +109,7 @@ def test_compiled_search_of_the_least_gap_is_the_plain_one(name: str) -> None:
     np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * float(np.abs(wanted).max()))
 
 
+@pytest.mark.usefixtures("kernels_in_python")
 def test_analysis_without_compiled_code_has_the_same_numbers() -> None:
     case = read_case("fm-11x41")
     coarse = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 13}

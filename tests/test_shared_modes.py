@@ -46,7 +46,7 @@ from easeoff.contact.solvers.problem_batch import plain_solutions
 
 Array = NDArray[np.float64]
 
-needs_numba = pytest.mark.skipif(compiled_code() is None, reason="numba is not installed")
+pytestmark = pytest.mark.usefixtures("kernels_in_python")
 
 
 def assert_same(found: Any, exact: Any, tolerance: float = 1e-10) -> None:
@@ -249,7 +249,6 @@ def test_arrays_are_solved_as_one_by_one() -> None:
         assert np.abs(together.force[row] - solve(dense(alone)).force).max() <= 1e-11 * together.force[row].max()
 
 
-@needs_numba
 @pytest.mark.parametrize("modes", [6, 36])
 def test_steps_do_not_grow_with_the_segments(modes: int) -> None:
     steps = []
@@ -265,7 +264,6 @@ def test_steps_do_not_grow_with_the_segments(modes: int) -> None:
 # Line contact
 
 
-@needs_numba
 @pytest.mark.parametrize("modes", [1, 6, 24])
 @pytest.mark.parametrize("softness", [1e-12, 1.0, 50.0])
 def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
@@ -306,7 +304,6 @@ def test_line_contact_is_that_of_programmes_on_the_dense_matrix() -> None:
 # Proof
 
 
-@needs_numba
 def test_certificate_of_the_compiled_code_is_that_of_the_plain_one() -> None:
     """Also for answers that are wrong in every way."""
     rng = np.random.default_rng(3)
@@ -334,7 +331,6 @@ def test_certificate_of_the_compiled_code_is_that_of_the_plain_one() -> None:
             assert numbers[2:7] == pytest.approx(other.violations, rel=1e-6, abs=1e-14)
 
 
-@needs_numba
 def test_terms_that_cancel_in_the_shared_modes_widen_the_bound() -> None:
     """Wrenches about a far point: what a block keeps of W is the small difference of large terms."""
     problem = shared_problem(6, pairs=3, columns=6, modes=0, longest=-20)

@@ -94,6 +94,7 @@ def test_polynomials_of_fifth_degree_are_exact() -> None:
 @pytest.mark.parametrize(
     ("count", "power", "within"), [(1, 1.1, 1e-12), (2, 1.1, 1e-12), (3, 1.1, 1e-12), (7, 1.1, 1e-12), (3, 1.6, 1e-10)]
 )
+@pytest.mark.usefixtures("compiled_kernels")  # written for the processor: not to be run as Python
 def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int, power: float, within: float) -> None:
     """At nodes, beside them, beyond the grid and where a point is not finite; whatever stands beside the point."""
     orders = [order for order in ORDERS if max(order) < 3]

@@ -1,0 +1,63 @@
+"""What many tests start from: commands, small cases, and results that are computed once and shared."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from easeoff import analyze, read_case
+from easeoff.cases import case_text
+from easeoff.cases.changes import changed_case
+from easeoff.cases.schema.case_schema import Case
+from easeoff.study.cli import main
+
+#: Keys of [contact] by which an analysis takes a hundredth of a second on shells.
+SMALL = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+
+
+def call(*arguments: object) -> Result:
+    """Run a command of ``easeoff`` in this process."""
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def small(name: str = "nasa-12x36", **contact: Any) -> Case:
+    """A shipped case with few mesh positions, segments and nodes; other keys of [contact] by name."""
+    return changed_case(read_case(name), {f"contact.{key}": value for key, value in (SMALL | contact).items()})
+
+
+def small_text(name: str = "nasa-12x36", more: str = "") -> str:
+    """The text of a shipped case with few mesh positions, segments and nodes, and further lines at its end."""
+    keys = "\n".join(f"{key} = {value}" for key, value in SMALL.items())
+    return case_text(name).replace("[contact]", f"[contact]\n{keys}") + more
+
+
+def small_file(folder: Path, name: str = "nasa-12x36", more: str = "") -> Path:
+    """The file of such a case."""
+    path = folder / f"{name}.toml"
+    path.write_text(small_text(name, more), encoding="utf-8")
+    return path
+
+
+def analysed(name: str = "nasa-12x36", contact: dict[str, Any] | None = None, **keywords: Any) -> xr.DataTree:
+    """The analysis of a small case with keywords of ``analyze``: computed once, a copy each of read-only arrays."""
+    return _analysed(name, json.dumps(contact or {}), json.dumps(keywords, sort_keys=True)).copy(deep=False)
+
+
+@cache
+def _analysed(name: str, contact: str, keywords: str) -> xr.DataTree:
+    return read_only(analyze(small(name, **json.loads(contact)), **json.loads(keywords)))
+
+
+def read_only(tree: xr.DataTree) -> xr.DataTree:
+    """The same tree, whose numbers cannot be changed."""
+    for group in tree.subtree:
+        for variable in group.to_dataset(inherit=False).variables.values():
+            if isinstance(variable.values, np.ndarray):
+                variable.values.flags.writeable = False
+    return tree
