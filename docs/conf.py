@@ -12,6 +12,7 @@ import latex2mathml.converter
 from docutils import nodes
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
 from sphinx.writers.html5 import HTML5Translator
 
 sys.path.insert(0, str(Path(__file__).parent / "make"))
@@ -112,9 +113,18 @@ def visit_math_block(writer: HTML5Translator, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def require_pictures(app: Sphinx, error: Exception | None) -> None:
+    """Refuse examples of the gallery that drew no picture."""
+    pictures = Path(app.srcdir) / "python" / "examples" / "images"
+    for example in sorted((Path(app.srcdir) / "python" / "gallery").glob("*.py")):
+        if error is None and not (pictures / f"sphx_glr_{example.stem}_001.png").exists():
+            raise ExtensionError(f"{example.name} draws no picture")
+
+
 def setup(app: Sphinx) -> None:
     """Add the renderer of formulas, and write the pages of the reference of the interface before all else."""
     app.add_html_math_renderer("mathml", (visit_inline_math, None), (visit_math_block, None))
     app.connect("source-read", with_reading_order)
     app.add_lexer("csv", TextLexer)
+    app.connect("build-finished", require_pictures)
     write_reference_pages(Path(app.srcdir) / "python" / "api")

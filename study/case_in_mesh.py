@@ -133,7 +133,7 @@ class CaseInMesh:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> state = CaseInMesh.of(read_case("nasa-12x36"), flank="coast")
+    >>> state = CaseInMesh.of(read_case("nasa-12x36"))
     >>> state.misaligned(Misalignment(offset=0.1)).pair.assembly.misalignment.offset
     0.1
     >>> state.modified(Modification({"lengthwise_crowning": 5.0})).cycle.lines is state.cycle.lines

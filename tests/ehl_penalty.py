@@ -28,7 +28,7 @@ def films(load: float, speed: float, material: float, modulus: float, viscosity:
     x = _graded(101)
     pressure = np.sqrt(np.maximum(1.0 - x**2, 0.0))
     approach = 1.2 * film - float((0.5 * x**2 + _deflection(x) @ pressure).min())
-    for nodes in (101, 201, 401, 801):
+    for nodes in (101, 251, 601):
         finer = _graded(nodes)
         pressure, x = np.interp(finer, x, np.maximum(pressure, 0.0)), finer
         kernel = _deflection(x)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,8 @@ from easeoff.cases import case_text
 from easeoff.cases.changes import changed_case
 from easeoff.cases.schema.case_schema import Case
 from easeoff.study.cli import main
+
+Computed = TypeVar("Computed", xr.DataTree, xr.Dataset)
 
 #: Keys of [contact] by which an analysis takes a hundredth of a second on shells.
 SMALL = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
@@ -54,10 +56,10 @@ def _analysed(name: str, contact: str, keywords: str) -> xr.DataTree:
     return read_only(analyze(small(name, **json.loads(contact)), **json.loads(keywords)))
 
 
-def read_only(tree: xr.DataTree) -> xr.DataTree:
-    """The same tree, whose numbers cannot be changed."""
-    for group in tree.subtree:
-        for variable in group.to_dataset(inherit=False).variables.values():
+def read_only(result: Computed) -> Computed:
+    """The same tree or dataset, whose numbers cannot be changed."""
+    for group in result.subtree if isinstance(result, xr.DataTree) else [result]:
+        for variable in group.variables.values():
             if isinstance(variable.values, np.ndarray):
                 variable.values.flags.writeable = False
-    return tree
+    return result

@@ -140,8 +140,8 @@ def flank_points(member: str, hand: str, machine: Numbers, edge: Edge, near: Arr
         return touching(member, hand, machine, edge, theta, second)
 
     starts = []
-    for theta in np.linspace(-math.pi, math.pi, 73):
-        for second in np.linspace(0.5, 12.5, 7) if formate else np.linspace(-0.6, 0.6, 13):
+    for theta in np.linspace(-math.pi, math.pi, 25):
+        for second in np.linspace(0.5, 12.5, 5) if formate else np.linspace(-0.6, 0.6, 5):
             with contextlib.suppress(ValueError):  # no point of this blade touches
                 distance, found = point(np.array([theta, second]))
                 # The envelope goes on beyond the tip of the blade, where nothing is cut.

@@ -16,7 +16,7 @@ from easeoff.geometry.pair.gear_pair import GearPair, Member, thickness_per_angl
 from easeoff.geometry.tooth.tooth_flanks import PlacedFlank, placed_flanks, side
 
 Array = NDArray[Any]
-NODES = (61, 41)
+NODES = (41, 27)
 #: On both flanks in one position.
 LEAST_POINTS = 100
 
@@ -65,9 +65,7 @@ def measured_backlash(pair: GearPair, turns: Array) -> float:
     return float(both) * thickness_per_angle(pair.gear)
 
 
-@pytest.mark.parametrize(
-    ("name", "thinner"), [("fm-11x41", 0.0), ("fm-11x41", 0.3), ("nasa-12x36", 0.1), ("fh-design-a", 0.0)]
-)
+@pytest.mark.parametrize(("name", "thinner"), [("fm-11x41", 0.3), ("nasa-12x36", 0.1), ("fh-design-a", 0.0)])
 def test_backlash_is_that_of_points_in_the_slot(name: str, thinner: float) -> None:
     """Within what edges, and positions 0.025 rad apart, differ from the smooth least ease-off."""
     pair = gear_pair(read_case(name))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -62,6 +63,7 @@ BEVEL = replace(HOBBED, method=0, hypoid_offset=0.0, mean_spiral_angle=math.radi
 DESIGNS = {"milled": MILLED, "hobbed": HOBBED, "hobbed bevel": BEVEL}
 
 
+@cache
 def gear(
     design: BlankDesign, hand: Hand = "right", *, corrected: bool = True
 ) -> tuple[BlankDimensions, GeneratingSurface, GeneratingSurface]:

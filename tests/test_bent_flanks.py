@@ -7,14 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from plates import on_plates
 
 import easeoff
-from easeoff.cases import Case
+from easeoff.cases import gear_pair
 from easeoff.contact import lines_in_mesh
 from easeoff.contact.lines.closest_approach import ClosestApproach, closest_approach, one_step
 from easeoff.contact.lines.mesh_lines import gauss_points, lost_contact
-from easeoff.geometry import Deviation, deviated_pair, deviation_from_formula
-from easeoff.study.case_in_mesh import prepared_pair
+from easeoff.geometry import Deviation, GearPair, deviated_pair, deviation_from_formula
 from easeoff.verification import FlanksInMesh, exact_gap, flanks_in_mesh
 
 Array = NDArray[np.float64]
@@ -23,16 +23,14 @@ DEEP = {"slight": 9.0, "deep": 10.0}  # um
 
 
 @cache
-def small_case() -> Case:
-    case = easeoff.read_case("fm-11x41")
-    contact = case.contact.model_copy(update={"mesh_positions": 8, "segments_per_line": 15})
-    return case.model_copy(update={"contact": contact})
+def designed() -> GearPair:
+    return gear_pair(easeoff.read_case("fm-11x41"))
 
 
 @cache
 def dent(depth: float) -> Deviation:
     """A smooth dent of the gear, in which c + a'' comes near to zero."""
-    section = prepared_pair(small_case(), "drive", None).gear.section
+    section = designed().gear.section
     return deviation_from_formula(
         section, lambda t, h: -depth * np.exp(-(((t - CORNER[0]) / 0.12) ** 2) - ((h - CORNER[1]) / 0.08) ** 2)
     )
@@ -40,7 +38,7 @@ def dent(depth: float) -> Deviation:
 
 @cache
 def flanks(depth: float) -> FlanksInMesh:
-    return flanks_in_mesh(deviated_pair(prepared_pair(small_case(), "drive", None), gear=dent(depth)))
+    return flanks_in_mesh(deviated_pair(designed(), gear=dent(depth)))
 
 
 @cache
@@ -102,18 +100,19 @@ def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
         step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).splines, points(9.0)), found(9.0)))
         kept = found(9.0).expanded
         np.testing.assert_array_equal(whole[..., kept], step[..., kept])
-    designed = flanks_in_mesh(prepared_pair(small_case(), "drive", None))
-    mesh = lines_in_mesh(designed.splines, designed.pair.assembly.pinion_pitch, 8)
-    assert np.all(closest_approach(designed.splines, mesh.lines.points).expanded)
-    assert lost_contact(designed.splines, mesh) == 0.0
+    plain = flanks_in_mesh(designed())
+    mesh = lines_in_mesh(plain.splines, plain.pair.assembly.pinion_pitch, 8)
+    assert np.all(closest_approach(plain.splines, mesh.lines.points).expanded)
+    assert lost_contact(plain.splines, mesh) == 0.0
 
 
 def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:
     """A corner that hardly carries: update and surfaces agree, and the result says how many segments were searched."""
+    case = on_plates("fm-11x41", mesh_positions=8, segments_per_line=15, lengthwise_nodes=31, profile_nodes=21)
     swings, levels = [], []
     for deviations in ({}, {"gear": dent(9.0)}):
         for way in ("ease_off", "surface"):
-            tree = easeoff.analyze(small_case(), torques=[200.0], deviations=deviations, deviated=way)  # type: ignore[arg-type]
+            tree = easeoff.analyze(case, torques=[200.0], deviations=deviations, deviated=way)  # type: ignore[arg-type]
             loaded = tree["loaded"].to_dataset()
             assert (int(loaded.attrs["searched_segments"]) > 0) == bool(deviations)
             assert float(loaded["separation"].min()) > -1e-4  # mm

@@ -179,8 +179,7 @@ def test_edge_of_no_radius_is_the_path_of_the_corner() -> None:
         np.testing.assert_allclose(point, expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("coast", [False, True])
-@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize(("hand", "coast"), [("left", False), ("right", True)])
 @pytest.mark.parametrize("radius", [700.0, -700.0, 120.0])
 @pytest.mark.parametrize("hobbed", [False, True])
 def test_conjugate_pinion_of_a_curved_blade_has_no_ease_off(

@@ -7,6 +7,7 @@ import importlib
 import importlib.metadata
 import json
 import math
+import multiprocessing
 import os
 import re
 import shutil
@@ -21,31 +22,34 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner, Result
+from matplotlib.figure import Figure
+from read_here import reading_here
+from runs import call
 from solver_choice import BACKENDS, installed
 
 from easeoff import InputError
 from easeoff.contact import EXACT_TOLERANCE, ContactProblem, read_problems, write_problems
-from easeoff.contact import SOLVERS as SOLVERS_TABLE
 from easeoff.contact import SOLVERS as SOLVER_TABLE
-from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, write_comparison, write_test_set
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_table import RESIDUALS
 from easeoff.study.compare.measurement import environment, worker
 from easeoff.study.compare.measurement.attempt import attempt, load_adapter
 from easeoff.study.compare.measurement.method import Method
-from easeoff.study.compare.presentation.comparison_report import comparison_report
+from easeoff.study.compare.presentation import comparison_figures
+from easeoff.study.compare.presentation.comparison_report import comparison_report, write_report
 from easeoff.study.compare.presentation.former_report import FIGURE_NAMES, TABLE_NAMES
 from easeoff.study.compare.presentation.profile_figures import draw_performance_profile
 from easeoff.study.compare.presentation.time_figures import draw_growth
 from easeoff.study.compare.statistics.method_statistics import by_problem
+from easeoff.study.plot.page import save
 from easeoff.verification import problems
 
 FAKES = ["lie", "stale", "fault", "hang", "fail", "deny"]
 SOLVERS = ["native", *(f"fake_solvers:{name}" for name in FAKES)]
 REPETITIONS = 2
 LIMIT = 3600.0  # no solver of these tests is ended because the machine is busy
+AFRESH = multiprocessing.get_context
 
 
 class Hurried:
@@ -77,6 +81,31 @@ def clock() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module", autouse=True)
+def forked() -> Iterator[None]:
+    """Processes of the solvers come from one that has imported all they need; a test may start one ``AFRESH``.
+
+    Files are read without a process.
+    """
+    server: Any = multiprocessing.get_context("forkserver")
+    server.set_forkserver_preload(["pytest", "qpsolvers", worker.__name__])
+    with pytest.MonkeyPatch.context() as patch, reading_here():
+        patch.setattr(multiprocessing, "get_context", lambda _: server)
+        yield
+
+
+def left_empty(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    return path
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are made, but their files are left empty."""
+    monkeypatch.setattr(comparison_figures, "save", lambda _, path: left_empty(path))
+
+
 def same_size(count: int) -> list[ContactProblem]:
     """Realistic problems of one size: the later ones can start from the active set of the one before."""
     problem = next(problems("realistic", 1, seed=4))
@@ -103,15 +132,22 @@ def dataset(file: Path, folder: Path) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
-    """A comparison with a solver that lies."""
-    solvers = ["fake_solvers:lie"]
+    """A comparison of a solver that lies with an honest one, in all settings."""
+    solvers = ["fake_solvers:lie", "osqp"]
     folder = tmp_path_factory.mktemp("lies")
     return compare([file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, polish=True, raw=True)
 
 
 @pytest.fixture(scope="module")
 def written(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    return write_comparison(dataset, folder)
+    """Files of the report; one figure alone is drawn in all formats, the others as PNG."""
+
+    def saved(figure: Figure, path: Path) -> Path:
+        return save(figure, path) if path.suffix == ".png" or path.stem == "data_profile" else left_empty(path)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(comparison_figures, "save", saved)
+        return write_comparison(dataset, folder)
 
 
 def rows(dataset: xr.Dataset, solver: str) -> Any:
@@ -202,9 +238,8 @@ def test_native_solver_is_certified_and_exact_cold_and_warm(dataset: xr.Dataset)
     assert (warm["iterations"] <= native[native["problem"] == 1]["iterations"].max()).all()
 
 
-def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Path) -> None:
-    table = compare([file], tmp_path, solvers=["osqp"], repetitions=1, polish=True, raw=True)
-    found = table.to_dataframe()
+def test_without_polish_the_answer_is_the_backends_own(lies: xr.Dataset) -> None:
+    found = rows(lies, "osqp")
     assert list(dict.fromkeys(found["settings"])) == ["scaled", "polished", "raw"]
     by_settings = dict(list(found.groupby("settings")))
     assert by_settings["polished"]["polished"].all()
@@ -292,7 +327,8 @@ def test_measurements_of_another_machine_are_stale(
 
     monkeypatch.setattr(importlib.metadata, "version", version)
     if changed == "compiled code":
-        monkeypatch.setattr(environment, "is_used", lambda: False)
+        used = environment.is_used()
+        monkeypatch.setattr(environment, "is_used", lambda: not used)
     if changed == "BLAS":
         library = {"Build Dependencies": {"blas": {"name": "another", "version": "1"}}}
         monkeypatch.setattr(np, "show_config", lambda mode: library)
@@ -452,7 +488,7 @@ def test_backend_gets_the_form_that_solve_gives_it() -> None:
         seen.append(keywords.get("form", "dense"))
         raise RuntimeError
 
-    size = SOLVERS_TABLE["piqp"].lifted_from
+    size = SOLVER_TABLE["piqp"].lifted_from
     assert size is not None
     rng = np.random.default_rng(1)
     pair = (np.full(size, 1e-6), 1e-3 * rng.standard_normal((size, 4)))
@@ -496,7 +532,7 @@ def test_files_name_all_problems_that_failed_and_the_report_the_first(dataset: x
     many.attrs = dataset.attrs
     failures = cells(comparison_report(many), "Failures")[("fake_solvers:hang", "scaled", "cold")]
     assert failures["which"] == "two.nc 0, two.nc 1, two.nc 2, ..."
-    write_comparison(many, tmp_path)
+    write_report(many, tmp_path)
     with (tmp_path / "tables" / "failures.csv").open(newline="", encoding="utf-8") as file:
         found = {row["solver"]: row["which"] for row in csv.DictReader(file)}
     names = ", ".join(f"two.nc {number}" for number in range(6))
@@ -511,6 +547,7 @@ def test_problems_without_a_kind_have_a_column(dataset: xr.Dataset) -> None:
     assert (native["easy"], native["without a kind"]) == ("1 of 1", "1 of 1")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_takes_nothing_over_from_another_in_its_folder(
     file: Path, tmp_path: Path, written: list[Path], folder: Path
 ) -> None:
@@ -522,7 +559,7 @@ def test_a_report_takes_nothing_over_from_another_in_its_folder(
     shutil.copytree(folder, out)
     for name in ("own.csv", "certified_by_kind.csv"):
         (out / "tables" / name).write_text("a,b", encoding="utf-8")
-    arguments = [str(file), "-o", str(out), "--solvers", "native", "--repetitions", "1"]
+    arguments = ["compare", file, "-o", out, "--solvers", "native", "--repetitions", "1"]
     said = call(*arguments)
     assert said.output.count(f"replaced the report of a former comparison in {out}") == 1
     left = {path.name for path in (out / "tables").iterdir()}
@@ -578,7 +615,9 @@ def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> 
     figures = {path.name for path in written if path.parent.name == "figures"}
     names = ("performance_profile", "data_profile", "pairs")  # of two sizes no growth is drawn
     assert figures == {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf", "svg")}
-    assert all(path.stat().st_size > 1000 for path in written if path.parent.name == "figures")
+    drawn = [path for path in written if path.suffix == ".png" or path.stem == "data_profile"]
+    assert len(drawn) == 3 + 2
+    assert all(path.stat().st_size > 1000 for path in drawn)
     problems_of_all = by_problem(dataset)
     (axes,) = draw_performance_profile(dataset, problems_of_all).axes
     heights = {str(line.get_label()): float(np.asarray(line.get_ydata())[-1]) for line in axes.lines}
@@ -599,13 +638,14 @@ def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> 
 # Command line
 
 
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(main, ["compare", *arguments])
-
-
-def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_path: Path) -> None:
-    out = tmp_path / "new" / "out"
-    said = call(str(file), "-o", str(out), "--solvers", "fake_solvers:leave", "--repetitions", "1", "--test-set")
+@pytest.mark.usefixtures("undrawn")
+def test_command_writes_everything_and_is_not_upset_by_failures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(multiprocessing, "get_context", AFRESH)
+    file, out = tmp_path / "one.nc", tmp_path / "new" / "out"
+    write_problems(same_size(1), file)
+    said = call("compare", file, "-o", out, "--solvers", "fake_solvers:leave", "--repetitions", "1", "--test-set")
     assert said.exit_code == 0, said.output
     names = ["report.md", "results.nc", "results.csv"]
     assert set(read_table(out / "results.nc")["message"].values) == {"its process ended with code 3"}
@@ -613,6 +653,17 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
     expected = [*(str(out / name) for name in names), *folders, str(out / "test_set" / "contact_qpbenchmark.py")]
     assert said.output.startswith("".join(f"wrote {path}\n" for path in expected))
     assert sorted(p.name for p in out.iterdir()) == sorted([*names, CHECKPOINT, "tables", "figures", "test_set"])
+
+
+@pytest.fixture(scope="module")
+def wrong(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of files that hold no problems, or one that no answer can be proved of."""
+    folder = tmp_path_factory.mktemp("wrong")
+    (folder / "text.nc").write_text("no problems")
+    xr.load_dataset(file, engine="netcdf4").isel(problem=slice(0)).to_netcdf(folder / "empty.nc", engine="netcdf4")
+    indefinite = np.array([[1e-6, 2e-6], [2e-6, 1e-6]])
+    write_problems([ContactProblem(np.zeros(2), np.full(2, 40.0), 10.0, indefinite)], folder / "indefinite.nc")
+    return folder
 
 
 @pytest.mark.parametrize(
@@ -631,27 +682,22 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
         (["{file}", "--tolerances", "1e-3,0.001"], ["tolerances = 0.001", "twice"]),
         (["{file}", "--tolerances", "fine"], ["fine", "1e-3,1e-6,1e-9"]),
         (["{file}", "--threads", "0"], ["threads = 0"]),
-        (["{tmp}/none.nc"], ["none.nc", "no such file"]),
-        (["{tmp}/text.nc"], ["text.nc", "not a netCDF file"]),
-        (["{tmp}/empty.nc"], ["empty.nc", "no contact problems"]),
-        (["{tmp}/indefinite.nc"], ["indefinite.nc", "problem 0", "negative eigenvalue"]),
+        (["{wrong}/none.nc"], ["none.nc", "no such file"]),
+        (["{wrong}/text.nc"], ["text.nc", "not a netCDF file"]),
+        (["{wrong}/empty.nc"], ["empty.nc", "no contact problems"]),
+        (["{wrong}/indefinite.nc"], ["indefinite.nc", "problem 0", "negative eigenvalue"]),
         (["{file}", "-o", "{file}"], ["two.nc", "is a file"]),
         (["{file}", "-o", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
         ([], ["PROBLEMS"]),
     ],
 )
 def test_mistakes_give_one_message_and_exit_code_2(
-    arguments: list[str], words: list[str], file: Path, tmp_path: Path
+    arguments: list[str], words: list[str], file: Path, wrong: Path, tmp_path: Path
 ) -> None:
-    (tmp_path / "text.nc").write_text("no problems")
-    with xr.open_dataset(file, engine="netcdf4") as opened:
-        opened.load().isel(problem=slice(0)).to_netcdf(tmp_path / "empty.nc", engine="netcdf4")
-    indefinite = np.array([[1e-6, 2e-6], [2e-6, 1e-6]])
-    write_problems([ContactProblem(np.zeros(2), np.full(2, 40.0), 10.0, indefinite)], tmp_path / "indefinite.nc")
-    given = [argument.format(file=file, tmp=tmp_path) for argument in arguments]
+    given = [argument.format(file=file, wrong=wrong) for argument in arguments]
     if "-o" not in given:
         given += ["-o", str(tmp_path / "out")]
-    said = call(*given)
+    said = call("compare", *given)
     assert said.exit_code == 2, said.output
     assert all(word in said.output for word in words), said.output
     assert "Traceback" not in said.output
@@ -662,7 +708,7 @@ def test_missing_solver_is_told_how_to_install_it(file: Path, tmp_path: Path, mo
 
     real = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "highspy" else real(name))
-    said = call(str(file), "--solvers", "highs", "-o", str(tmp_path))
+    said = call("compare", file, "--solvers", "highs", "-o", tmp_path)
     assert said.exit_code == 2
     assert "easeoff[solvers] installs it" in said.output
     assert " install " in said.output
@@ -717,7 +763,7 @@ def test_test_set_holds_the_scaled_problems(file: Path, tmp_path: Path, monkeypa
 
 def test_folder_of_problems_is_refused_with_what_makes_a_file_of_it(tmp_path: Path) -> None:
     (tmp_path / "qps").mkdir()
-    outcome = CliRunner().invoke(main, ["compare", str(tmp_path / "qps"), "-o", str(tmp_path / "out")])
+    outcome = call("compare", tmp_path / "qps", "-o", tmp_path / "out")
     assert outcome.exit_code == 2
     assert f"easeoff convert {tmp_path / 'qps'} -o problems.nc" in " ".join(outcome.output.split())
     assert not (tmp_path / "out").exists()

@@ -11,6 +11,7 @@ import fake_solvers
 import numpy as np
 import pytest
 import qpsolvers
+from read_here import reading_here
 from solver_choice import BACKENDS, installed
 
 from easeoff.contact import SOLVERS, ContactProblem, solve, write_problems
@@ -59,19 +60,30 @@ def tried(name: str, posed: list[PosedProblem], chosen: Choice) -> dict[tuple[An
 
 
 def assert_found_out(name: str, posed: list[PosedProblem]) -> None:
-    for repetitions in (1, 2):
+    """For the one that remembers its answers, the next call is at the next problem or at the same one once more."""
+    for repetitions in (1, 2) if name == "stale" else (1,):
         for at, outcomes in tried(name, posed, choice(repetitions)).items():
             assert {one.claim for one in outcomes} <= {"solved", "raised"}, at
             assert not any(one.certificate.passes(1e-5) for one in outcomes), at
             assert not any(one.polished for one in outcomes), at
 
 
+@pytest.fixture(scope="module")
+def classes(tmp_path_factory: pytest.TempPathFactory) -> list[list[PosedProblem]]:
+    """Two problems of each class, as a comparison reads them."""
+    path, found = tmp_path_factory.mktemp("classes") / "class.nc", []
+    with reading_here():
+        for kind in PROBLEM_CLASSES:
+            loaded = [problem for problem in problems(kind, 2, seed=11) if problem.torque > 0.0 and problem.size > 1]
+            write_problems(loaded, path)
+            found.append(posed_problems(path, kind))
+    return found
+
+
 @pytest.mark.parametrize("name", LIARS)
-def test_liar_is_found_out_on_every_class_of_problem(name: str, tmp_path: Path) -> None:
-    for kind in PROBLEM_CLASSES:
-        loaded = [problem for problem in problems(kind, 2, seed=11) if problem.torque > 0.0 and problem.size > 1]
-        write_problems(loaded, tmp_path / "class.nc")
-        assert_found_out(name, posed_problems(tmp_path / "class.nc", kind))
+def test_liar_is_found_out_on_every_class_of_problem(name: str, classes: list[list[PosedProblem]]) -> None:
+    for posed in classes:
+        assert_found_out(name, posed)
 
 
 @pytest.mark.thorough
@@ -142,8 +154,6 @@ def test_start_is_used(name: str) -> None:
 @pytest.mark.parametrize("name", ["clarabel", "piqp", "highs", "qpalm", "quadprog", "ecos", "pyqpmad"])
 def test_start_is_ignored_by_those_that_are_not_measured_with_one(name: str) -> None:
     """To the bit: a warm start of these would measure noise."""
-    import qpsolvers
-
     assert installed(name) not in STARTING_SOLVERS
     for problem, force in neighbours():
         programme = problem.as_qp(sparse=SOLVERS[name].sparse)

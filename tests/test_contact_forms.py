@@ -13,10 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
+from runs import small
 from solver_choice import LIFTING, installed
 
 from easeoff import InputError
-from easeoff.cases import read_case, shipped_cases
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import (
     SOLVERS,
     ContactProblem,
@@ -143,15 +144,13 @@ def test_every_form_holds_the_degenerate_classes(name: str) -> None:
         try_all_forms(problem)
 
 
-@pytest.mark.parametrize("name", list(shipped_cases()))
+@pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41", "fh-12x41-45"])
 def test_every_form_holds_the_problems_of_shipped_cases(name: str) -> None:
-    case = read_case(name)
-    coarse = {"mesh_positions": 3, "segments_per_line": 11, "lengthwise_nodes": 17, "profile_nodes": 13}
-    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    case = small(name).model_copy(update={"compliance": ComplianceTable(model="shell")})
     solved = contact_analysis(CaseInMesh.of(case), [40.0, 150.0]).cases
-    assert len(solved) == 6
-    for item in solved:
-        problem = item.problem
+    chosen = [item.problem for item in solved if (item.torque + item.mesh_position) % 2 == 0]
+    assert len(chosen) == 3
+    for problem in chosen:
         try_all_forms(problem)
         # The same as diagonal plus factor.
         values, vectors = np.linalg.eigh(problem.dense_compliance)
@@ -276,7 +275,7 @@ def large(size: int = 300) -> ContactProblem:
 @pytest.mark.parametrize("name", LIFTING)
 def test_backends_give_the_same_in_either_form(name: str) -> None:
     installed(name)
-    for problem in [large(), *problems("realistic", 2), *problems("signed_modes", 2), *problems("mixed_arms", 2)]:
+    for problem in [large(), *problems("realistic", 1), *problems("signed_modes", 1), *problems("mixed_arms", 1)]:
         reference = solve(problem)
         for form in ("dense", "lifted", "auto"):
             solution = solve(problem, name, form=form)

@@ -9,13 +9,13 @@ import meshio
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from numpy.typing import NDArray
+from runs import call, read_only
 from scipy.spatial import cKDTree
+from tooth_models import few
 
 import easeoff
 from easeoff import InputError
-from easeoff.study.cli import main
 from easeoff.study.export.contact_mesh import export_contact
 
 Array = NDArray[Any]
@@ -26,7 +26,8 @@ FLANK, OTHER, SEGMENT = 0, 1, 2
 
 @pytest.fixture(scope="module")
 def tree() -> xr.DataTree:
-    return easeoff.analyze("fm-11x41", torques=[60.0, TORQUE], speed=1500.0)
+    case = few("fm-11x41", mesh_positions=4, segments_per_line=21, lengthwise_nodes=31, profile_nodes=15)
+    return read_only(easeoff.analyze(case, torques=[60.0, TORQUE], speed=1500.0))
 
 
 class Written:
@@ -66,8 +67,8 @@ def written(tree: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Writ
 @pytest.fixture(scope="module")
 def here(tree: xr.DataTree) -> xr.Dataset:
     """Loaded segments of the result, in the order of the file: by pair."""
-    found = tree["loaded"].to_dataset().isel(torque=1, mesh_position=8)
-    friction = tree["friction"].to_dataset().isel(torque=1, mesh_position=8, speed=0, temperature=0, roughness=0)
+    found = tree["loaded"].to_dataset().isel(torque=1, mesh_position=1)
+    friction = tree["friction"].to_dataset().isel(torque=1, mesh_position=1, speed=0, temperature=0, roughness=0)
     names = ("film_thickness", "friction_coefficient", "flash_temperature", "bulk_temperature")
     found = found.assign({name: friction[name] for name in names})
     chosen = np.flatnonzero(found["force"].values > 0.0)
@@ -154,7 +155,7 @@ def test_mistakes_name_what_there_is(tree: xr.DataTree, tmp_path: Path) -> None:
         ({"torque": 75.0}, "torque = 75: must be one of the result's: 60, 100 N m"),
         (
             {"mesh_position": 0.26},
-            "mesh_position = 0.26: must be one of the 32 of the result, K/32; the nearest is 0.2",
+            "mesh_position = 0.26: must be one of the 4 of the result, K/4; the nearest is 0.2",
         ),
     ):
         with pytest.raises(InputError) as caught:
@@ -173,10 +174,9 @@ def test_the_command_tells_results_from_cases(tree: xr.DataTree, tmp_path: Path)
     result = tmp_path / "x.nc"
     easeoff.write_result(tree, result)
 
-    def call(*words: object) -> Any:
-        return CliRunner().invoke(main, ["export", *map(str, words)])
-
-    done = call(result, "-o", tmp_path / "x.vtu", "--mesh-position", "0.5", "--torque", "60", "--nodes", "31x15")
+    done = call(
+        "export", result, "-o", tmp_path / "x.vtu", "--mesh-position", "0.5", "--torque", "60", "--nodes", "31x15"
+    )
     assert done.exit_code == 0, done.output
     assert "tooth pairs in contact at 60 N m, mesh position 0.5" in done.output
     assert np.unique(Written(tmp_path / "x.vtu").cells["pair"]).size >= 2
@@ -185,7 +185,7 @@ def test_the_command_tells_results_from_cases(tree: xr.DataTree, tmp_path: Path)
         (("nasa-12x36", "-o", tmp_path / "y.stl", "--mesh-position", "0"), "--mesh-position: must go with a RESULT"),
         ((tmp_path / "no.nc", "-o", tmp_path / "y.vtu"), "there is no such file"),
     ):
-        refused = call(*words)
+        refused = call("export", *words)
         assert refused.exit_code == 2
         assert said in refused.output
     assert not list(tmp_path.glob("y.*"))

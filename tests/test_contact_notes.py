@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from tooth_models import few
 
 import easeoff
 from easeoff.cases import Case, read_supports
@@ -21,12 +22,16 @@ from easeoff.study.report.notes.supports_notes import axial_face, supports_notes
 from easeoff.study.report.summary.result_summary import efficiencies
 from easeoff.study.vh.shifted_patterns import round_values
 
-COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+
+@cache
+def case() -> Case:
+    return few(torques=(100.0,), edge_contact=True)
 
 
-def coarse(name: str) -> Case:
-    case = easeoff.read_case(name)
-    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "friction": None})
+@cache
+def on_lines() -> xr.DataTree:
+    """An analysis without supports, on lines alone."""
+    return easeoff.analyze(case(), edge_contact=False)
 
 
 def one_line(pressure: list[float], end: LineEnd) -> xr.Dataset:
@@ -90,8 +95,8 @@ def supported(name: str, position: float | None = None) -> xr.DataTree:
         first, *others = table.pinion.bearings
         moved = (first.model_copy(update={"position": position}), *others)
         table = table.model_copy(update={"pinion": table.pinion.model_copy(update={"bearings": moved})})
-        return easeoff.analyze(with_supports(coarse("nasa-12x36"), table))
-    return easeoff.analyze(coarse("nasa-12x36"), supports=name)
+        return easeoff.analyze(with_supports(case(), table))
+    return easeoff.analyze(case(), supports=name)
 
 
 def test_supports_of_another_pair_are_told() -> None:
@@ -114,10 +119,9 @@ def test_a_bearing_between_toe_and_heel_is_told() -> None:
 def test_the_face_on_the_axis_is_that_of_the_blank() -> None:
     """Along its axis a face is as long as its middle, between root and face cone, times the cosine of its angle."""
     tree = supported("gearbox-nasa-12x36")
-    case = easeoff.read_case("nasa-12x36")
     for member in ("pinion", "gear"):
         first, last = axial_face(tree, member)
-        blank = getattr(case, member).blank
+        blank = getattr(case(), member).blank
         pitch = np.radians(blank.pitch_angle)
         heel = blank.outer_cone_distance * np.cos(pitch) - blank.pitch_apex_beyond_crossing_point
         assert first < heel - 0.5 * blank.face_width * np.cos(pitch) < last
@@ -132,7 +136,7 @@ def test_bearings_that_share_the_axial_load_in_one_sense_are_told() -> None:
 
 
 def test_no_supports_have_no_note() -> None:
-    assert supports_notes(easeoff.analyze(coarse("nasa-12x36"))) == []
+    assert supports_notes(on_lines()) == []
 
 
 def test_contact_ratios_say_whether_edges_count() -> None:
@@ -140,7 +144,7 @@ def test_contact_ratios_say_whether_edges_count() -> None:
     with_edges = " ".join(result_summary(supported("gearbox-nasa-12x36")).split())
     assert "contact ratio, with edges" in with_edges
     assert "of contact lines alone; under load edges beside them count, too" in with_edges
-    lines = " ".join(result_summary(easeoff.analyze(coarse("nasa-12x36"), edge_contact=False)).split())
+    lines = " ".join(result_summary(on_lines()).split())
     assert "with edges" not in lines
     assert "of contact lines alone" not in lines
 

@@ -26,7 +26,7 @@ from easeoff.verification.flank_contact.surface_cells import cells_on_line
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"
-FEW = LatticeSize(lengthwise=9, upward=5, through=3, slot=1, beside=1, deep=2, overhang=1)
+FEW = LatticeSize(lengthwise=6, upward=4, through=2, slot=1, beside=1, deep=1, overhang=1)
 
 
 @cache

@@ -3,18 +3,37 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
+from easeoff.cases import Case
+
 FINENESS = 0.7  # of the bricks here, for the sake of time: one per cent softer or stiffer
+FEW = {"mesh_positions": 16, "segments_per_line": 21, "lengthwise_nodes": 21, "profile_nodes": 15}
 
 
 @pytest.fixture(scope="module")
 def kept() -> Any:
     """What is kept, and how an analysis differs from it."""
     return importlib.import_module("contact_reference")
+
+
+@pytest.fixture
+def coarse_analyses(kept: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """The same with analyses at no other positions than what is kept, on few segments and nodes."""
+    read_case = kept.easeoff.read_case
+
+    def coarse(name: str) -> Case:
+        case = read_case(name)
+        return case.model_copy(update={"contact": case.contact.model_copy(update=FEW)})
+
+    monkeypatch.setattr(kept.easeoff, "read_case", coarse)
+    kept.analysed.cache_clear()
+    yield kept
+    kept.analysed.cache_clear()
 
 
 def test_kept_contact_balances(kept: Any) -> None:
@@ -46,20 +65,21 @@ def test_finite_elements(kept: Any) -> None:
         assert found.pressure < 3.0
 
 
-def test_finite_elements_where_lines_touch(kept: Any) -> None:
+def test_finite_elements_where_lines_touch(coarse_analyses: Any) -> None:
     """Without edges on either side the split alone is left: load share within 2 %."""
-    for torque in kept.TORQUES["fm-11x41"]:
-        found = kept.difference("fm-11x41", "fe", torque, FINENESS, edges="on lines")
+    for torque in coarse_analyses.TORQUES["fm-11x41"]:
+        found = coarse_analyses.difference("fm-11x41", "fe", torque, 0.5, edges="on lines")
         assert abs(found.mean) < 3.0
         theirs, ours = found.peak_to_peak
         assert ours == pytest.approx(theirs, rel=0.1)
         assert found.share < 2.0
 
 
-def test_edges_are_what_a_line_contact_lacks(kept: Any) -> None:
+def test_edges_are_what_a_line_contact_lacks(coarse_analyses: Any) -> None:
     """Load shares at the toe, where the next tooth pair is met at its edge: off by 6.5 % without, 1.5 % with."""
     without, with_edges = (
-        kept.difference("fm-11x41-toe", "shell", 50.0, edge_contact=edge_contact) for edge_contact in (False, True)
+        coarse_analyses.difference("fm-11x41-toe", "shell", 50.0, edge_contact=edge_contact)
+        for edge_contact in (False, True)
     )
     assert without.share > 5.0
     assert with_edges.share < 3.0
@@ -96,10 +116,10 @@ def test_the_default(kept: Any) -> None:
             assert found.pressure < 3.3
 
 
-def test_shell(kept: Any) -> None:
+def test_shell(coarse_analyses: Any) -> None:
     """On lines alone: mean within 5 % on both pairs and with misalignment; pressure within 5 %."""
-    for name in kept.NAMES:
-        for torque in kept.setting(name)[1]:
-            found = kept.difference(name, "shell", torque, edge_contact=False)
+    for name in coarse_analyses.NAMES:
+        for torque in coarse_analyses.setting(name)[1]:
+            found = coarse_analyses.difference(name, "shell", torque, edge_contact=False)
             assert abs(found.mean) < 5.0
             assert abs(found.peak) < 5.0

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from numpy.typing import NDArray
+from read_here import reading_here
+from runs import call
 from scipy.special import ellipe, ellipk, j1
+from tooth_models import few
 
 import easeoff
 from easeoff.cases import write_case
@@ -41,7 +44,6 @@ from easeoff.friction.contact_temperature.greatest_temperature import (
     searched_greatest,
 )
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import key_numbers
 from easeoff.study.report.summary.result_summary import result_summary
 
@@ -49,6 +51,12 @@ Array = NDArray[Any]
 STEEL = ThermalMaterial()
 POSITIONS = np.array([-0.95, -0.5, 0.0, 0.4, 0.65, 0.95])
 WIDTH = 0.2e-3
+
+
+@pytest.fixture(autouse=True)
+def files_read_here() -> Iterator[None]:
+    with reading_here():
+        yield
 
 
 def velocity_of(peclet: float, material: ThermalMaterial = STEEL) -> float:
@@ -222,10 +230,8 @@ def test_flash_temperature_is_one_of_dimensionless_numbers() -> None:
 
 
 def coarse(name: str, **changed: Any) -> easeoff.cases.Case:
-    """A case with few mesh positions and nodes."""
-    case = easeoff.read_case(name)
-    contact = {"mesh_positions": 6, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
-    return case.model_copy(update={"contact": case.contact.model_copy(update=contact), **changed})
+    """A case with few mesh positions and nodes, and other tables."""
+    return few(name).model_copy(update=changed)
 
 
 @pytest.fixture(scope="module")
@@ -371,9 +377,7 @@ def test_keys_of_a_case(tmp_path: Path) -> None:
     read = easeoff.read_case(tmp_path / "case.toml")
     assert read.friction is not None
     assert (read.friction.bulk_temperature, read.friction.tooth_conductivity) == (70.0, (46.0, 20.0))
-    done = CliRunner().invoke(
-        main, ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "a.nc"), "--torque", "100"]
-    )
+    done = call("run", tmp_path / "case.toml", "-o", tmp_path / "a.nc", "--torque", 100)
     assert done.exit_code == 0, done.output
     found = easeoff.read_result(tmp_path / "a.nc")["friction"].to_dataset()
     assert float(found["bulk_temperature"][0]) == 70.0

@@ -6,21 +6,26 @@ misalignment that the deflections have there.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from deviations import GEAR_ERRORS, PINION_ERRORS
+from read_here import reading_here
+from runs import call, read_only
+from tooth_models import few
 
 import easeoff
-from easeoff.cases import Case, Deflections, LoadCase, case_toml, parse_case, read_deflections
+from easeoff.cases import Case, Deflections, LoadCase, case_text, case_toml, gear_pair, parse_case, read_deflections
 from easeoff.contact import read_problems
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds
 from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
-from easeoff.geometry import Misalignment
+from easeoff.geometry import Misalignment, Modification, deviation_from_formula
 from easeoff.study import (
     CaseInMesh,
     WearLaw,
@@ -31,7 +36,6 @@ from easeoff.study import (
     wear,
     write_pictures,
 )
-from easeoff.study.cli import main
 from easeoff.study.sweep import sweep
 from easeoff.verification import verify
 from easeoff.verification.yardsticks.verified_pair import VerifiedPair
@@ -43,19 +47,28 @@ AXLE = Deflections(
     gear_axial=[0.0, 0.01, 0.02],
     shaft_angle=[0.0, 1e-4, 2e-4],
 )
-TORQUES = [300.0, 40.0, 200.0]  # not in order
+TORQUES = [300.0, 40.0]  # not in order
+SPEEDS = [500.0, 1500.0]
 TABLE = "torque,E,P,flank\n0,0,0,drive\n100,0.02,-0.01,drive\n300,0.05,-0.03,drive\n200,-0.04,0.01,coast\n"
+
+
+@pytest.fixture(autouse=True)
+def files_read_here() -> Iterator[None]:
+    with reading_here():
+        yield
 
 
 @pytest.fixture(scope="module")
 def case() -> Case:
-    grid = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 15, "profile_nodes": 11}
-    read = easeoff.read_case("fm-11x41")
-    tables = {
-        "contact": read.contact.model_copy(update=grid),
-        "compliance": read.compliance.model_copy(update={"model": "shell"}),
-    }
-    return read.model_copy(update=tables)
+    return few("fm-11x41", edge_contact=False)
+
+
+@cache
+def analysed(torque: float | None = None, at: float | None = None) -> xr.DataTree:
+    """All torques at once, or one of them in the constant misalignment that the deflections have there or elsewhere."""
+    there = AXLE if torque is None else AXLE.at(torque if at is None else at)
+    torques = TORQUES if torque is None else torque
+    return read_only(easeoff.analyze(few("fm-11x41"), torques=torques, misalignment=there, speed=SPEEDS))
 
 
 def at_torque(group: xr.Dataset, number: int, own: xr.Dataset, name: str) -> Any:
@@ -222,43 +235,48 @@ def test_files_with_mistakes_are_refused(text: str, message: str, tmp_path: Path
         ),
     ],
 )
-def test_cases_with_mistakes_are_refused(rows: str, message: str, case: Case) -> None:
+def test_cases_with_mistakes_are_refused(rows: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        parse_case(case_toml(case).replace("[misalignment]\noffset = -0.15\npinion_axial = 0.12\n", rows))
+        parse_case(case_text("fm-11x41").replace("[misalignment]\noffset = -0.15\npinion_axial = 0.12\n", rows))
 
 
 # The analysis
 
 
-@pytest.mark.parametrize("edges", [True, False])
-def test_every_torque_is_analysed_in_its_own_assembly(edges: bool, case: Case) -> None:
-    whole = easeoff.analyze(case, torques=TORQUES, misalignment=AXLE, edge_contact=edges)
+def test_every_torque_is_analysed_in_its_own_assembly() -> None:
+    """On lines and edges; for lines alone see the modified ease-offs below."""
+    whole = analysed()
     assert whole["loaded"].to_dataset()["torque"].values.tolist() == TORQUES
     for number, torque in enumerate(TORQUES):
-        alone = easeoff.analyze(case, torques=torque, misalignment=AXLE.at(torque), edge_contact=edges)
-        assert_joined(whole, alone, number, ("misalignment", "loaded"))
-    without = easeoff.analyze(case, torques=3.0, misalignment=AXLE.at(0.0), edge_contact=edges)
-    for group in ("flanks", "ease_off", "teeth", "unloaded"):
-        xr.testing.assert_identical(whole[group].to_dataset(), without[group].to_dataset())
-    assert whole.attrs["misalignment_offset_mm"] == 0.01
-    light = easeoff.analyze(case, torques=3.0, misalignment=AXLE.at(3.0), edge_contact=edges)
-    assert_joined(whole.assign(loaded=whole["light_load"]), light, 0, ("loaded",))
+        assert_joined(whole, analysed(torque), number, ("misalignment", "loaded", "friction"))
     share = whole["loaded/load_share"].sum("pair")
     np.testing.assert_allclose(share, 1.0, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("feedback", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_friction_is_that_of_every_assembly(feedback: bool, case: Case, tmp_path: Path) -> None:
-    known: dict[str, Any] = {"speed": [500.0, 1500.0], "friction_feedback": feedback}
-    whole = easeoff.analyze(case, torques=TORQUES, misalignment=AXLE, **known)
-    for number, torque in enumerate(TORQUES):
-        alone = easeoff.analyze(case, torques=torque, misalignment=AXLE.at(torque), **known)
-        assert_joined(whole, alone, number, ("loaded", "friction"))
+def test_without_torque_and_under_light_load_the_assembly_is_that_there() -> None:
+    whole, without = analysed(), analysed(3.0, at=0.0)
+    for group in ("flanks", "ease_off", "teeth", "unloaded"):
+        xr.testing.assert_identical(whole[group].to_dataset(), without[group].to_dataset())
+    assert whole.attrs["misalignment_offset_mm"] == 0.01
+    assert_joined(whole.assign(loaded=whole["light_load"]), analysed(3.0), 0, ("loaded",))
+
+
+def test_friction_varies_with_the_torque_and_is_stored(tmp_path: Path) -> None:
+    whole = analysed()
     assert whole["friction/sliding_velocity"].dims == ("torque", "mesh_position", "segment", "speed")
     easeoff.write_result(whole, tmp_path / "axle.nc")
     assert easeoff.read_result(tmp_path / "axle.nc").identical(whole)
     with pytest.raises(InputError, match="depends on the torque"):
         friction(whole, Operation(speed=500.0))
+
+
+@pytest.mark.thorough
+def test_friction_fed_back_is_that_of_every_assembly(case: Case) -> None:
+    known: dict[str, Any] = {"speed": SPEEDS, "friction_feedback": True}
+    whole = easeoff.analyze(case, torques=TORQUES, misalignment=AXLE, **known)
+    for number, torque in enumerate(TORQUES):
+        own = easeoff.analyze(case, torques=torque, misalignment=AXLE.at(torque), **known)
+        assert_joined(whole, own, number, ("loaded", "friction"))
 
 
 def test_supports_to_first_order_have_friction_in_the_one_assembly_of_their_ease_off(case: Case) -> None:
@@ -287,20 +305,21 @@ def test_rows_that_do_not_differ_are_a_constant_misalignment(case: Case) -> None
     assert list(found.children) == list(constant.children)
     for group in constant.children:
         xr.testing.assert_identical(found[group].to_dataset(), constant[group].to_dataset())
-    np.testing.assert_array_equal(constant["misalignment/offset"].values, np.full((3, 4), 0.04))
+    np.testing.assert_array_equal(constant["misalignment/offset"].values, np.full((2, 3), 0.04))
 
 
-def test_modified_ease_offs_and_deviating_flanks_go_into_every_assembly(case: Case, tmp_path: Path) -> None:
-    from easeoff.geometry import Modification
-
+def test_modified_ease_offs_and_deviating_flanks_go_into_every_assembly(case: Case) -> None:
     known: dict[str, Any] = {"modification": Modification({"lengthwise_crowning": 8.0, "bias": -3.0})}
-    worn = tmp_path / "worn.nc"
-    wear(case, WearLaw(1e-11, 1e-11, revolutions=1e4), torque=200.0).to_netcdf(worn)
-    known["deviations"] = {"pinion": worn, "gear": worn}
+    pair = gear_pair(case)
+    known["deviations"] = {
+        "pinion": deviation_from_formula(pair.pinion.section, PINION_ERRORS),
+        "gear": deviation_from_formula(pair.gear.section, GEAR_ERRORS),
+    }
     whole = easeoff.analyze(case, torques=[50.0, 300.0], misalignment=AXLE, **known)
     for number, torque in enumerate((50.0, 300.0)):
         alone = easeoff.analyze(case, torques=torque, misalignment=AXLE.at(torque), **known)
-        assert_joined(whole, alone, number, ("loaded",))
+        assert_joined(whole, alone, number, ("misalignment", "loaded"))
+    np.testing.assert_allclose(whole["loaded/load_share"].sum("pair"), 1.0, rtol=0, atol=1e-12)
 
 
 def test_a_case_whose_deflections_lack_a_flank_takes_others(case: Case, tmp_path: Path) -> None:
@@ -324,8 +343,7 @@ def test_extrapolation_is_told(case: Case) -> None:
     shown = " ".join(result_summary(tree).split())
     assert "the table of deflections ends at 300 N m; at 400 N m E, P, G and Sigma were extrapolated" in shown
     assert "100 +0.0300 -0.0100 +0.0100 +0.0057" in shown  # Sigma in degrees
-    within = easeoff.analyze(case, torques=[100.0, 300.0], misalignment=AXLE)
-    assert "extrapolated" not in result_summary(within)
+    assert "extrapolated" not in result_summary(analysed())
 
 
 @pytest.mark.thorough
@@ -431,7 +449,7 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
     Path("axle.csv").write_text(TABLE)
     Path("case.toml").write_text(case_toml(case))
     given = ["case.toml", "--misalignment", "axle.csv", "--torque", "100,300"]
-    done = CliRunner().invoke(main, ["problems", *given, "-o", "problems.nc"])
+    done = call("problems", *given, "-o", "problems.nc")
     assert done.exit_code == 0, done.output
     problems = read_problems("problems.nc")
     for torque, number in ((100.0, 0), (300.0, 1)):
@@ -440,10 +458,10 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
             exported = problems[2 * own.mesh_position + number]
             np.testing.assert_array_equal(exported.separation, own.problem.separation)
             assert exported.torque == own.problem.torque
-    done = CliRunner().invoke(main, ["run", *given[:3], "--torque", "100,400", "-o", "axle.nc"])
+    done = call("run", *given[:3], "--torque", "100,400", "-o", "axle.nc")
     assert done.exit_code == 0, done.output
     assert "at 400 N m E, P, G and Sigma were extrapolated" in done.output
     for wrong, message in (("exle.csv", "there is no file of this name"), ("case.toml", "is no column")):
-        done = CliRunner().invoke(main, ["run", "case.toml", "--misalignment", wrong, "-o", "axle.nc"])
+        done = call("run", "case.toml", "--misalignment", wrong, "-o", "axle.nc")
         assert done.exit_code == 2
         assert message in done.output

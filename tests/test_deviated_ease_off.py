@@ -14,6 +14,7 @@ import xarray as xr
 from deviations import GEAR_ERRORS, PINION_ERRORS, worn
 from numpy.typing import NDArray
 from pairs import conjugate_pair
+from plates import on_plates
 
 import easeoff
 from easeoff import InputError
@@ -81,7 +82,7 @@ def errors_of_the_update(pair: GearPair, pinion: Formula, gear: Formula, factor:
 
 
 def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
-    case = easeoff.read_case("fm-11x41")
+    case = on_plates("fm-11x41")
     plain = easeoff.analyze(case, torques=[200.0])
     pair = gear_pair(case, "drive")
     nothing = {"pinion": of(pair.pinion, uniform, 0.0), "gear": of(pair.gear, uniform, 0.0)}
@@ -291,13 +292,13 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
     with pytest.raises(InputError, match="another blank"):
         deviated_pair(pair, pinion=of(pair.gear, uniform))
     with pytest.raises(InputError, match="another blank"):
-        easeoff.analyze("fm-11x41", deviations={"pinion": of(pair.gear, uniform)})
+        easeoff.analyze(on_plates("fm-11x41"), deviations={"pinion": of(pair.gear, uniform)})
     with pytest.raises(InputError, match="of the gear is a ndarray: give a file, a dataset or a Deviation"):
-        easeoff.analyze("fm-11x41", deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
+        easeoff.analyze(on_plates("fm-11x41"), deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="member = 'axle'"):
-        easeoff.analyze("fm-11x41", deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
+        easeoff.analyze(on_plates("fm-11x41"), deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="must be one of ease_off, surface"):
-        easeoff.analyze("fm-11x41", deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
+        easeoff.analyze(on_plates("fm-11x41"), deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
 
 
 @cache

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
+from tooth_models import few
 
 import easeoff
 from easeoff.study import result_summary
@@ -14,9 +15,7 @@ from easeoff.study.report.notes.edge_load import EDGE_SHARE_LIMIT, edge_notes
 
 @cache
 def loaded(name: str, *, edges: bool = True) -> xr.DataTree:
-    case = easeoff.read_case(name)
-    contact = case.contact.model_copy(update={"mesh_positions": 8, "torques": (50.0,)})
-    return easeoff.analyze(case.model_copy(update={"contact": contact}), edge_contact=edges)
+    return easeoff.analyze(few(name), torques=50.0, edge_contact=edges)
 
 
 def test_only_a_pair_that_rests_on_its_edges_is_told() -> None:

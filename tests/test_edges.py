@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
+from tooth_models import coarse_solid_shells, few
 
 from easeoff import analyze, read_case
-from easeoff.cases import Case, gear_pair
-from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.cases import gear_pair
+from easeoff.contact import ElasticModel, MeshCycle, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.free_end import MODES
@@ -25,7 +27,7 @@ from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry
 from easeoff.study import CaseInMesh
-from easeoff.verification import exact_gap, flanks_in_mesh
+from easeoff.verification import FlanksInMesh, exact_gap, flanks_in_mesh
 
 PAIRS = {
     "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),
@@ -57,10 +59,16 @@ def found(name: str) -> tuple[np.ndarray, EdgeElements]:
     return rotations, edge_elements(prepared(name)[1], rotations, np.full(rotations.size, WIDEST))
 
 
+@cache
+def flanks(name: str) -> FlanksInMesh:
+    return flanks_in_mesh(misaligned(name))
+
+
+@cache
 def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Gap as a gear rotation (n) and fractions on the pinion (2, n) along the normals of the turned gear flank."""
     rotations, elements = found(name)
-    return exact_gap(flanks_in_mesh(misaligned(name)), elements.points, rotations[elements.level])
+    return exact_gap(flanks(name), elements.points, rotations[elements.level])
 
 
 def off_edge(places: np.ndarray) -> np.ndarray:
@@ -121,7 +129,8 @@ def test_in_conjugate_contact_the_pinion_is_loaded_at_the_same_point() -> None:
 def test_a_force_on_the_tip_of_the_pinion_bends_its_tooth_at_the_tip() -> None:
     """The bending compliance of pieces of an edge against that of the teeth at the fractions of both members."""
     geometry, fields, mesh = prepared("nasa-12x36")
-    cycle = CycleSegments(fields, LineSegments(fields, mesh, ElasticTeeth(geometry.teeth, None, geometry.pair), 5))
+    teeth = ElasticTeeth(geometry.teeth, coarse_solid_shells(geometry.pair), geometry.pair)
+    cycle = CycleSegments(fields, LineSegments(fields, mesh, teeth, 5))
     here = next(one for one in cycle.with_edges(np.full(8, WIDEST)) if one is not None and np.any(one.edge == 5))
     tip, weight = here.edge == 5, np.ones(1)
     pinion, gear = cycle.on_lines.teeth.both
@@ -225,34 +234,33 @@ def test_a_little_load_touches_no_edge() -> None:
     assert np.max(loaded("fm-11x41", 20.0, edge_contact=True)[1]) < 1e-3
 
 
-def changed(name: str, **contact: object) -> Case:
-    case = read_case(name)
-    return case.model_copy(update={"contact": case.contact.model_copy(update=contact)})
+@cache
+def at_500(model: str, edges: bool, **argument: bool) -> xr.DataTree:
+    """Analysed with the word of the case file, and perhaps with the argument."""
+    return analyze(few("fm-11x41", model, edge_contact=edges, mesh_positions=2), torques=[500.0], **argument)
+
+
+def on_edges(tree: xr.DataTree) -> tuple[int, bool]:
+    return tree.attrs["edge_contact"], float(tree["loaded/edge_share"].max()) > 0.03
 
 
 @pytest.mark.parametrize("model", ["shell", "solid_shell"])
 def test_edges_touch_with_every_model_unless_lines_alone_are_asked_for(model: str) -> None:
-    """By the case, by the argument, and by the cycle."""
-    few = changed("fm-11x41", mesh_positions=4, segments_per_line=15)
-    case = few.model_copy(update={"compliance": few.compliance.model_copy(update={"model": model})})
-    lines = case.model_copy(update={"contact": case.contact.model_copy(update={"edge_contact": False})})
+    assert on_edges(at_500(model, True)) == (1, True)
+    assert on_edges(at_500(model, False)) == (0, False)
 
-    def on_edges(tree: Any) -> tuple[int, bool]:
-        return tree.attrs["edge_contact"], float(tree["loaded/edge_share"].max()) > 0.03
 
-    assert on_edges(analyze(case, torques=[500.0])) == (1, True)
-    assert on_edges(analyze(case, torques=[500.0], edge_contact=False)) == (0, False)
-    assert on_edges(analyze(lines, torques=[500.0])) == (0, False)
-    assert on_edges(analyze(lines, torques=[500.0], edge_contact=True)) == (1, True)
-    cycle = CaseInMesh.of(case).cycle
+def test_an_argument_counts_before_the_case_and_a_cycle_has_its_own() -> None:
+    assert read_case("fm-11x41").contact.edge_contact
+    assert on_edges(at_500("shell", True, edge_contact=False)) == (0, False)
+    assert on_edges(at_500("shell", False, edge_contact=True)) == (1, True)
+    cycle = CaseInMesh.of(few("fm-11x41", mesh_positions=2)).cycle
     assert float(cycle.loaded([500.0])[0]["edge_share"].max()) > 0.03
     assert float(cycle.loaded([500.0], edge_contact=False)[0]["edge_share"].max()) == 0.0
 
 
 def test_one_word_in_the_case_lets_edges_touch() -> None:
-    few = {"mesh_positions": 4, "segments_per_line": 15}
-    trees = [analyze(changed("fm-11x41", edge_contact=on, **few), torques=[500.0])["loaded"] for on in (True, False)]
-    on, off = (tree.to_dataset() for tree in trees)
+    on, off = (at_500("shell", edges)["loaded"].to_dataset() for edges in (True, False))
     assert float(on["edge_share"].max()) > 0.03
     assert float(off["edge_share"].max()) == 0.0
     assert np.all(np.isnan(off["overhang"]))
@@ -265,7 +273,7 @@ def test_one_word_in_the_case_lets_edges_touch() -> None:
 
 def test_friction_on_edges_is_in_the_balance_of_power() -> None:
     """An edge slides as the flank it is on does: what it takes is in the losses and off the output."""
-    case = changed("fh-design-a", edge_contact=True, mesh_positions=4, segments_per_line=15)
+    case = few("fh-design-a", edge_contact=True)
     tree = analyze(case, torques=[500.0], speed=1000.0, temperature=90.0, roughness=0.8, friction_feedback=True)
     assert float(tree["loaded/edge_share"].max()) > 0.02
     assert float(np.abs(tree["friction/energy_balance"]).max()) < 1e-10
@@ -277,11 +285,20 @@ def test_friction_on_edges_is_in_the_balance_of_power() -> None:
 
 @pytest.mark.parametrize("solver", ["clarabel", "daqp", "piqp"])
 def test_other_solvers_find_the_same_on_edges(solver: str) -> None:
-    case = changed("fh-12x41-45", edge_contact=True, mesh_positions=3, segments_per_line=9)
-    native, other = (analyze(case, torques=[300.0], solver=name)["loaded"].to_dataset() for name in ("native", solver))
+    native, other = (solved_by(name) for name in ("native", solver))
     assert np.all(other["status"] == 0)
     np.testing.assert_allclose(other["transmission_error"], native["transmission_error"], rtol=1e-9)
     np.testing.assert_allclose(other["force"], native["force"], atol=1e-6 * float(native["force"].max()))
+
+
+@cache
+def on_edges_of_fh() -> MeshCycle:
+    return CaseInMesh.of(few("fh-12x41-45")).cycle
+
+
+@cache
+def solved_by(solver: str) -> xr.Dataset:
+    return on_edges_of_fh().loaded([300.0], solver=solver, edge_contact=True)[0]
 
 
 def test_edges_alone_hold_a_pair_without_a_line() -> None:
@@ -315,11 +332,11 @@ def test_lines_end_where_their_closest_approach_meets_an_edge(name: str) -> None
     _, fields, mesh = prepared(name)
     ended = lines_to_edges(fields, mesh)
     assert ended.pair.size > 0.9 * mesh.pair.size
-    flanks, rotation = flanks_in_mesh(misaligned(name)), line_rotations(ended)
+    rotation = line_rotations(ended)
     for end in (0, -1):
         points = ended.lines.points[:, :, end]
         closest = points + one_step(fields, points).shift
-        _, pinion = exact_gap(flanks, closest, rotation)
+        _, pinion = exact_gap(flanks(name), closest, rotation)
         border = np.min(np.abs([*closest, *(1.0 - closest), *pinion, *(1.0 - pinion)]), axis=0)
         assert np.nanmax(border) < 1e-2
 
@@ -361,10 +378,9 @@ def test_distance_from_an_edge_is_that_across_the_line() -> None:
     assert near.size > 5
     closest = points + one_step(fields, points).shift
     direction = across_line(fields, closest[:, near]).direction
-    flanks = flanks_in_mesh(misaligned("fh-12x41-45"))
     border = []
     for sense in (-1.0, 1.0):
         reached = closest[:, near] + sense * distance[near] * direction
-        _, pinion = exact_gap(flanks, np.clip(reached, 0.0, 1.0), rotation[near])
+        _, pinion = exact_gap(flanks("fh-12x41-45"), np.clip(reached, 0.0, 1.0), rotation[near])
         border.append(np.minimum(off_edge(reached), off_edge(pinion)))
     assert np.max(np.min(border, axis=0)) < 6e-3

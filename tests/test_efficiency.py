@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from pairs import by_the_dissertation
+from read_here import reading_here
+from runs import SMALL, call, small_file
 from test_friction_kinematics import shape_operators, spur
 
 import easeoff
@@ -30,19 +32,24 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh, contact_analysis, result_summary
 from easeoff.study.analysis.friction_analysis import operation_of
-from easeoff.study.cli import main
 from easeoff.study.report.summary.result_summary import uncertified
 
-POSITIONS = 6
+POSITIONS = 4
 CONTACT = ContactTable(
     torques=(100.0, 500.0, 1000.0),
     mesh_positions=POSITIONS,
-    segments_per_line=15,
+    segments_per_line=9,
     lengthwise_nodes=21,
     profile_nodes=15,
     edge_contact=False,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
+
+
+@pytest.fixture(autouse=True)
+def files_read_here() -> Iterator[None]:
+    with reading_here():
+        yield
 
 
 def replace_torques(torques: tuple[float, ...]) -> ContactTable:
@@ -54,8 +61,9 @@ def small_case(name: str) -> Case:
     return by_the_dissertation(name, **CONTACT.model_dump())
 
 
-def analysed(name: str, torques: Sequence[float] | None = None, **options: Any) -> Analysis:
-    return contact_analysis(CaseInMesh.of(small_case(name), **options), torques)
+@cache
+def analysed(name: str) -> Analysis:
+    return contact_analysis(CaseInMesh.of(small_case(name)))
 
 
 @pytest.fixture(scope="module")
@@ -321,12 +329,12 @@ def test_a_stored_result_gives_the_same(tree: xr.DataTree, result: xr.Dataset, t
     assert all("units" in v.attrs or v.dtype.kind == "u" for v in read["friction"].to_dataset().variables.values())
 
 
-def test_analyze_adds_the_group(result: xr.Dataset) -> None:
+def test_analyze_adds_the_group(tree: xr.DataTree, result: xr.Dataset) -> None:
     case = small_case("fh-design-a")
     found = easeoff.analyze(case, speed=1500.0, temperature=90.0, roughness=[0.2, 0.8])["friction"].to_dataset()
     expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
     xr.testing.assert_allclose(found["efficiency"], expected)
-    assert "friction" not in analysed("fh-design-a", torques=[100.0]).tree.children
+    assert "friction" not in tree.children
 
 
 def test_spur_gears_lose_what_the_textbook_says() -> None:
@@ -440,7 +448,7 @@ def test_claims_on_the_coefficient_hold_with_the_printed_radius(as_printed: dict
 
 @pytest.fixture(scope="module")
 def fed_back(analysis: Analysis) -> xr.Dataset:
-    return friction_feedback(analysis.tree, analysis.cases, Operation([250.0, 1500.0], 90.0, [0.2, 0.8]))
+    return friction_feedback(analysis.tree, analysis.cases, Operation(1500.0, 90.0, [0.2, 0.8]))
 
 
 def test_power_in_is_power_out_and_losses(analysis: Analysis, fed_back: xr.Dataset) -> None:
@@ -511,7 +519,7 @@ def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: 
     assert np.all(found["status"] == Status.NOT_CONVERGED)
     assert np.all(found["efficiency"].isnull())
     (line,) = uncertified(whole.tree.assign({"friction": xr.DataTree(found)}))
-    assert "friction fed back: 6 of 6" in line
+    assert f"friction fed back: {POSITIONS} of {POSITIONS}" in line
     assert "not_converged" in line
 
 
@@ -533,8 +541,10 @@ def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Da
 def other(request: pytest.FixtureRequest) -> Analysis:
     """A misaligned pair from next to no torque to very much."""
     name, flank = request.param.split(":")
-    errors = Misalignment(0.1, -0.05, 0.03, 1e-3)
-    return analysed(name, flank=flank, misalignment=errors, torques=[0.01, 300.0, 3000.0])
+    state = CaseInMesh.of(
+        by_the_dissertation(name, **SMALL), flank=flank, misalignment=Misalignment(0.1, -0.05, 0.03, 1e-3)
+    )
+    return contact_analysis(state, [0.01, 300.0, 3000.0])
 
 
 @pytest.mark.filterwarnings("error")
@@ -559,7 +569,7 @@ def test_far_conditions_give_numbers(other: Analysis, model: str) -> None:
 
 
 def test_balance_holds_on_other_pairs_and_flanks(other: Analysis) -> None:
-    found = friction_feedback(other.tree, other.cases, Operation([10.0, 2500.0], 60.0, [0.1, (1.2, 0.4)]))
+    found = friction_feedback(other.tree, other.cases, Operation([10.0, 2500.0], 60.0, (1.2, 0.4)))
     assert float(abs(found["energy_balance"]).max()) < 1e-10
     assert np.all(np.isfinite(found["efficiency"]))
 
@@ -659,7 +669,7 @@ def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")
     names = [str(tmp_path / name) for name in ("case.toml", "oil.toml")]
     for command in (["run"], ["convert", "--force"]):
-        found = CliRunner().invoke(main, [*command, names[0], "-o", names[1]])
+        found = call(*command, names[0], "-o", names[1])
         assert found.exit_code == 2
         assert "is the file that is read" in found.output
         assert (tmp_path / "oil.toml").read_text(encoding="utf-8") == oil
@@ -693,15 +703,15 @@ def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.D
 
 
 def test_command_line(tmp_path: Path) -> None:
-    out = tmp_path / "out.nc"
+    case, out = small_file(tmp_path, more='\n[compliance]\nmodel = "shell"\n'), tmp_path / "out.nc"
     options = ["--torque", "200", "--speed", "500:1500:3", "--roughness", "0.8/0.4,0.2", "--temperature", "60,90"]
-    made = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(out), *options, "--oil", "pao-vg100"])
+    made = call("run", case, "-o", out, *options, "--oil", "pao-vg100")
     assert made.exit_code == 0, made.output
     group = easeoff.read_result(out)["friction"].to_dataset()
     assert group["speed"].values.tolist() == [500.0, 1000.0, 1500.0]
     assert group["roughness_gear"].values.tolist() == [0.4, 0.2]
     assert group.attrs["oil"] == "pao-vg100"
-    shown = CliRunner().invoke(main, ["show", str(out)]).output
+    shown = call("show", out).output
     assert "0.8/0.4" in shown
     assert f"{100 * group['efficiency'].values[0, 2, 1, 0]:.2f}" in shown
 
@@ -721,7 +731,7 @@ def test_command_line(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_on_the_command_line(tmp_path: Path, options: list[str], message: str) -> None:
-    found = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc"), *options])
+    found = call("run", "nasa-12x36", "-o", tmp_path / "out.nc", *options)
     assert found.exit_code == 2
     assert message in found.output
     assert not list(tmp_path.iterdir())

@@ -104,7 +104,7 @@ def test_minimum_film_is_that_of_pan_and_hamrock_over_a_range() -> None:
     For the scatter of the formula all around see docs/how_it_works/notes/mixed_lubrication.md.
     """
     ratios = []
-    for a, b, c in qmc.Sobol(3, seed=3).random(64):
+    for a, b, c in qmc.Sobol(3, seed=3).random(32):
         speed, load, material = 1e-12 * 100.0**a, 2e-5 * 25.0**b, 2200.0 * 2.3**c
         if 4.0 < material * (2.0 * speed) ** 0.25 < 8.0:
             film = smooth_film(by_groups(load, speed, material), nodes=513)
@@ -112,7 +112,7 @@ def test_minimum_film_is_that_of_pan_and_hamrock_over_a_range() -> None:
             assert film.flow_variation < 1e-10
             ratios.append(film.minimum_film / pan_hamrock(film.contact))
     error = np.abs(np.array(ratios) - 1.0)
-    assert error.size > 25
+    assert error.size > 12
     assert (error < 0.03).mean() > 0.95
     assert error.max() < 0.035
 
@@ -127,13 +127,13 @@ def test_smallest_film_depends_on_load_speed_and_material_as_published(
     exponent: float, factor: float, powers: tuple[float, float, float]
 ) -> None:
     """The same ranges. The law of the oil decides which formula it is; 0.45 is chosen, not known to be Pan's."""
-    groups = np.array([2e-5, 1e-12, 2200.0]) * np.array([25.0, 100.0, 2.3]) ** qmc.Sobol(3, seed=3).random(64)
+    groups = np.array([2e-5, 1e-12, 2200.0]) * np.array([25.0, 100.0, 2.3]) ** qmc.Sobol(3, seed=3).random(32)
     heights = []
     for load, speed, material in groups:
-        film = smooth_film(by_groups(load, speed, material, viscosity=viscosity_for(exponent, material)), nodes=513)
+        film = smooth_film(by_groups(load, speed, material, viscosity=viscosity_for(exponent, material)), nodes=385)
         assert film.certified
         heights.append(film.minimum_film / film.contact.equivalent_radius)
-    fit = np.linalg.lstsq(np.column_stack([np.ones(64), np.log(groups)]), np.log(heights))[0]
+    fit = np.linalg.lstsq(np.column_stack([np.ones(32), np.log(groups)]), np.log(heights))[0]
     np.testing.assert_allclose(fit[1:], powers, atol=0.02)
     excess = np.log(heights) - math.log(factor) - np.log(groups) @ powers
     assert abs(excess.mean()) < 0.02

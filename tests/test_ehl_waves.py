@@ -62,7 +62,7 @@ def published(contact: LubricatedContact, wavelength: float) -> float:
 @pytest.mark.quick(1)
 def test_amplitude_of_waves_is_reduced_as_published(load: float, viscous: float, wavelength: float) -> None:
     contact = by_moes(load, viscous)
-    assert amplitude_ratio(contact, wavelength, 257) == pytest.approx(published(contact, wavelength), abs=0.035)
+    assert amplitude_ratio(contact, wavelength, 193) == pytest.approx(published(contact, wavelength), abs=0.035)
 
 
 @pytest.mark.thorough
@@ -76,11 +76,11 @@ def test_reduction_does_not_depend_on_the_amplitude_and_long_waves_vanish() -> N
 def test_single_asperity_is_flattened_and_drags_its_film_along() -> None:
     """In pure rolling the hump leaves the film where it was pressed: thinner at the hump, by less than its height."""
     contact = by_moes(60, 8)
-    smooth = smooth_film(contact, nodes=193, span=SPAN)
+    smooth = smooth_film(contact, nodes=129, span=SPAN)
     height = 0.5 * smooth.central_film
     width = 0.6 * contact.half_width
     place = -2.9 * contact.half_width  # starts before the inlet
-    nodes = 193
+    nodes = 129
     steps = round(2.9 / (4.0 / (nodes - 1)))
     passage = rough_passage(
         contact, asperity(height, width, place), steps=steps, nodes=nodes, span=SPAN, ramp=0, order=2, keep=steps

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,25 +12,42 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from read_here import reading_here
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, export_problems, read_labels, read_problems, write_problems
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 
+@pytest.fixture(scope="module", autouse=True)
+def here() -> Iterator[None]:
+    """Files are read in this process."""
+    with reading_here():
+        yield
+
+
+@cache
 def ragged() -> list[ContactProblem]:
     """Problems of all classes and sizes, dense and structured."""
     return [problem for name in PROBLEM_CLASSES for problem in problems(name, 3)]
 
 
+@cache
 def dense() -> list[ContactProblem]:
     return list(problems("random_dense", 5))
 
 
-@pytest.mark.parametrize("kind", ["mixed", "dense", "structured"])
+@cache
+def structured() -> list[ContactProblem]:
+    return list(problems("plain", 5))
+
+
+KINDS = {"mixed": ragged, "dense": dense, "structured": structured}
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_problems_come_back_to_the_bit(tmp_path: Path, kind: str) -> None:
-    written = {"mixed": ragged(), "dense": dense(), "structured": list(problems("plain", 5))}[kind]
-    path = tmp_path / "problems.nc"
+    written, path = KINDS[kind](), tmp_path / "problems.nc"
     write_problems(written, path)
     read = read_problems(path)
     assert len(read) == len(written)
@@ -120,6 +138,16 @@ def test_files_from_elsewhere_are_refused(tmp_path: Path) -> None:
         read_labels(foreign_format)
 
 
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
+    """What a file of each kind of problems holds."""
+    folder, found = tmp_path_factory.mktemp("stored"), {}
+    for kind, written in KINDS.items():
+        write_problems(written(), folder / f"{kind}.nc")
+        found[kind] = xr.load_dataset(folder / f"{kind}.nc", engine="netcdf4")
+    return found
+
+
 @pytest.mark.parametrize(
     ("change", "word"),
     [
@@ -130,26 +158,20 @@ def test_files_from_elsewhere_are_refused(tmp_path: Path) -> None:
         (lambda ds: ds.assign_attrs(format_version=99), "version 99"),
     ],
 )
-def test_damaged_files_are_refused(tmp_path: Path, change: object, word: str) -> None:
-    path, damaged = tmp_path / "problems.nc", tmp_path / "damaged.nc"
-    write_problems(dense(), path)
+def test_damaged_files_are_refused(stored: dict[str, xr.Dataset], tmp_path: Path, change: object, word: str) -> None:
     assert callable(change)
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
-        change(dataset.load()).to_netcdf(damaged, engine="netcdf4")
+    change(stored["dense"]).to_netcdf(tmp_path / "damaged.nc", engine="netcdf4")
     with pytest.raises(InputError, match=word):
-        read_problems(damaged)
+        read_problems(tmp_path / "damaged.nc")
 
 
-def foreign(written: list[ContactProblem], tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> Path:
+def foreign(dataset: xr.Dataset, tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> Path:
     """A file as another program might have written it."""
-    path, other = tmp_path / "problems.nc", tmp_path / "foreign.nc"
-    write_problems(written, path)
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
-        changed = change(dataset.load())
-        for variable in changed.variables.values():
-            variable.encoding.clear()
-        changed.to_netcdf(other, engine="netcdf4")
-    return other
+    path, changed = tmp_path / "foreign.nc", change(dataset.copy())
+    for variable in changed.variables.values():
+        variable.encoding.clear()
+    changed.to_netcdf(path, engine="netcdf4")
+    return path
 
 
 def without_attributes(dataset: xr.Dataset) -> xr.Dataset:
@@ -157,7 +179,7 @@ def without_attributes(dataset: xr.Dataset) -> xr.Dataset:
     return bare.drop_vars([name for name in ("size", "structured", "mode_count") if name in bare])
 
 
-@pytest.mark.parametrize("kind", ["mixed", "dense", "structured"])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "change",
     [
@@ -168,10 +190,9 @@ def without_attributes(dataset: xr.Dataset) -> xr.Dataset:
     ],
 )
 def test_file_of_another_program_reads_without_what_can_be_told_from_the_numbers(
-    tmp_path: Path, kind: str, change: Callable[[xr.Dataset], xr.Dataset]
+    stored: dict[str, xr.Dataset], tmp_path: Path, kind: str, change: Callable[[xr.Dataset], xr.Dataset]
 ) -> None:
-    written = {"mixed": ragged(), "dense": dense(), "structured": list(problems("plain", 5))}[kind]
-    read = read_problems(foreign(written, tmp_path, change))
+    written, read = KINDS[kind](), read_problems(foreign(stored[kind], tmp_path, change))
     assert len(read) == len(written)
     assert all(a.identical(b) for a, b in zip(read, written, strict=True))
 
@@ -198,10 +219,10 @@ def test_file_of_another_program_reads_without_what_can_be_told_from_the_numbers
     ],
 )
 def test_what_cannot_be_told_is_asked_for_by_name(
-    tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
+    stored: dict[str, xr.Dataset], tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
 ) -> None:
     with pytest.raises(InputError, match=words):
-        read_problems(foreign(dense(), tmp_path, change))
+        read_problems(foreign(stored["dense"], tmp_path, change))
 
 
 @pytest.mark.thorough
@@ -339,10 +360,10 @@ def test_version_may_be_any_kind_of_number(tmp_path: Path, version: Any) -> None
     ],
 )
 def test_file_that_contradicts_itself_is_refused_in_words(
-    tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
+    stored: dict[str, xr.Dataset], tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
 ) -> None:
     with pytest.raises(InputError, match=words):
-        read_problems(foreign(list(problems("plain", 5)), tmp_path, change))
+        read_problems(foreign(stored["structured"], tmp_path, change))
 
 
 @pytest.mark.parametrize("wrong", ["swapped", "single", "mixed"])

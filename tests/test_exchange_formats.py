@@ -6,6 +6,8 @@ import csv
 import math
 import subprocess
 import sys
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,8 @@ import numpy as np
 import pytest
 import qpsolvers
 import scipy.io
-from click.testing import CliRunner
+from read_here import reading_here
+from runs import call
 from scipy.sparse import csc_array, csr_array
 
 from easeoff import InputError
@@ -36,16 +39,23 @@ from easeoff.contact import (
     write_qps,
 )
 from easeoff.contact.problem.exchange.qps_sections import qps_programme
-from easeoff.study.cli import main
 from easeoff.study.compare import write_test_set
-from easeoff.study.library import entries, generate, reference_answers
+from easeoff.study.library import Entry, entries, generate, reference_answers
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 SINGLE = ("npz", "qps", "hdf5")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def here() -> Iterator[None]:
+    """Files are read in this process."""
+    with reading_here():
+        yield
+
+
+@cache
 def every_class() -> list[ContactProblem]:
-    return [problem for name in PROBLEM_CLASSES for problem in problems(name, 2)]
+    return [problem for name in PROBLEM_CLASSES for problem in problems(name, 1)]
 
 
 def springs() -> ContactProblem:
@@ -137,14 +147,19 @@ def test_highs_reads_and_solves_a_qps_file(tmp_path: Path, form: str) -> None:
     assert 0 < np.count_nonzero(expected.force) < 24
 
 
+@cache
+def of_the_library() -> list[tuple[Entry, ContactProblem]]:
+    chosen = [
+        e for e in entries() if e.part == "small" and e.source.case == "nasa-12x36" and "scaled-torque" not in e.name
+    ]
+    return list(generate(chosen[::3]))
+
+
 @pytest.mark.parametrize("form", ["dense", None])
 def test_highs_solves_problems_of_the_library(tmp_path: Path, form: str | None) -> None:
     """Real, nearly singular, degenerate, with a singular compliance and without any local one."""
     highspy = pytest.importorskip("highspy")
-    chosen = [
-        e for e in entries() if e.part == "small" and e.source.case == "nasa-12x36" and "scaled-torque" not in e.name
-    ]
-    for number, (entry, problem) in enumerate(generate(chosen[::3])):
+    for number, (entry, problem) in enumerate(of_the_library()):
         (path,) = export_problems([problem], tmp_path / f"{number}.mps", form=form)
         program = highspy.Highs()
         program.setOptionValue("output_flag", False)
@@ -443,7 +458,7 @@ def test_command_converts_a_file_of_problems(tmp_path: Path, format: str) -> Non
     given, source = labelled_set(), tmp_path / "problems.nc"
     export_problems(given, source)
     target = tmp_path / ("problems.mat" if format == "mat" else "folder")
-    out = CliRunner().invoke(main, ["convert", str(source), "-o", str(target), "--format", format])
+    out = call("convert", source, "-o", target, "--format", format)
     assert out.exit_code == 0, out.output
     assert "2 contact problems" in out.output
     if format == "qpbenchmark":
@@ -455,7 +470,7 @@ def test_command_converts_a_file_of_problems(tmp_path: Path, format: str) -> Non
         if format == "npz":
             assert problem.identical(given.problems[i])
         assert solve(problem).elastic_rotation == pytest.approx(solve(given.problems[i]).elastic_rotation, rel=1e-13)
-    back = CliRunner().invoke(main, ["convert", str(target), "-o", str(tmp_path / "back.nc")])
+    back = call("convert", target, "-o", tmp_path / "back.nc")
     assert back.exit_code == 0, back.output
     assert [p.identical(given.problems[i]) for i, p in zip(order, read_problems(tmp_path / "back.nc"), strict=True)]
 
@@ -470,7 +485,7 @@ def test_mistakes_of_the_command_are_told(tmp_path: Path) -> None:
         (["nasa-12x36", "-o", "case.toml", "--format", "qps"], "must be that of contact problems"),
     ):
         given = [str(tmp_path / w) if i in (0, 2) and "nasa" not in w else w for i, w in enumerate(words)]
-        out = CliRunner().invoke(main, ["convert", *given])
+        out = call("convert", *given)
         assert out.exit_code == 2, (words, out.output)
         assert message in " ".join(out.output.split()), out.output
     assert [path.name for path in tmp_path.iterdir()] == ["problems.nc"]

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
+from tooth_models import few
 
 import easeoff
 from easeoff import GeometryError, InputError
-from easeoff.cases import Case, ContactTable, gear_pair, read_case
-from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
@@ -49,22 +49,20 @@ from easeoff.study import CaseInMesh, plausibility, result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
-QUICK = ContactTable(torques=(300.0,), mesh_positions=4, segments_per_line=11, lengthwise_nodes=15, profile_nodes=11)
 
 
 def pair(name: str = "fm-11x41") -> GearPair:
     return gear_pair(read_case(name))
 
 
-def with_elements(name: str, **changes: Any) -> Case:
-    case = read_case(name)
-    compliance = case.compliance.model_copy(update={"model": "fe", "fineness": 0.4, **changes})
-    return case.model_copy(update={"compliance": compliance, "contact": QUICK})
+@cache
+def coarse_lattice(name: str, member: str) -> ToothLattice:
+    return tooth_lattice(pair(name), member, COARSE)
 
 
 @cache
 def gear_tooth() -> tuple[ToothLattice, ElasticBody]:
-    lattice = tooth_lattice(pair(), "gear", COARSE)
+    lattice = coarse_lattice("fm-11x41", "gear")
     return lattice, elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
 
 
@@ -81,7 +79,7 @@ def kernel() -> Array:
 def test_lattice_fills_the_generated_tooth(name: str, member: str) -> None:
     """Every brick is right way round, of every shipped pair and hand; the loaded side is the generated flank."""
     own = pair(name)
-    lattice = tooth_lattice(own, member, COARSE)
+    lattice = coarse_lattice(name, member)
     _, determinant = brick_gradients(lattice.nodes[lattice.cells.reshape(-1, 27)], shape_functions(gauss_rule()[0])[1])
     assert determinant.min() > 0.0
     one = own.pinion if member == "pinion" else own.gear
@@ -96,7 +94,7 @@ def test_feet_are_those_of_the_plate() -> None:
     """Distances from flank to middle surface as ``geometry.tooth`` finds them, by quite another way."""
     own = pair()
     for member, body in zip(("pinion", "gear"), bodies(own), strict=True):
-        lattice = tooth_lattice(own, member, COARSE)
+        lattice = coarse_lattice("fm-11x41", member)
         depth = feet_of_normals(lattice).depth.reshape(lattice.flank.shape)
         on_flank = (lattice.profile > 0.1) & (np.abs(lattice.lengthwise - 0.5) < 0.3)[:, None]
         normal = lattice.flank_normal[on_flank].T
@@ -375,7 +373,7 @@ def test_numbers_out_of_range_are_refused() -> None:
 
 @cache
 def quick_analysis(name: str) -> xr.DataTree:
-    return easeoff.analyze(with_elements(name))
+    return easeoff.analyze(few(name, "fe"), torques=[300.0])
 
 
 def test_one_word_of_the_case_file_is_enough() -> None:
@@ -383,8 +381,7 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     tree = quick_analysis("fm-11x41")
     loaded = tree["loaded"].to_dataset()
     assert np.all(loaded["status"] == 0)
-    shells = {"contact": QUICK, "compliance": ComplianceTable(model="shell")}
-    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update=shells))["loaded"].to_dataset()
+    shell = easeoff.analyze(few("fm-11x41"), torques=[300.0])["loaded"].to_dataset()
     assert loaded["mean_level"].item() == pytest.approx(shell["mean_level"].item(), rel=0.1)
     assert not np.allclose(loaded["mean_level"], shell["mean_level"], rtol=1e-6)
     stress = tree["root_stress"].to_dataset()
@@ -408,7 +405,7 @@ def test_a_blade_without_edge_radius_has_no_root_stress() -> None:
         assert words in tree.attrs["root_stress_left_out"]
     (note,) = [note for note in plausibility(tree) if "root stress" in note]
     assert note in " ".join(result_summary(tree).split())
-    state = CaseInMesh.of(with_elements("nasa-12x36"))
+    state = CaseInMesh.of(few("nasa-12x36", "fe"))
     assert state.teeth is not None
     loaded, cases = state.cycle.loaded([100.0])
     with pytest.raises(InputError, match=r"tool_edge_radius = 0 of the pinion's concave flank: must be above 0 mm"):

@@ -166,7 +166,7 @@ def test_random_settings_never_crash_and_never_leave_unmasked_garbage() -> None:
     rng = np.random.default_rng(1)
     t, h = np.linspace(0, 1, 5), np.linspace(0, 1, 5)
     refused = 0
-    for _ in range(60):
+    for _ in range(20):
         scale = 10.0 ** rng.uniform(-3, 0)
         shake = rng.normal(size=6) * scale * np.array([10.0, 0.3, 0.3, 10.0, 0.3, 0.5])
         old = member.loaded.settings
@@ -188,4 +188,4 @@ def test_random_settings_never_crash_and_never_leave_unmasked_garbage() -> None:
         good = nodes.inside
         np.testing.assert_allclose(nodes.position[2, good], axial.ravel()[good], rtol=0, atol=1e-8)
         np.testing.assert_allclose(np.hypot(*nodes.position[:2, good]), radial.ravel()[good], rtol=0, atol=1e-8)
-    assert refused < 60
+    assert refused < 20

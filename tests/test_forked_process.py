@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 from pathlib import Path
 
@@ -37,11 +38,13 @@ def test_a_crash_is_an_error(ending: signal.Signals, capfd: pytest.CaptureFixtur
 
 
 def test_a_library_that_comes_to_no_end_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(forked_process, "PROCESSOR_TIME_LIMIT", 1)
+    """By the system, with a signal that it sends at the first limit; the second one would be another signal's."""
+    monkeypatch.setattr(forked_process, "PROCESSOR_TIME_LIMIT", 7)
 
     def endless() -> None:
-        while True:
-            pass
+        first, second = resource.getrlimit(resource.RLIMIT_CPU)
+        if first == 7 and second > first:
+            os.kill(os.getpid(), signal.SIGXCPU)
 
     with pytest.raises(ProcessEndedError, match="the library that reads it comes to no end"):
         in_forked_process(endless)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from read_here import reading_here
+from runs import call, small_file
+from tooth_models import few, with_teeth
 
 import easeoff
 from easeoff import InputError
@@ -34,22 +36,34 @@ from easeoff.friction.ehl.study import shipped_formula
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
 from easeoff.study import result_summary
-from easeoff.study.cli import main
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_map_chart import draw as draw_maps
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.notes.ranges import INPUTS, range_notes
 
 CONTACT = ContactTable(
-    torques=(100.0, 500.0), mesh_positions=4, segments_per_line=15, lengthwise_nodes=21, profile_nodes=15
+    torques=(100.0, 500.0),
+    mesh_positions=3,
+    segments_per_line=9,
+    lengthwise_nodes=15,
+    profile_nodes=11,
+    edge_contact=False,
 )
+
+
+@pytest.fixture(autouse=True)
+def files_read_here() -> Iterator[None]:
+    with reading_here():
+        yield
 
 
 @pytest.fixture(scope="module")
 def tree() -> xr.DataTree:
-    case = easeoff.read_case("fh-design-a")
-    shell = case.compliance.model_copy(update={"model": "shell"})
-    return easeoff.analyze(case.model_copy(update={"contact": CONTACT, "compliance": shell}), edge_contact=False)
+    return easeoff.analyze(with_teeth(easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})))
+
+
+def on_shells(folder: Path, name: str) -> Path:
+    return small_file(folder, name, '\n[compliance]\nmodel = "shell"\n')
 
 
 def with_friction(tree: xr.DataTree, found: xr.Dataset) -> xr.DataTree:
@@ -155,9 +169,13 @@ def test_every_flag_has_words() -> None:
 
 
 def test_notes_go_with_the_feedback_too() -> None:
-    case = easeoff.read_case("nasa-12x36").model_copy(update={"contact": CONTACT})
     tree = easeoff.analyze(
-        case, torques=100.0, speed=[30.0, 1500.0], roughness=[0.8, 3.0], friction_feedback=True, edge_contact=False
+        few("nasa-12x36"),
+        torques=100.0,
+        speed=[30.0, 1500.0],
+        roughness=[0.8, 3.0],
+        friction_feedback=True,
+        edge_contact=False,
     )
     found = tree["friction"].to_dataset()
     assert found["extrapolated_share"].sizes == {"torque": 1, "speed": 2, "temperature": 1, "roughness": 2}
@@ -181,7 +199,7 @@ def test_show_and_pictures_tell_it(tree: xr.DataTree) -> None:
 
 def test_run_tells_it(tmp_path: Path) -> None:
     options = ["--torque", "500", "--speed", "30", "--roughness", "3"]
-    made = CliRunner().invoke(main, ["run", "fh-design-a", "-o", str(tmp_path / "a.nc"), *options])
+    made = call("run", on_shells(tmp_path, "fh-design-a"), "-o", tmp_path / "a.nc", *options)
     assert made.exit_code == 0, made.output
     assert "Note: 100 % of the power loss at 500 N m, 30 1/min, 3 um lies outside the range" in made.stderr
 
@@ -297,10 +315,11 @@ def test_film_heating_from_case_and_command_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="film_heating = 'oven': must be one of none, gupta_cheng, murch_wilson"):
         FrictionModel(film_heating="oven")
     options = ["--torque", "100", "--speed", "3000", "--temperature", "50", "--film-heating"]
-    made = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "a.nc"), *options, "murch_wilson"])
+    case = on_shells(tmp_path, "nasa-12x36")
+    made = call("run", case, "-o", tmp_path / "a.nc", *options, "murch_wilson")
     assert made.exit_code == 0, made.output
     assert easeoff.read_result(tmp_path / "a.nc")["friction"].attrs["film_heating"] == "murch_wilson"
-    wrong = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "b.nc"), *options, "oven"])
+    wrong = call("run", case, "-o", tmp_path / "b.nc", *options, "oven")
     assert wrong.exit_code == 2
     assert "film_heating = 'oven'" in wrong.output
     table = FrictionTable(speed=(1000.0,), film_heating="gupta_cheng")

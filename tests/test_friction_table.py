@@ -8,23 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call, read_only, small_text
 
 import easeoff
 from easeoff import InputError
 from easeoff.cases import case_text, case_toml, parse_case
 from easeoff.friction import FILMS, THERMAL_FACTORS, FrictionModel, Operation, friction
 from easeoff.study.analysis.friction_analysis import operation_of
-from easeoff.study.cli import main
 
-COARSE = """
-[contact]
-torques = [200.0]
-mesh_positions = 4
-segments_per_line = 11
-lengthwise_nodes = 15
-profile_nodes = 11
-"""
 TABLE = """
 [friction]
 speed = [500, 1500]
@@ -37,24 +28,28 @@ thermal_factor = "none"
 rolling_frame = "contact_line"
 feedback = true
 """
+SHELLS = '[compliance]\nmodel = "shell"\n'
 TEXT = case_text("nasa-12x36") + TABLE
-
-
-def coarse(text: str) -> str:
-    head, _, rest = text.partition("[contact]")
-    return head + COARSE + rest[rest.index("\n[") :]
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("case") / "mine.toml"
-    path.write_text(coarse(TEXT), encoding="utf-8")
+    path.write_text(small_text(more=SHELLS + TABLE), encoding="utf-8")
     return path
+
+
+def result(file: Path, *options: str) -> xr.DataTree:
+    """What the command makes of the case."""
+    out = file.parent / "out.nc"
+    made = call("run", file, "-o", out, "--torque", "200", *options)
+    assert made.exit_code == 0, made.output
+    return easeoff.read_result(out)
 
 
 @pytest.fixture(scope="module")
 def tree(file: Path) -> xr.DataTree:
-    return easeoff.analyze(file)
+    return read_only(result(file))
 
 
 def test_every_key_arrives() -> None:
@@ -155,7 +150,8 @@ def test_an_analysis_takes_the_table(tree: xr.DataTree) -> None:
     assert found.attrs["oil"] == "pao-vg100"
     assert found.attrs["rolling_frame"] == "contact_line"
     by_hand = easeoff.analyze(
-        parse_case(coarse(case_text("nasa-12x36"))),
+        parse_case(small_text(more=SHELLS)),
+        torques=200.0,
         speed=[500.0, 1500.0],
         temperature=60.0,
         roughness=[(0.8, 0.4), 0.2],
@@ -172,9 +168,8 @@ def test_an_analysis_takes_the_table(tree: xr.DataTree) -> None:
 
 
 def test_arguments_go_before_the_table(tree: xr.DataTree, file: Path) -> None:
-    found = easeoff.analyze(file, temperature=[50.0, 80.0], friction_model=FrictionModel(), friction_feedback=False)[
-        "friction"
-    ].to_dataset()
+    given: dict[str, Any] = {"temperature": [50.0, 80.0], "friction_model": FrictionModel(), "friction_feedback": False}
+    found = easeoff.analyze(file, torques=200.0, **given)["friction"].to_dataset()
     assert "energy_balance" not in found
     assert found["speed"].values.tolist() == [500.0, 1500.0]
     expected = friction(tree, Operation([500.0, 1500.0], [50.0, 80.0], [(0.8, 0.4), 0.2], "pao-vg100"))
@@ -198,11 +193,8 @@ def test_what_is_given_by_hand_is_checked_with_the_table() -> None:
         ),
     ],
 )
-def test_command_line(file: Path, tmp_path: Path, options: list[str], expected: dict[str, Any]) -> None:
-    out = tmp_path / "out.nc"
-    made = CliRunner().invoke(main, ["run", str(file), "-o", str(out), *options])
-    assert made.exit_code == 0, made.output
-    group = easeoff.read_result(out)["friction"].to_dataset()
+def test_command_line(tree: xr.DataTree, file: Path, options: list[str], expected: dict[str, Any]) -> None:
+    group = (result(file, *options) if options else tree)["friction"].to_dataset()
     assert group["speed"].values.tolist() == expected["speed"]
     assert group["temperature"].values.tolist() == [60.0]
     assert group["roughness_gear"].values.tolist() == [0.4, 0.2]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import oracle
 import pytest
+from bases import COMMANDS as MADE
 from bases import Bases
 from kinds.box import INNER, Box
 from kinds.drawing import KINDS, draw
@@ -30,8 +32,9 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs forked pr
 
 
 def hang() -> None:
-    while True:
-        pass
+    """As the system ends a process at its limit of processor time."""
+    if resource.getrlimit(resource.RLIMIT_CPU)[0] == 1:
+        os.kill(os.getpid(), signal.SIGXCPU)
 
 
 def crash() -> None:
@@ -157,6 +160,10 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Bases:
     folder = tmp_path_factory.mktemp("bases")
     found = Bases(folder, folder / "cache")
     found.write_texts()
+    for name in MADE:
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
     return found
 
 

@@ -144,7 +144,7 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
 
 @pytest.mark.parametrize(
     ("case", "flank", "name"),
-    [("fh-design-a", "coast", "pinion"), ("nasa-12x36", "coast", "gear"), ("fh-design-b", "drive", "gear")],
+    [("nasa-12x36", "coast", "gear"), ("fh-design-a", "coast", "pinion"), ("fh-design-b", "drive", "gear")],
 )
 @pytest.mark.quick(1)
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
@@ -154,9 +154,9 @@ def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any
     normal = np.random.default_rng(4).normal(size=len(free))
     wrong = {setting: 0.6 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
     surface, left = designed.loaded, []
-    for _ in range(3):
+    for names in (free, free, free[:1]):  # the third pass only tells what is left
         deviation = measured(designed, changed(surface, wrong))
-        correction = corrective_settings(designed, deviation, free=free, rounded=False)
+        correction = corrective_settings(designed, deviation, free=names, rounded=False)
         left.append(correction.rms_before)  # without the rotation of the tooth
         surface = changed(surface, correction.changes)
     assert left[0] > 0.05

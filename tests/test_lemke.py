@@ -20,8 +20,8 @@ def residual(matrix: np.ndarray, vector: np.ndarray, z: np.ndarray) -> float:
 
 
 def test_lattice_ties_never_cycle() -> None:
-    """A thousand problems of small integers, full of ties: a basis that came back would end at the pivot limit."""
-    for problem in problems("lattice", 1000, seed=31):
+    """Hundreds of problems of small integers, full of ties: a basis that came back would end at the pivot limit."""
+    for problem in problems("lattice", 300, seed=31):
         form = lcp(problem)
         result = lemke(form.matrix, form.vector, 10 * problem.size + 20)
         assert result.ended == "solved"
@@ -32,7 +32,7 @@ def test_lattice_ties_never_cycle() -> None:
 def test_coarser_ties_do_not_cycle_either() -> None:
     """Entries of 0 and 1 alone, duplicated segments, and all segments in touch."""
     rng = np.random.default_rng(8)
-    for _ in range(300):
+    for _ in range(120):
         n = int(rng.integers(2, 30))
         pick = rng.integers(0, max(n // 3, 1), n)
         factor = rng.integers(0, 2, (n, 2)).astype(float)[pick]
@@ -122,7 +122,7 @@ def test_large_problems_are_refused() -> None:
 
 @pytest.mark.parametrize("name", ["weak_local", "nearly_singular", "spread_local", "random_dense", "far_apart"])
 def test_pivoting_needs_no_polish_where_the_compliance_is_nearly_singular(name: str) -> None:
-    for problem in problems(name, 40, seed=12):
+    for problem in problems(name, 15, seed=12):
         solution = solve(problem, "lemke", polish=False)
         assert solution.certificate.worst < 1e-11
         assert solution.elastic_rotation == pytest.approx(solve(problem).elastic_rotation, rel=1e-10)

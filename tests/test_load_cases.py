@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call
+from tooth_models import few
 
 import easeoff
 from easeoff import GeometryError, InputError
-from easeoff.cases import Case, LoadCase, read_case, write_case
+from easeoff.cases import Case, LoadCase, write_case
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, duty_means, equivalent_torque, key_numbers
-from easeoff.study.cli import main
 from easeoff.study.load_cases.duty_means import DAMAGE_EXPONENTS
 
 ROWS = (
@@ -25,20 +25,20 @@ ROWS = (
 )
 
 
-def on_coarse_grids(name: str) -> Case:
-    case = read_case(name)
-    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    return case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-
-
 @pytest.fixture(scope="module")
 def case() -> Case:
-    return on_coarse_grids("nasa-12x36")
+    return few()
 
 
 @pytest.fixture(scope="module")
 def tree(case: Case) -> xr.DataTree:
     return analyze_load_cases(case, ROWS)
+
+
+@pytest.fixture(scope="module")
+def plain(case: Case) -> xr.DataTree:
+    """Of one load case, without share, speed and name."""
+    return analyze_load_cases(case, [LoadCase(torque=100.0)])
 
 
 def numbers(tree: xr.DataTree) -> xr.Dataset:
@@ -118,24 +118,28 @@ def test_means_without_a_value_are_unknown() -> None:
     assert float(duty["equivalent_torque"].squeeze()) == pytest.approx(math.sqrt(0.5 * (100.0**2 + 300.0**2)))
 
 
-def test_without_shares_or_speeds_there_are_no_means_and_no_friction(case: Case) -> None:
-    tree = analyze_load_cases(case, [LoadCase(torque=100.0)])
-    assert "duty" not in tree.children
-    assert "efficiency" not in numbers(tree)
-    assert numbers(tree)["load_case"].values.tolist() == ["1"]
+def test_without_shares_or_speeds_there_are_no_means_and_no_friction(plain: xr.DataTree) -> None:
+    assert "duty" not in plain.children
+    assert "efficiency" not in numbers(plain)
+    assert numbers(plain)["load_case"].values.tolist() == ["1"]
 
 
-def test_a_result_is_read_as_it_was_written_and_shown(tmp_path: Path, tree: xr.DataTree) -> None:
+def test_a_result_is_read_as_it_was_written(tmp_path: Path, tree: xr.DataTree) -> None:
+    easeoff.write_result(tree, tmp_path / "duty.nc")
+    assert easeoff.read_result(tmp_path / "duty.nc").identical(tree)
+    assert "torque of equal damage, coast flanks: 80 N m (p = 6.61)" in str(tree.easeoff.summary())
+
+
+def test_a_result_is_shown_unless_it_lacks_a_load_case(tmp_path: Path, plain: xr.DataTree) -> None:
     file = tmp_path / "duty.nc"
-    easeoff.write_result(tree, file)
-    again = easeoff.read_result(file)
-    assert again.identical(tree)
-    shown = CliRunner().invoke(main, ["show", str(file)])
+    easeoff.write_result(plain, file)
+    shown = call("show", file)
     assert shown.exit_code == 0
-    assert "torque of equal damage, coast flanks: 80 N m (p = 6.61)" in shown.output
-    del again["results"]["climb"]
-    easeoff.write_result(again, file)
-    with pytest.raises(InputError, match="results: no climb"):
+    assert shown.output.strip() == str(plain.easeoff.summary()).strip()
+    lacking = plain.copy()
+    del lacking["results"]["1"]
+    easeoff.write_result(lacking, file)
+    with pytest.raises(InputError, match="results: no 1"):
         easeoff.read_result(file)
 
 
@@ -163,17 +167,15 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
     rows = (LoadCase(name="cruise", torque=100.0), LoadCase(name="climb", torque=300.0, E=0.05))
     write_case(case.model_copy(update={"load_cases": rows}), own)
     plots = tmp_path / "plots"
-    done = CliRunner().invoke(
-        main, ["run", str(own), "--load-cases", str(table), "-o", str(file), "--plots", str(plots)]
-    )
+    done = call("run", own, "--load-cases", table, "-o", file, "--plots", plots)
     assert done.exit_code == 0, done.output
     assert "mean over time: power loss" in done.output
     assert (plots / "case-load_cases.png").stat().st_size > 10_000
     assert (plots / "climb" / "case-drive-efficiency.png").exists()
     pressure = numbers(easeoff.read_result(file))["max_pressure"]
-    plain = CliRunner().invoke(main, ["run", str(own), "--torque", "100", "-o", str(tmp_path / "plain.nc")])
+    plain = call("run", own, "--torque", "100", "-o", tmp_path / "plain.nc")
     assert "has 2 load cases: --load-cases case analyses them" in plain.output
-    without = CliRunner().invoke(main, ["run", str(own), "--load-cases", "case", "-o", str(file)])
+    without = call("run", own, "--load-cases", "case", "-o", file)
     assert without.exit_code == 0, without.output
     xr.testing.assert_allclose(numbers(easeoff.read_result(file))["max_pressure"], pressure)
 
@@ -190,13 +192,12 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
 def test_options_that_load_cases_have_themselves_are_refused(tmp_path: Path, words: list[str], said: str) -> None:
     table = tmp_path / "duty.csv"
     table.write_text("torque\n100\n")
-    output = str(tmp_path / "out.nc")
-    done = CliRunner().invoke(main, ["run", "nasa-12x36", "--load-cases", str(table), "-o", output, *words])
+    done = call("run", "nasa-12x36", "--load-cases", table, "-o", tmp_path / "out.nc", *words)
     assert done.exit_code == 2
     assert said in done.output
 
 
 def test_a_case_without_load_cases_is_refused(tmp_path: Path) -> None:
-    done = CliRunner().invoke(main, ["run", "nasa-12x36", "--load-cases", "case", "-o", str(tmp_path / "out.nc")])
+    done = call("run", "nasa-12x36", "--load-cases", "case", "-o", tmp_path / "out.nc")
     assert done.exit_code == 2
     assert "the case has no tables [[load_cases]]" in done.output

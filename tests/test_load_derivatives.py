@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,9 @@ import pytest
 import xarray as xr
 from held_teeth import anew
 from numpy.typing import NDArray
-from whole_differences import OPERATION, Analyses, departures, longest_step
+from whole_differences import OPERATION, Analyses, coarse, coarse_cycle, departures, longest_step
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse
@@ -29,22 +27,10 @@ from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
 
 Array = NDArray[Any]
 
-COARSE = {"mesh_positions": 4, "segments_per_line": 11, "lengthwise_nodes": 17, "profile_nodes": 11}
 SETTINGS = (PairSetting("pinion", "radial_distance"), PairSetting("gear", "pressure_angle"))
 TORQUES = [100.0, 250.0]
 STEP_SHARE = 2.5e-6  # of the usual step of a setting; errors fall with its square, to 1e-6 here
 TOLERANCE = 1e-6
-
-
-def coarse(name: str, model: str = "solid_shell") -> Case:
-    case = read_case(name)
-    tables: dict[str, dict[str, Any]] = {"contact": COARSE, "compliance": {"model": model, "fineness": 0.3}}
-    return case.model_copy(update={key: getattr(case, key).model_copy(update=t) for key, t in tables.items()})
-
-
-@cache
-def cycle_of(name: str) -> MeshCycle:
-    return CaseInMesh.of(coarse(name)).cycle
 
 
 def loss_of(cycle: MeshCycle, loaded: xr.Dataset) -> xr.Dataset:
@@ -53,7 +39,7 @@ def loss_of(cycle: MeshCycle, loaded: xr.Dataset) -> xr.Dataset:
 
 
 def test_values_are_those_of_the_friction_stage() -> None:
-    cycle = cycle_of("nasa-12x36")
+    cycle = coarse_cycle("nasa-12x36")
     loaded, _ = cycle.loaded(TORQUES)
     whole, values = loss_of(cycle, loaded), loss_values(cycle, loaded, OPERATION, FrictionModel())
     for name in values:
@@ -66,7 +52,7 @@ def test_losses_and_place_of_the_load_agree_with_differences(
     setting: PairSetting, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
-    cycle = cycle_of("nasa-12x36")
+    cycle = coarse_cycle("nasa-12x36")
     loaded, cases = cycle.loaded(TORQUES)
     found = CycleSlopes.of(cycle, [setting], cases)
     slopes, step = found.datasets(loaded)[1], STEP_SHARE * setting.scale
@@ -89,7 +75,7 @@ def test_losses_and_place_of_the_load_agree_with_differences(
 
 
 def test_loss_follows_the_torque() -> None:
-    cycle, step = cycle_of("nasa-12x36"), 1e-3
+    cycle, step = coarse_cycle("nasa-12x36"), 1e-3
     loaded, cases = cycle.loaded(TORQUES)
     found = CycleSlopes.of(cycle, SETTINGS[:1], cases)
     slopes = loss_slopes(found, loaded, OPERATION, FrictionModel())[1]

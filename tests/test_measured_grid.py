@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from deviations import GEAR_ERRORS
+from plates import on_plates
+from runs import call
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import gear_pair
-from easeoff.core.compiled.compiled_use import without_compiled_code
+from easeoff.cases import gear_pair, write_case
 from easeoff.geometry import GearPair, deviation_from_formula, tooth_angle
 from easeoff.geometry.formats import (
     cmm_points,
@@ -25,7 +25,6 @@ from easeoff.geometry.formats import (
     write_cmm_points,
     write_measured_grid,
 )
-from easeoff.study.cli import main
 
 FORMS = (".csv", ".nc", ".dmi")
 
@@ -263,13 +262,13 @@ def test_results_begin_as_those_of_the_consortium_and_a_point_may_come_twice(tmp
 
 def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:
     write_measured_grid(grid(), tmp_path / "gear.csv")
-    out = tmp_path / "out.nc"
-    common = ["run", "fm-11x41", "--torque", "200", "-o", str(out)]
-    done = CliRunner().invoke(main, [*common, "--deviation", f"gear={tmp_path / 'gear.csv'}"])
+    case, out = on_plates("fm-11x41"), tmp_path / "out.nc"
+    write_case(case, tmp_path / "case.toml")
+    common = ["run", tmp_path / "case.toml", "--torque", "200", "-o", out]
+    done = call(*common, "--deviation", f"gear={tmp_path / 'gear.csv'}")
     assert done.exit_code == 0, done.output
     tree = easeoff.read_result(out)
-    with without_compiled_code():  # as the command does with so few problems
-        by_python = easeoff.analyze("fm-11x41", torques=[200.0], deviations={"gear": grid()})
+    by_python = easeoff.analyze(case, torques=[200.0], deviations={"gear": grid()})
     assert tree.attrs["largest_deviation_gear_um"] == pytest.approx(np.max(np.abs(grid()["deviation"].values[1])))
     np.testing.assert_array_equal(
         tree["loaded"]["transmission_error"].values, by_python["loaded"]["transmission_error"].values
@@ -279,6 +278,6 @@ def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:
         ("gear=nowhere", "there is no such file"),
         (f"pinion={tmp_path / 'gear.csv'}", "no points of the concave flank"),
     ):
-        wrong = CliRunner().invoke(main, [*common, "--deviation", text])
+        wrong = call(*common, "--deviation", text)
         assert wrong.exit_code == 2
         assert message in wrong.output.replace("\n", " ")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -11,10 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from runs import small
 
 import easeoff.contact.loaded as loaded_module
 from easeoff import InputError
-from easeoff.cases import read_case
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import (
     ContactProblem,
     ContactSolution,
@@ -28,6 +30,7 @@ from easeoff.contact import (
 )
 from easeoff.contact.line_contact.line_contact_law import LineContactLaw
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
+from easeoff.contact.loaded_cases import LoadedCase
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import modal_newton as method_of_newton
 from easeoff.contact.solvers import problem_batch
@@ -43,6 +46,10 @@ Array = NDArray[np.float64]
 MODAL_CLASSES = tuple(
     name for name in PROBLEM_CLASSES if name not in ("weak_local", "nearly_singular", "spread_local", "random_dense")
 )
+
+
+#: Of the pinion in analyses [N m].
+TORQUES = [50.0, 200.0]
 
 
 def rebuilt(factor: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -61,6 +68,18 @@ def relative_difference(problem: ContactProblem, method: str, other: ContactSolu
     assert other.status is Status.CERTIFIED
     force = float(np.abs(solution.force - other.force).max() / other.force.max())
     return force, abs(solution.elastic_rotation / other.elastic_rotation - 1.0)
+
+
+@cache
+def in_mesh(name: str) -> CaseInMesh:
+    """A small shipped case on shells."""
+    return CaseInMesh.of(small(name).model_copy(update={"compliance": ComplianceTable(model="shell")}))
+
+
+@cache
+def analysed(name: str) -> list[LoadedCase]:
+    """Its problems at two torques, solved."""
+    return contact_analysis(in_mesh(name), TORQUES).cases
 
 
 # Blocks
@@ -124,7 +143,7 @@ def test_basis_is_kept_when_torque_or_local_compliance_change() -> None:
 
 @pytest.mark.parametrize("name", MODAL_CLASSES)
 def test_modal_method_agrees_with_the_dense_one(name: str) -> None:
-    for problem in problems(name, 30, seed=21):
+    for problem in problems(name, 12, seed=21):
         force, rotation = relative_difference(problem, "modal", solve(problem, method="primal_dual_active_set"))
         assert force < 1e-11
         assert rotation < 1e-13
@@ -152,9 +171,7 @@ def test_modal_method_agrees_with_other_programs(backend: str) -> None:
 
 @pytest.mark.parametrize("name", ["fm-11x41", "nasa-12x36"])
 def test_modal_method_agrees_on_the_shipped_cases(name: str) -> None:
-    case = read_case(name)
-    case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    for loaded in contact_analysis(CaseInMesh.of(case), case.contact.torques[:2]).cases:
+    for loaded in analysed(name):
         problem = loaded.problem
         assert has_modal_form(problem.scaled())
         basis = problem.modal_basis
@@ -168,10 +185,9 @@ def test_modal_method_agrees_on_the_shipped_cases(name: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_every_native_method_serves_an_analysis(method: str) -> None:
-    case = read_case("fm-11x41")
-    case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    chosen = contact_analysis(CaseInMesh.of(case), [100.0], solver="native", method=method).cases
-    for found, usual in zip(chosen, contact_analysis(CaseInMesh.of(case), [100.0]).cases, strict=True):
+    chosen = contact_analysis(in_mesh("fm-11x41"), TORQUES[:1], solver="native", method=method).cases
+    usually = [one for one in analysed("fm-11x41") if one.torque == 0]
+    for found, usual in zip(chosen, usually, strict=True):
         assert found.solution.certified
         assert found.solution.method == method
         assert found.solution.rotation == pytest.approx(usual.solution.rotation, rel=1e-13)
@@ -328,7 +344,7 @@ def structured(count: int, seed: int = 0) -> list[ContactProblem]:
 
 @pytest.mark.parametrize("name", PROBLEM_CLASSES)
 def test_every_kind_of_problem_has_the_answer_of_solve(name: str) -> None:
-    given = list(problems(name, 40, 7))
+    given = list(problems(name, 15, 7))
     for problem, found in zip(given, solve_many(given), strict=True):
         alone = solve(problem)
         assert found.status is alone.status
@@ -481,25 +497,19 @@ def test_line_contact_is_inverted_over_all_decades() -> None:
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
 def test_loaded_analysis_agrees_with_exact_programmes_one_by_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two methods: modes with the law inverted, and a sequence of quadratic programmes on the dense matrix."""
-    case = read_case(name)
-    case = replace_positions(case, 5)
-    together = contact_analysis(CaseInMesh.of(case)).cases
+    together = analysed(name)
 
     def one_by_one(given: Any, contacts: Any, torques: Any, *_: Any) -> list[Any]:
         pairs = list(zip(given, contacts.each, strict=True))
         return [[solve_on_bending(one.with_torque(torque), contact) for one, contact in pairs] for torque in torques]
 
     monkeypatch.setattr(loaded_module, "solve_at_torques", one_by_one)
-    for found, exact in zip(together, contact_analysis(CaseInMesh.of(case)).cases, strict=True):
+    for found, exact in zip(together, contact_analysis(in_mesh(name), TORQUES).cases, strict=True):
         assert found.solution.message.startswith("modal")
         assert exact.solution.message.endswith("linear problems")
         assert (found.torque, found.mesh_position) == (exact.torque, exact.mesh_position)
         assert np.abs(found.solution.force - exact.solution.force).max() <= 1e-12 * exact.solution.force.max()
         assert found.solution.rotation == pytest.approx(exact.solution.rotation, rel=1e-13)
-
-
-def replace_positions(case: Any, count: int) -> Any:
-    return case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": count})})
 
 
 def test_basis_knows_its_factor() -> None:

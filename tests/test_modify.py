@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from plates import on_plates
+from runs import call
 
 import easeoff
 from easeoff import InputError, modify
@@ -20,17 +21,14 @@ from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import terms
 from easeoff.study import CaseInMesh, recorded_modification
-from easeoff.study.cli import main
 
-COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 11, "profile_nodes": 9}
 AWAY = Misalignment(offset=0.05, pinion_axial=-0.05)
 
 
 @cache
 def coarse_case() -> Case:
-    case = read_case("fm-11x41")
-    coarse = case.contact.model_copy(update={**COARSE, "torques": (50.0, 250.0)})
-    return case.model_copy(update={"contact": coarse})
+    case = on_plates("fm-11x41")
+    return case.model_copy(update={"contact": case.contact.model_copy(update={"torques": (50.0, 250.0)})})
 
 
 @cache
@@ -138,9 +136,9 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     from easeoff.cases import write_case
 
     write_case(coarse_case(), tmp_path / "case.toml", "A coarse case.")
-    arguments = ["modify", str(tmp_path / "case.toml"), "-o", str(tmp_path / "best.nc"), "--torque", "250"]
+    arguments = ["modify", tmp_path / "case.toml", "-o", tmp_path / "best.nc", "--torque", "250"]
     arguments += ["--order", "2", "--end-load", "inf", "--misalignment", "E=0.02", "--fitted-case"]
-    outcome = CliRunner().invoke(main, [*arguments, str(tmp_path / "fitted.toml")])
+    outcome = call(*arguments, tmp_path / "fitted.toml")
     assert outcome.exit_code == 0, outcome.output
     assert "assembly 1: E +0.02 mm" in outcome.output
     record = easeoff.read_result(tmp_path / "best.nc")["optimization"].to_dataset()

@@ -73,7 +73,7 @@ def by_products(problem: Any, max_iterations: int = 50_000, initvals: Any = None
 def onto_balance(point: Any, row: Any, torque: float) -> Any:
     """The nearest forces without a pull that balance the torque; the lever arms are positive."""
     low, high = -1e6, 1e6
-    for _ in range(200):
+    for _ in range(90):
         shift = 0.5 * (low + high)
         if row @ np.maximum(point + shift * row, 0.0) < torque:
             low = shift

@@ -1,8 +1,7 @@
-"""The package as it ships: public names are there, every docstring example works, messages name commands that run."""
+"""The package as it ships: public names are there, messages name commands that run."""
 
 from __future__ import annotations
 
-import doctest
 import importlib
 import importlib.util
 import inspect
@@ -43,15 +42,6 @@ def test_only_the_package_file_stands_at_the_root() -> None:
     assert [p.name for p in PACKAGE.glob("*.py")] == ["__init__.py"]
 
 
-def test_examples_in_docstrings_work() -> None:
-    tried = 0
-    for name in ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]:
-        outcome = doctest.testmod(importlib.import_module(name))
-        assert outcome.failed == 0, name
-        tried += outcome.attempted
-    assert tried > 3
-
-
 @pytest.mark.parametrize("package", [easeoff, easeoff.study])
 def test_public_names_are_there_and_shown(package: ModuleType) -> None:
     shown = [name for name in dir(package) if not name.startswith("_")]
@@ -84,7 +74,7 @@ def test_names_at_the_top() -> None:
 
 @pytest.mark.parametrize("name", PUBLIC)
 def test_public_functions_and_classes_have_examples(name: str) -> None:
-    """That they work says ``test_examples_in_docstrings_work``."""
+    """That they work says ``test_docstrings``."""
     package = importlib.import_module(name)
     for public in package.__all__:
         thing = getattr(package, public)

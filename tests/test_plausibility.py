@@ -5,31 +5,40 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from pairs import by_the_dissertation
+from runs import call
 
 import easeoff
 from easeoff.cases import Case, shipped_cases, write_case
-from easeoff.geometry import Modification
+from easeoff.geometry import FlankName, Modification
 from easeoff.study import plausibility, result_summary
-from easeoff.study.cli import main
 from easeoff.study.plot.page import small_print
 from easeoff.study.report.notes.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 
 
-def coarse(name: str) -> Case:
-    case = easeoff.read_case(name)
-    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "friction": None})
+def coarse(name: str, **contact: Any) -> Case:
+    return by_the_dissertation(name, **COARSE, **contact)
+
+
+def without_a_sign(folder: Path, model: Literal["shell", "solid_shell"]) -> Path:
+    """A case whose pinion has a work offset of the other sign."""
+    data = coarse("fm-11x41", edge_contact=True).model_dump()
+    data["compliance"]["model"] = model
+    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
+    write_case(Case.model_validate(data), folder / "slip.toml")
+    return folder / "slip.toml"
 
 
 @cache
 def plain() -> xr.DataTree:
-    return easeoff.analyze(coarse("fm-11x41"))
+    return easeoff.analyze(coarse("fm-11x41", edge_contact=True))
 
 
 def changed(group: str, change: Callable[[xr.Dataset], xr.Dataset]) -> xr.DataTree:
@@ -70,8 +79,8 @@ def unwrapped(tree: xr.DataTree) -> str:
 
 @pytest.mark.parametrize("name", shipped_cases())
 @pytest.mark.parametrize("flank", ["drive", "coast"])
-def test_shipped_cases_are_plausible(name: str, flank: str) -> None:
-    assert plausibility(easeoff.analyze(coarse(name), flank=flank)) == []  # type: ignore[arg-type]
+def test_shipped_cases_are_plausible(name: str, flank: FlankName) -> None:
+    assert plausibility(easeoff.analyze(coarse(name), flank=flank)) == []
 
 
 @pytest.mark.parametrize(
@@ -93,24 +102,17 @@ def test_each_limit_has_its_note(
 
 def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path: Path) -> None:
     """The work offset of the pinion with the other sign still cuts a tooth, and every position is certified."""
-    data = coarse("fm-11x41").model_dump()
-    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
-    data["compliance"] = {"model": "shell"}
-    write_case(Case.model_validate(data), tmp_path / "slip.toml")
     out = tmp_path / "slip.nc"
-    done = CliRunner().invoke(main, ["run", str(tmp_path / "slip.toml"), "-o", str(out)])
+    done = call("run", without_a_sign(tmp_path, "shell"), "-o", out)
     assert done.exit_code == 0, done.output
     assert "Note: the ease-off reaches" in done.output
-    assert "Note: the ease-off reaches" in CliRunner().invoke(main, ["show", str(out)]).output
+    assert "Note: the ease-off reaches" in call("show", out).output
 
 
 def test_a_lost_sign_that_leaves_a_pointed_tooth_is_refused_by_the_solid_shell(tmp_path: Path) -> None:
     """Which tooth, why, and what needs no whole tooth; nothing is written."""
-    data = coarse("fm-11x41").model_dump()
-    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
-    write_case(Case.model_validate(data), tmp_path / "slip.toml")
     out = tmp_path / "slip.nc"
-    done = CliRunner().invoke(main, ["run", str(tmp_path / "slip.toml"), "-o", str(out)])
+    done = call("run", without_a_sign(tmp_path, "solid_shell"), "-o", out)
     assert done.exit_code == 2
     for words in ("the pinion's tooth is pointed", "of the face", '[compliance] model = "shell"'):
         assert words in done.output

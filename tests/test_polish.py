@@ -88,12 +88,12 @@ def test_two_springs_and_a_mode_in_closed_form(system: str) -> None:
 
 
 @pytest.mark.parametrize("rule", [FREE, ONE_SOLVE])
-@pytest.mark.parametrize("rigid", [0, 5, 100, 240])
+@pytest.mark.parametrize("rigid", [0, 5, 40, 90])
 def test_structured_problem_is_polished_without_its_matrix(
     rigid: int, rule: PolishRule, system: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also with more rigid segments than modes, where the forces are not unique and the block is singular."""
-    problem = structured(rigid=rigid)
+    problem = structured(90, rigid=rigid)
     scaled, given = rough(problem)
     monkeypatch.setattr(ModalCompliance, "dense", property(never))
     monkeypatch.setattr(ScaledProblem, "compliance", property(never))
@@ -113,7 +113,7 @@ def test_whole_call_of_a_sparse_backend_never_forms_the_matrix(name: str, monkey
 
 @pytest.mark.parametrize("kind", PROBLEM_CLASSES)
 def test_polish_agrees_with_the_native_solver_on_every_class(kind: str, system: str) -> None:
-    for problem in problems(kind, 12, seed=3):
+    for problem in problems(kind, 5, seed=3):
         reference = solve(problem)
         if not reference.certified or problem.torque == 0.0:
             continue

@@ -33,7 +33,7 @@ from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
 NODES = (5, 5)
-BATCHES, SAMPLES = 20, 50
+BATCHES, SAMPLES = 19, 50
 SIZES = {  # what a wild change is: mm, rad, 1
     "radial_distance": 10.0,
     "cradle_angle": 0.3,
@@ -187,7 +187,7 @@ def outcome(pair: GearPair, *, teeth: bool) -> str:
 
 
 @pytest.mark.parametrize("seed", range(BATCHES))
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.random
 def test_random_settings_give_a_message_or_a_sound_flank(seed: int, request: pytest.FixtureRequest) -> None:
     other = request.config.getoption("hypothesis_seed")  # of `make random`

@@ -28,8 +28,10 @@ def motion_of(geometry: PairGeometry) -> RelativeMotion:
     return RelativeMotion(motion.assembly, motion.pinion_sense)
 
 
-@pytest.mark.parametrize("flank", ["drive", "coast"])
-@pytest.mark.parametrize(("name", "mirror"), PAIRS)
+@pytest.mark.parametrize(
+    ("name", "mirror", "flank"),
+    [("fm-11x41", True, "drive"), ("nasa-12x36", False, "drive"), ("fm-11x41", False, "coast")],
+)
 def test_gap_changes_by_the_wrenches_as_in_moved_geometries(name: str, mirror: bool, flank: FlankName) -> None:
     """Central differences of the ease-off: their error falls with the square of the step."""
     geometry = pair_geometry(moved_pair(name, mirror, flank), (9, 7))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from browser import Browser, chromium
-from click.testing import CliRunner
 from numpy.typing import NDArray
 from report_content import (
     checked_pattern,
@@ -22,13 +22,14 @@ from report_content import (
     unpacked,
     worn_flanks,
 )
+from runs import call
+from tooth_models import few
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
-from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
 from easeoff.study import analyze_load_cases, result_summary, write_report
-from easeoff.study.cli import main
+from easeoff.study.report.contact_report import given_results
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults
 from easeoff.study.report.contact_report.report_file import report_page
 from easeoff.study.report.contact_report.report_tables import load_case_rows
@@ -87,6 +88,18 @@ def one(tree: xr.DataTree) -> Any:
     return content(report_page({"one": tree}))["results"][0]
 
 
+@cache
+def strong() -> Any:
+    """Data of the page of the result with root stress."""
+    return one(strength_result())
+
+
+@cache
+def on_bearings() -> Any:
+    """Data of the page of the result on supports."""
+    return one(supported_result())
+
+
 # --- supports
 
 
@@ -140,7 +153,7 @@ def test_members_without_bearings_are_named_by_how_the_case_holds_them(supported
 
 
 def test_supports_stand_on_the_page(supported: xr.DataTree) -> None:
-    result = one(supported)
+    result = on_bearings()
     assert [table["rows"] for table in result["supports"]] == [
         [list(row) for row in table.rows] for table in supports_tables(supported)
     ]
@@ -166,8 +179,7 @@ def test_deviations_on_the_page_are_those_that_were_given(deviated: str) -> None
         {"deviation": (("lengthwise", "profile"), 4.0 * t - 3.0 * h, {"units": "um"})},
         coords={"lengthwise": t[:, 0], "profile": h[0]},
     )
-    with without_compiled_code():
-        tree = analyze(coarse(), torques=[100.0], deviations={"gear": given}, deviated=deviated)  # type: ignore[arg-type]
+    tree = analyze(few("fm-11x41"), torques=[100.0], deviations={"gear": given}, deviated=deviated)  # type: ignore[arg-type]
     fields = one(tree)["deviations"]
     assert list(fields) == ["gear"]
     raster = unpacked(fields["gear"]["raster"])
@@ -178,15 +190,14 @@ def test_deviations_on_the_page_are_those_that_were_given(deviated: str) -> None
     assert np.allclose(raster[known], (4.0 * fine_t - 3.0 * fine_h)[known], atol=0.02)
 
 
-def test_a_result_without_deviations_has_no_picture_of_them(supported: xr.DataTree) -> None:
-    assert one(supported)["deviations"] == {}
-    assert one(supported)["modification"] is None
+def test_a_result_without_deviations_has_no_picture_of_them() -> None:
+    assert on_bearings()["deviations"] == {}
+    assert on_bearings()["modification"] is None
 
 
 @pytest.mark.thorough
 def test_a_modification_shows_its_terms_and_both_stages() -> None:
-    with without_compiled_code():
-        tree = modify(coarse(), torques=[100.0], order=2)
+    tree = modify(coarse(), torques=[100.0], order=2)
     part = one(tree)["modification"]
     surface, record = tree["modification"].to_dataset(), tree["optimization"].to_dataset()
     assert [float(value) for _, value in part["terms"]] == pytest.approx(surface["coefficient"].values, abs=0.006)
@@ -233,18 +244,18 @@ def test_a_vh_check_has_its_prints_in_their_places(check: xr.Dataset) -> None:
 # --- load cases
 
 
-def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures() -> None:
-    rows = [LoadCase(name=f"case {n}", torque=40.0 * n, share=1.0) for n in range(1, RESULT_COUNT_LIMIT + 2)]
-    size = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    with without_compiled_code():
-        tree = analyze_load_cases(coarse(**size), rows)
+def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert RESULT_COUNT_LIMIT == 6
+    monkeypatch.setattr(given_results, "RESULT_COUNT_LIMIT", 2)
+    rows = [LoadCase(name=f"case {n}", torque=40.0 * n, share=1.0) for n in (1, 2, 3)]
+    tree = analyze_load_cases(few("fm-11x41"), rows)
     given = GivenResults.of({"duty": tree})
     assert list(given.results) == [row.name for row in rows[1:]]
     assert given.notes == [
-        "duty: pictures of 6 of 7 load cases, those of the greatest pressure; the table has all of them."
+        "duty: pictures of 2 of 3 load cases, those of the greatest pressure; the table has all of them."
     ]
     first = tree.children["results"].children["case 1"]
-    assert "other, case 7" in GivenResults.of({"other": tree, "one": first}).results
+    assert "other, case 3" in GivenResults.of({"other": tree, "one": first}).results
     part = load_case_rows(tree)
     inputs, results = part["tables"]
     assert [row[0] for row in inputs["rows"]] == [row[0] for row in results["rows"]] == [row.name for row in rows]
@@ -265,7 +276,7 @@ def test_the_command_takes_checks_and_wear_beside_results(
     write_vh_check(check, files[1])
     worn.to_netcdf(files[2], engine="netcdf4")
     output = tmp_path / "r.html"
-    done = CliRunner().invoke(main, ["report", *files, "-o", str(output)])
+    done = call("report", *files, "-o", output)
     assert done.exit_code == 0, done.output
     data = content(output.read_text(encoding="utf-8"))
     names = {key: [part["name"] for part in data[key]] for key in ("results", "checks", "wear")}
@@ -285,7 +296,7 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
         report_page({"nothing": xr.Dataset({"other": 1.0})})
     path = tmp_path / "sweep.nc"
     xr.Dataset({"a": 1.0}, attrs={"sweep_schema_version": 1}).to_netcdf(path)
-    done = CliRunner().invoke(main, ["report", str(path), "-o", str(tmp_path / "r.html")])
+    done = call("report", path, "-o", tmp_path / "r.html")
     assert done.exit_code == 2
     assert "is of 'easeoff sweep', which keeps numbers and no pictures" in done.stderr
     assert not (tmp_path / "r.html").exists()
@@ -309,7 +320,7 @@ def test_a_damaged_result_is_one_message(strength: xr.DataTree, group: str, chan
 
 
 def test_linear_transmission_error_is_the_angle_times_the_mean_pitch_radius(strength: xr.DataTree) -> None:
-    rows = {row[0]: row for row in one(strength)["loaded_numbers"]["rows"]}
+    rows = {row[0]: row for row in strong()["loaded_numbers"]["rows"]}
     row = rows["transmission error at the mean pitch radius, peak to peak"]
     blank = coarse().gear.blank
     assert blank is not None
@@ -321,7 +332,7 @@ def test_linear_transmission_error_is_the_angle_times_the_mean_pitch_radius(stre
 
 
 def test_greatest_friction_is_that_of_segments_which_carry(strength: xr.DataTree) -> None:
-    table = one(strength)["friction"]["table"]
+    table = strong()["friction"]["table"]
     friction, loaded = strength["friction"].to_dataset(), strength["loaded"].to_dataset()
     for name, head in (
         ("friction_coefficient", "greatest friction coefficient"),
@@ -335,9 +346,9 @@ def test_greatest_friction_is_that_of_segments_which_carry(strength: xr.DataTree
             assert found[2 * i + j] == pytest.approx(float(values.where(carries).max()), abs=0.006)
 
 
-def test_every_item_of_a_commercial_contact_report_is_on_the_page(strength: xr.DataTree) -> None:
+def test_every_item_of_a_commercial_contact_report_is_on_the_page() -> None:
     assert len(ITEMS) == 19
-    result = one(strength)
+    result = strong()
     rows = {row[0] for row in result["loaded_numbers"]["rows"]}
     columns = set(result["friction"]["table"]["heads"])
     charts = {chart["id"] for group in result["charts"].values() for chart in group}
@@ -347,8 +358,7 @@ def test_every_item_of_a_commercial_contact_report_is_on_the_page(strength: xr.D
 
 
 def test_every_row_names_a_variable_that_the_result_has(strength: xr.DataTree, supported: xr.DataTree) -> None:
-    for tree in (strength, supported):
-        result = one(tree)
+    for tree, result in ((strength, strong()), (supported, on_bearings())):
         named = [row[2] for row in result["loaded_numbers"]["rows"] + result["unloaded_numbers"]]
         named += [name for table in result["supports"] for name in table["variables"]]
         named += result["friction"]["table"]["variables"] if result["friction"] else []

@@ -8,23 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from plates import on_plates
+from runs import call
 
 import easeoff
 from easeoff import GeometryError
-from easeoff.cases import Case, gear_pair
+from easeoff.cases import Case, gear_pair, write_case
 from easeoff.geometry import GearPair, named_member
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
-from easeoff.study.cli import main
 
 NOISE = 3.0  # um
 
 
 @cache
 def small_case() -> Case:
-    case = easeoff.read_case("fm-11x41")
-    contact = case.contact.model_copy(update={"mesh_positions": 8, "segments_per_line": 15})
-    return case.model_copy(update={"contact": contact})
+    """With as many nodes as show the noise."""
+    return on_plates("fm-11x41", lengthwise_nodes=31, profile_nodes=21)
 
 
 @cache
@@ -88,12 +87,13 @@ def test_smoothing_keeps_a_smooth_deviation_and_loses_noise() -> None:
 
 
 def test_the_command_line_says_so_and_smooths(tmp_path: Path) -> None:
+    write_case(small_case(), tmp_path / "case.toml")
     write_measured_grid(noisy("pinion", (15, 25)), tmp_path / "pinion.csv")
-    common = ["run", "fm-11x41", "--torque", "200", "--deviation", f"pinion={tmp_path / 'pinion.csv'}"]
+    common = ["run", tmp_path / "case.toml", "--torque", "200", "--deviation", f"pinion={tmp_path / 'pinion.csv'}"]
     out = tmp_path / "out.nc"
-    refused = CliRunner().invoke(main, [*common, "-o", str(out)])
+    refused = call(*common, "-o", out)
     assert refused.exit_code == 2
     assert "flank of the pinion" in refused.output
     assert not out.exists()
-    done = CliRunner().invoke(main, [*common, "--interpolation", "smooth", "-o", str(out)])
+    done = call(*common, "--interpolation", "smooth", "-o", out)
     assert done.exit_code == 0, done.output

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from easeoff import EaseoffError, GeometryError, InputError
-from easeoff.cases import Case, design_text, ease_off_target, gear_pair, parse_design
+from easeoff.cases import Case, design_text, ease_off_target, gear_pair, parse_design, read_case
 from easeoff.geometry import (
     Assembly,
     BlankDesign,
@@ -115,7 +115,7 @@ def test_tip_of_an_upright_cutter_envelops_the_root_cone(taper: str) -> None:
     """Points of the tip circle over the roll: none is below the root cone, and the lowest ones touch it."""
     blank = blank_dimensions(bevel(taper))
     section = blank_section(blank.pinion, blank.clearance)
-    gear = generated_gear(blank, 76.2, "right")
+    gear = generated_gear(blank, 76.2, "right", corrected=False)
     start = crown_gear_pinion(gear[0], assembly_of(bevel(taper)), blank.gear.mean_dedendum + blank.pinion.mean_dedendum)
     surface = along_the_root(start, blank)
     assert surface.settings.machine_root_angle == blank.pinion.root_angle
@@ -249,8 +249,7 @@ def test_mistakes_in_the_method_are_told(text: str, words: list[str]) -> None:
 
 def test_a_negative_tilt_is_written_as_a_positive_one_the_other_way() -> None:
     """The same flank up to a turn of the work: the same differences of azimuth at equal axial and radial places."""
-    designed = made("fixed_setting")
-    pair = designed.pair()
+    pair = gear_pair(read_case("nasa-12x36"))
     settings = replace(pair.pinion.loaded.settings, cutter_tilt=-0.03, cutter_swivel=0.4)
     negative = replace(pair.pinion.loaded, settings=settings)
     positive = with_positive_tilt(negative)

@@ -10,18 +10,18 @@ from typing import Any
 
 import pytest
 import tqdm.auto
+from runs import small_text
 
 import easeoff
+from easeoff.cases import parse_case
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 
-COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
 FUNCTIONS = (easeoff.analyze, easeoff.modify, easeoff.optimize, easeoff.sweep, analyze_load_cases, vh_check, wear)
 
 
 def coarse() -> easeoff.Case:
-    case = easeoff.read_case("nasa-12x36")
-    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
+    return parse_case(small_text(more='\n[compliance]\nmodel = "shell"\n'))
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tooth_models import COARSE, few, with_teeth
 
 import easeoff
 from easeoff import GeometryError, InputError
-from easeoff.cases import Case, ContactTable, case_toml, gear_pair, parse_case, read_case
+from easeoff.cases import case_toml, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
-from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import STEEL, root_stress
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
@@ -39,9 +39,8 @@ from easeoff.study import CaseInMesh, WearLaw, wear
 
 Array = NDArray[Any]
 REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"
-TEETH = [(name, member) for name in ("fm-11x41", "fh-12x41-45") for member in ("pinion", "gear")]
+TEETH = [(name, member) for name in ("fm-11x41", "fh-12x41-45") for member in ("gear", "pinion")]
 FORCE = 500.0
-QUICK = ContactTable(torques=(300.0,), mesh_positions=4, segments_per_line=11, lengthwise_nodes=15, profile_nodes=11)
 
 
 def even(count: int, low: float = 0.0, high: float = 1.0) -> Array:
@@ -202,7 +201,7 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     """Certified contact near that of the shell, without root stress."""
     levels = []
     for model in ("shell", "solid_shell"):
-        tree = easeoff.analyze(changed(model=model))
+        tree = easeoff.analyze(few("fm-11x41", model), torques=[300.0])
         assert "root_stress" not in tree.children
         loaded = tree["loaded"].to_dataset()
         assert np.all(loaded["status"] == 0)
@@ -211,20 +210,15 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     assert levels[1] != pytest.approx(levels[0], rel=1e-6)
 
 
-def changed(**compliance: Any) -> Case:
-    case = read_case("fm-11x41")
-    return case.model_copy(
-        update={"contact": QUICK, "compliance": case.compliance.model_copy(update={"fineness": 0.8, **compliance})}
-    )
-
-
 @pytest.mark.thorough
 def test_kept_on_disk_and_each_member_with_its_own_depth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
     pair = gear_pair(read_case("fm-11x41"))
 
     def factors(*depth: float) -> list[Array]:
-        teeth = finite_elements(changed(model="solid_shell", fineness=0.6, rim_depth=depth, neighbours=False), pair)
+        teeth = finite_elements(
+            with_teeth(read_case("fm-11x41"), "solid_shell", rim_depth=depth, neighbours=False), pair
+        )
         assert teeth is not None
         return [tooth.flank.factor for tooth in teeth]
 
@@ -258,7 +252,7 @@ def test_a_solid_shell_too_large_for_a_full_matrix_is_refused() -> None:
 
 
 def test_root_stress_wants_finite_elements() -> None:
-    state = CaseInMesh.of(read_case("fm-11x41").model_copy(update={"contact": QUICK}))
+    state = CaseInMesh.of(few("fm-11x41", "solid_shell"))
     assert state.teeth is not None
     loaded, cases = state.cycle.loaded([200.0])
     with pytest.raises(InputError, match='model = "fe"'):
@@ -267,12 +261,12 @@ def test_root_stress_wants_finite_elements() -> None:
 
 @pytest.mark.parametrize(("model", "teeth"), [("solid_shell", "solid shell"), ("shell", None)])
 def test_every_stage_is_named_before_it_begins(model: Any, teeth: str | None) -> None:
-    case = read_case("fm-11x41").model_copy(update={"contact": QUICK, "compliance": ComplianceTable(model=model)})
+    case = few("fm-11x41", model)
     said: list[str] = []
     easeoff.analyze(case, torques=[100.0], stage=said.append, progress=lambda: said.append("step"))
     named = [] if teeth is None else [f"{teeth} of the pinion", f"{teeth} of the gear"]
     assert said[: len(named) + 1] == [*named, "loaded contact"]
-    assert said.count("step") == len(said) - len(named) - 1 == QUICK.mesh_positions
+    assert said.count("step") == len(said) - len(named) - 1 == case.contact.mesh_positions
     for study, last in ((easeoff.modify, "convex programmes"), (wear, "wear")):
         said.clear()
         options: dict[str, Any] = {"stage": said.append}
@@ -287,13 +281,13 @@ def test_a_stored_tooth_is_found_without_its_lattice(tmp_path: Path, monkeypatch
     """In any assembly; but not that of another blade, thickness, material, size or depth."""
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
     pair = gear_pair(read_case("fm-11x41"))
-    made = members.solid_shell_tooth(pair, "gear", STEEL, fineness=0.4).flank
+    made = members.solid_shell_tooth(pair, "gear", STEEL, fineness=COARSE).flank
 
     def refused(*_: object, **__: object) -> None:
         raise AssertionError("made again")
 
     monkeypatch.setattr(members, "tooth_lattice", refused)
-    again = members.solid_shell_tooth(pair.misaligned(Misalignment(offset=0.2)), "gear", STEEL, fineness=0.4).flank
+    again = members.solid_shell_tooth(pair.misaligned(Misalignment(offset=0.2)), "gear", STEEL, fineness=COARSE).flank
     for name in ("lengthwise", "profile", "factor"):
         np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
     # The pinion fills the slot that this gear leaves, so that it is another tooth; the gear does not know the pinion.
@@ -307,10 +301,10 @@ def test_a_stored_tooth_is_found_without_its_lattice(tmp_path: Path, monkeypatch
     ]
     for other, changed in others:
         with pytest.raises(AssertionError, match="made again"):
-            members.solid_shell_tooth(other, "gear", STEEL, **{"fineness": 0.4, **changed})
+            members.solid_shell_tooth(other, "gear", STEEL, **{"fineness": COARSE, **changed})
     with pytest.raises(AssertionError, match="made again"):
-        members.solid_shell_tooth(pair, "gear", replace(STEEL, poisson_ratio=0.29), fineness=0.4)
+        members.solid_shell_tooth(pair, "gear", replace(STEEL, poisson_ratio=0.29), fineness=COARSE)
     same = replace(pair, pinion=replace(pair.pinion, mean_thickness=8.0))
     np.testing.assert_array_equal(
-        members.solid_shell_tooth(same, "gear", STEEL, fineness=0.4).flank.factor, made.factor
+        members.solid_shell_tooth(same, "gear", STEEL, fineness=COARSE).flank.factor, made.factor
     )

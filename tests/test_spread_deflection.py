@@ -114,8 +114,7 @@ def spread_over(depth: float, depths_per_radian: float) -> float:
     return float(loads[:, 600] @ (loads @ wave) * (along[1] - along[0]))
 
 
-@pytest.mark.parametrize(("half_taper", "land"), [(18.0, 3.0), (26.0, 1.5)])
-@pytest.mark.parametrize("below_tip", [2.0, 4.0])
+@pytest.mark.parametrize(("half_taper", "land", "below_tip"), [(18.0, 3.0, 2.0), (26.0, 1.5, 4.0)])
 def test_finite_elements_of_tapered_teeth(half_taper: float, land: float, below_tip: float) -> None:
     """0.16 under an even load, a third of that at half a radian a depth, almost nothing at one: within 0.05.
 

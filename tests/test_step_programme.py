@@ -62,7 +62,7 @@ def by_scipy(near: LocalModel, form: Form, weights: Array) -> float:
         return values(inside) + 1e3 * far + float(np.sum(np.abs(step - inside)))
 
     found = []
-    for seed in range(4):
+    for seed in range(2):
         step = 0.1 * np.random.default_rng(seed).standard_normal(3)
         for _ in range(3):
             step = minimize(bounded, step, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-11}).x

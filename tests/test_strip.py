@@ -58,7 +58,7 @@ def test_pressures_found_cell_by_cell(overhang: float, load: float) -> None:
 def test_slope_is_the_derivative_and_the_energy_convex(depth: float, overhang: float) -> None:
     """Stiffer with every newton, never stiff without limit, from below the floor to strips far wider than deep."""
     law = cut(overhang, depth, BRONZE)
-    forces = np.geomspace(1e-9, 1e8, 300)
+    forces = np.geomspace(1e-9, 1e8, 100)
     slopes = np.array([law.tangent(f)[0] for f in forces])
     step = 1e-5
     numeric = [(law.deflection(f * (1 + step)) - law.deflection(f * (1 - step)))[0] / (2 * step * f) for f in forces]

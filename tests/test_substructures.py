@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,9 @@ Array = NDArray[Any]
 NOTHING = np.empty(0, dtype=np.int64)
 
 
+@cache
 def tooth() -> ToothLattice:
-    return tooth_lattice(gear_pair(read_case("fm-11x41")), "pinion", LatticeSize(5, 2, 2, 1, 1, 2, 1))
+    return tooth_lattice(gear_pair(read_case("fm-11x41")), "pinion", LatticeSize(3, 2, 2, 1, 1, 1, 1))
 
 
 def factored(lattice: ToothLattice, held: NDArray[np.int64], kept: NDArray[np.int64] = NOTHING) -> Substructures:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from extreme_designs import EXTREMES
+from pairs import by_the_dissertation
+from runs import call
 
 from easeoff import InputError
 from easeoff.cases import (
@@ -29,12 +31,23 @@ from easeoff.cases.changes import changed_case
 from easeoff.cases.recording import with_blanks
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import design_case, rounded_case, rounding_effect, summary_sheet
-from easeoff.study.cli import main
 from easeoff.study.design.pair_warnings import case_warnings, unusual_set_ups
 from easeoff.study.design.rounded_settings import FLANKS, step_of_key
+from easeoff.study.design.tooth_spaces import ToothSpaces
 
 SIDES: tuple[Any, Any] = ("drive", "coast")
 COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
+
+
+@cache
+def checked(text: str) -> tuple[ToothSpaces | None, tuple[str, ...]]:
+    return case_warnings(parse_case(text))
+
+
+@pytest.fixture(autouse=True)
+def teeth_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of all sheets of one case."""
+    monkeypatch.setattr("easeoff.study.report.summary_sheet.case_warnings", lambda case: checked(case_toml(case)))
 
 
 @pytest.mark.parametrize("name", list(shipped_cases()))
@@ -110,7 +123,8 @@ def test_sheet_holds_the_settings_as_text_and_as_a_page() -> None:
     for word in ("machine centre to back", "machine_center_to_crossing_point", "point width", "modified roll 2C"):
         assert word in made.text()
         assert word in page.cells
-    assert re.search(r"drive: rounding the settings changes the ease-off by up to \d", made.text())
+    for side, effect in rounding_effect(case, rounded_case(case)).items():
+        assert f"{side}: rounding the settings changes the ease-off by up to {1e3 * effect:.2f} um" in made.text()
     assert "Positive: basic cradle angle, from the root line to the cutter centre" in made.text()
 
 
@@ -120,36 +134,60 @@ def test_sheet_tells_the_place_of_the_cutter_of_a_formate_gear() -> None:
     places = [np.array(rows[f"{name} (Formate)"][6:], dtype=float) for name in ("horizontal", "vertical")]
     assert np.hypot(places[0], places[1]) == pytest.approx([float(one) for one in rows["radial setting"][6:]], abs=1e-3)
     assert rows["vertical (Formate)"][4:6] == ("-", "-")
-    generated = {row[0]: row for row in summary_sheet(read_case("nasa-12x36")).tables["Machine settings"]}
+    generated = {row[0]: row for row in summary_sheet(by_the_dissertation("nasa-12x36")).tables["Machine settings"]}
     assert "-" not in generated["ratio of roll"]
     assert "vertical (Formate)" not in generated
 
 
+PLACE = 2.3610377387, 4.35  # of the gear blank along its axis, as shipped and moved [mm]
+
+
+def doubtful() -> Case:
+    """A gear blank moved along its axis, and edge radii too large for its slot."""
+    changes = {"machine.machine_center_to_crossing_point": PLACE[1], "cutter.tool_edge_radius": 2.0}
+    numbers = {f"gear.{flank}.{key}": value for flank in FLANKS for key, value in changes.items()}
+    return changed_case(by_the_dissertation("fm-11x41"), numbers)
+
+
 def test_sheet_tells_blade_tips_off_the_root_cone() -> None:
     """A blank moved along its axis by a takes its root cone a sin(root angle) away from the tips, at the root line."""
-    case, shift = read_case("fm-11x41"), 2.0
-    key = "machine.machine_center_to_crossing_point"
-    moved = changed_case(case, {f"gear.{flank}.{key}": 2.3610377387 + shift for flank in FLANKS})
-    spaces, _ = case_warnings(moved)
-    assert spaces is not None
-    away = shift * np.sin(np.radians(67.0896087038))
-    assert spaces.measured[1].root_line[:, 1] == pytest.approx(away, rel=0.01)
-    told = [note for note in summary_sheet(moved).notes if "the gear's blade tips deviate" in note]
+    away = (PLACE[1] - PLACE[0]) * np.sin(np.radians(67.0896087038))
+    made = summary_sheet(doubtful(), MachineResolution(length=0.05, angle=0.002))
+    rows = {row[0]: row for row in made.tables["Teeth and slots"]}
+    told = [note for note in made.notes if "the gear's blade tips deviate" in note]
     assert [note.split()[1] for note in told] == ["drive:", "coast:"]
-    assert all(away <= float(re.findall(r"up to ([0-9.]+) mm", note)[0]) < 1.25 * away for note in told)
+    for flank, note in zip(("convex", "concave"), told, strict=True):
+        path = [float(gap) for gap in rows[f"gear {flank}: blade tip above the root cone"][2].split(" / ")]
+        assert path[1] == pytest.approx(away, rel=0.01)
+        greatest = float(re.findall(r"up to ([0-9.]+) mm", note)[0])
+        assert greatest == pytest.approx(max(path), abs=0.006)
+        assert away <= greatest < 1.25 * away
 
 
-def test_sheet_tells_what_is_doubtful_of_the_teeth_on_every_way_out(tmp_path: Path) -> None:
+def test_command_writes_sheets_that_tell_what_is_doubtful_of_the_teeth(tmp_path: Path) -> None:
     """Edge radii too large for the slot: text, page and terminal say so; the exit code stays 0."""
-    case = changed_case(read_case("nasa-12x36"), {f"gear.{f}.cutter.tool_edge_radius": 3.0 for f in FLANKS})
-    write_case(case, tmp_path / "case.toml")
-    for name in ("sheet.txt", "sheet.html"):
-        outcome = CliRunner().invoke(main, ["sheet", str(tmp_path / "case.toml"), "-o", str(tmp_path / name)])
+    write_case(doubtful(), tmp_path / "case.toml")
+    for name in ("sheet.txt", "sheet.html", "sheet.rexs"):
+        path = tmp_path / name
+        outcome = call("sheet", tmp_path / "case.toml", "-o", path, "--resolution", "length=0.05,angle=0.002")
         assert outcome.exit_code == 0, outcome.output
-        assert "Warning: the gear's" in outcome.stderr
-        text = (tmp_path / name).read_text(encoding="utf-8")
-        assert 0 < text.index("Warning: the gear") < text.index("Blanks")
-    assert not any("Warning" in note for note in summary_sheet(read_case("nasa-12x36")).notes)
+        assert "ease-off by up to" in outcome.output
+        assert "Warning: the gear's fillet reaches" in outcome.stderr
+        if name != "sheet.rexs":
+            text = path.read_text(encoding="utf-8")
+            assert 0 < text.index("Warning: the fillets of the gear") < text.index("Blanks")
+            assert "0.05" in text
+    assert not any("Warning" in note for note in summary_sheet(by_the_dissertation("nasa-12x36")).notes)
+
+
+def test_sheet_shows_formulas_teeth_and_their_difference() -> None:
+    text = summary_sheet(by_the_dissertation("nasa-12x36")).text()
+    row = next(line for line in text.splitlines() if line.startswith("gear slot width"))
+    numbers = [float(value) for value in re.findall(r"[+-]?\d+\.\d+", row)]
+    assert len(numbers) == 9
+    assert np.allclose(np.array(numbers[3:6]) - numbers[:3], numbers[6:], atol=2e-3)
+    assert "blade tip above the root cone" in text
+    assert "edge radius: greatest" in text
 
 
 def test_half_a_pair_says_that_its_teeth_are_not_checked() -> None:
@@ -172,16 +210,6 @@ def test_sheet_tells_set_ups_that_no_method_of_the_shop_makes() -> None:
     assert unusual_set_ups(case.model_copy(update={"pinion": case.pinion.model_copy(update={"convex": convex})})) == ()
     rolled = {f"pinion.{flank}.machine.cutter_tilt": 0.0 for flank in FLANKS}
     assert unusual_set_ups(changed_case(case, rolled)) == ()
-
-
-def test_command_writes_sheets(tmp_path: Path) -> None:
-    for name in ("sheet.txt", "sheet.html", "sheet.rexs"):
-        outcome = CliRunner().invoke(
-            main, ["sheet", "fm-11x41", "-o", str(tmp_path / name), "--resolution", "length=0.01,angle=0.05"]
-        )
-        assert outcome.exit_code == 0, outcome.output
-        assert "ease-off by up to" in outcome.output
-        assert ("0.05" in (tmp_path / name).read_text(encoding="utf-8")) or name == "sheet.rexs"
 
 
 def _tables(page: str) -> dict[str, list[list[str]]]:
@@ -215,7 +243,7 @@ def _read_back(folder: Path, case: Case) -> None:
     path = folder / "case.toml"
     write_case(case, path)
     for suffix in ("txt", "html", "rexs"):
-        outcome = CliRunner().invoke(main, ["sheet", str(path), "-o", str(folder / f"sheet.{suffix}")])
+        outcome = call("sheet", path, "-o", folder / f"sheet.{suffix}")
         assert outcome.exit_code == 0, outcome.output
     page = _tables((folder / "sheet.html").read_text(encoding="utf-8"))
     text = _text_tables((folder / "sheet.txt").read_text(encoding="utf-8"))
@@ -265,10 +293,10 @@ def _read_back(folder: Path, case: Case) -> None:
     assert seen >= 30
 
 
-@pytest.mark.parametrize("name", list(shipped_cases()))
+@pytest.mark.parametrize("name", sorted(shipped_cases(), reverse=True))
 @pytest.mark.quick(2)
 def test_sheet_reads_back_as_the_case(name: str, tmp_path: Path) -> None:
-    _read_back(tmp_path, read_case(name))
+    _read_back(tmp_path, by_the_dissertation(name))
 
 
 @pytest.mark.thorough
@@ -310,7 +338,7 @@ def test_sheet_of_a_design_reads_back_within_its_stated_effect(name: str, method
 )
 def test_mistakes_are_told(arguments: list[str], words: list[str], tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.chdir(tmp_path)
-    outcome = CliRunner().invoke(main, arguments)
+    outcome = call(*arguments)
     assert outcome.exit_code == 2
     for word in words:
         assert word in outcome.output
@@ -320,7 +348,7 @@ def test_mistakes_are_told(arguments: list[str], words: list[str], tmp_path: Pat
 @pytest.mark.thorough
 def test_design_writes_rounded_settings(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
-    outcome = CliRunner().invoke(main, ["design", "fh-design-a", "-o", str(path), "--round"])
+    outcome = call("design", "fh-design-a", "-o", path, "--round")
     assert outcome.exit_code == 0, outcome.output
     assert "coast: rounding the settings changes the ease-off by up to" in outcome.output
     case = read_case(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,27 +11,32 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner, Result
+from click.testing import Result
+from runs import call
+from sweeps import CASE, SETTING, analyse_points_once, case_file
 
-from easeoff import InputError, read_case
-from easeoff.cases import case_text, parse_case, read_load_cases
+from easeoff import InputError
+from easeoff.cases import read_load_cases
 from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
-from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import number_names
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
+from easeoff.study.sweep.sweep_file import checked_sweep
 from easeoff.study.sweep.sweep_plan import planned_sweep
 from easeoff.study.sweep.sweep_setup import file_digest
 
-SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
-TEXT = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
-CASE = parse_case(TEXT)
-SETTING = "pinion.concave.machine.radial_distance"
+THREE = {"E": [0.0, 0.04, 0.08]}
 SECRET = "kept-to-itself"
+
+
+@pytest.fixture
+def points_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points of another test are not analysed again."""
+    analyse_points_once(monkeypatch)
 
 
 @pytest.fixture
@@ -39,12 +45,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "work").mkdir()
     (tmp_path / "secret.toml").write_text(f"{SECRET} = 1\n[{SECRET}\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path / "work")
-    Path("case.toml").write_text(TEXT, encoding="utf-8")
+    case_file(tmp_path / "work")
     return tmp_path / "work"
-
-
-def call(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
 
 
 def swept(*words: str) -> Result:
@@ -66,11 +68,11 @@ def names(folder: Path) -> list[str]:
 def test_a_sweep_over_loads_alone_is_shown_and_drawn(
     over: dict[str, Any], given: dict[str, Any], reduced: str, folder: Path
 ) -> None:
-    found = sweep(CASE, over, workers=1, **given)
+    found = sweep(CASE, over, workers=1, edge_contact=False, **given)
     name = next(iter(over))
     assert set(found["status"].dims) == {"torque"}
     assert (found["status"] == PointStatus.CERTIFIED).all()
-    tree = analyze(CASE, **{"torques": over.get("torque", 99.0), "speed": over.get("speed")})
+    tree = analyze(CASE, torques=over.get("torque", 99.0), speed=over.get("speed"), edge_contact=False)
     np.testing.assert_array_equal(found[reduced].values, key_numbers(tree)[reduced].values)
     values = found[reduced].values.ravel()
     assert percentiles(found, [0.0, 100.0], [reduced])[reduced].values.ravel().tolist() == [values.min(), values.max()]
@@ -78,7 +80,7 @@ def test_a_sweep_over_loads_alone_is_shown_and_drawn(
     shown = call("show", "out.nc")
     assert shown.exit_code == 0, shown.output
     assert f"\n{reduced}" in shown.output
-    drawn = call("plot", "out.nc", "pictures")
+    drawn = call("plot", "out.nc", "pictures", "--dpi", "30")
     assert drawn.exit_code == 0, drawn.output
     assert [name.split("-")[-1] for name in names(folder / "pictures")] == ["sweep_curves.png", "sweep_pattern.png"]
     assert name in shown.output
@@ -180,16 +182,35 @@ def recorded(store: Path, bounds: list[int]) -> None:
     (store / "sweep.json").write_text(json.dumps(plan | {"bounds": bounds}), encoding="utf-8")
 
 
-@pytest.mark.parametrize("bounds", [[0, 2], [0, 2, 3], [0, 3], [0, 1, 2, 9], [0, 1, 5], [0], [1, 2], [0, True, 3]])
-def test_batches_divided_otherwise_are_not_taken_for_others(bounds: list[int], tmp_path: Path) -> None:
-    """As two runs of one sweep at the same time may leave them."""
-    over, store = {"E": [0.0, 0.04, 0.08]}, tmp_path / "store"
-    whole = sweep(CASE, over, torques=[100.0], workers=1, store=store)
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, xr.Dataset]:
+    """A store of three batches, and their sweep."""
+    store = tmp_path_factory.mktemp("kept") / "store"
+    return store, sweep(CASE, THREE, torques=[100.0], workers=1, store=store)
+
+
+def divided(kept: tuple[Path, xr.Dataset], bounds: list[int], folder: Path) -> None:
+    """Go on from a copy of the store with other bounds; the result is the same to the bit."""
+    store = shutil.copytree(kept[0], folder / "store")
     recorded(store, bounds)
-    again = sweep(CASE, over, torques=[100.0], workers=1, store=store)
-    assert again.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+    again = sweep(CASE, THREE, torques=[100.0], workers=1, store=store)
+    assert again.drop_attrs(deep=False).identical(kept[1].drop_attrs(deep=False))
 
 
+@pytest.mark.usefixtures("points_once")
+@pytest.mark.parametrize("bounds", [[0, 2], [0, 2, 3], [0, 1, 2, 9], [0, 1, 5], [0], [1, 2], [0, True, 3]])
+def test_batches_divided_otherwise_are_not_taken_for_others(
+    bounds: list[int], kept: tuple[Path, xr.Dataset], tmp_path: Path
+) -> None:
+    """As two runs of one sweep at the same time may leave them."""
+    divided(kept, bounds, tmp_path)
+
+
+def test_points_in_one_batch_have_the_numbers_of_three(kept: tuple[Path, xr.Dataset], tmp_path: Path) -> None:
+    divided(kept, [0, 3], tmp_path)
+
+
+@pytest.mark.usefixtures("points_once")
 def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -> None:
     words = ["--over", "E=0,0.04,0.08", "--store", "store"]
     assert swept(*words).exit_code == 0
@@ -213,22 +234,23 @@ def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path
     assert names(folder / "store") == ["batches.jsonl"]
 
 
+@pytest.mark.usefixtures("points_once")
 def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import easeoff.study.sweep as package
 
     def full(_dataset: xr.Dataset, path: Path) -> None:
         raise InputError(f"{path} cannot be written: no space left on device")
 
-    monkeypatch.setattr(package, "write_sweep", full)
-    found = swept("--over", "E=0,0.04")
+    with monkeypatch.context() as patch:
+        patch.setattr(package, "write_sweep", full)
+        found = swept("--over", "E=0,0.04")
     assert found.exit_code == 2
     assert "the batches so far are kept in out.nc.batches; the same command goes on from them" in found.output
-    monkeypatch.undo()
-    monkeypatch.chdir(folder)
     assert swept("--over", "E=0,0.04").exit_code == 0
     assert names(folder) == ["case.toml", "out.nc"]
 
 
+@pytest.mark.usefixtures("points_once")
 def test_batches_are_removed_but_not_what_another_run_writes(tmp_path: Path) -> None:
     plan = planned_sweep(CASE, {"E": [0.0]}, torques=[100.0])
     run_plan(plan, workers=1, store=tmp_path / "store")
@@ -254,7 +276,9 @@ def test_samples_that_are_all_alike_have_no_sensitivity() -> None:
 
 @pytest.fixture(scope="module")
 def whole() -> xr.Dataset:
-    return sweep(CASE, {"E": [0.0, 0.05], "P": [0.0, 0.02, 0.04]}, torques=[100.0, 200.0], workers=1)
+    """As much of a sweep as its file must have."""
+    found = sweep(CASE, {"E": [0.0, 0.05]}, torques=[100.0, 200.0], workers=1)
+    return found[["status", "reason", "rms", "max_pressure", "max_pressure_line_end"]]
 
 
 CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
@@ -266,7 +290,7 @@ CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "reason of numbers": lambda d: d.assign(reason=d["status"]),
     "no coordinate": lambda d: d.drop_vars("E"),
     "wild coordinate": lambda d: d.assign_coords(E=[0.0, np.nan]),
-    "equal coordinates": lambda d: d.assign_coords(P=[0.0, 0.0, 0.1]),
+    "equal coordinates": lambda d: d.assign_coords(E=[0.0, 0.0]),
     "torque of texts": lambda d: d.assign_coords(torque=["a", "b"]),
     "other name of a dimension": lambda d: d.rename(torque="position"),
     "number over another dimension": lambda d: d.assign(rms=d["rms"].expand_dims(x=2)),
@@ -280,9 +304,26 @@ CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
 }
 
 
+def test_a_file_of_a_sweep_that_lacks_nothing_is_shown(whole: xr.Dataset, folder: Path) -> None:
+    write_sweep(whole, "r.nc")
+    assert call("show", "r.nc").exit_code == 0
+    assert read_sweep("r.nc").identical(whole)
+    assert names(folder) == ["case.toml", "r.nc"]
+
+
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: xr.Dataset, folder: Path) -> None:
-    write_sweep(CHANGES[change](whole), "r.nc")
+def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: xr.Dataset, tmp_path: Path) -> None:
+    file = tmp_path / "r.nc"
+    write_sweep(CHANGES[change](whole), file)
+    with (
+        xr.open_dataset(file, engine="netcdf4") as stored,
+        pytest.raises(InputError, match="is damaged, changed by hand or made by another version of easeoff"),
+    ):
+        checked_sweep(stored.load(), file)
+
+
+def test_every_reader_of_a_sweep_refuses_what_lacks_something(whole: xr.Dataset, folder: Path) -> None:
+    write_sweep(CHANGES["no coordinate"](whole), "r.nc")
     for words in (["show", "r.nc"], ["plot", "r.nc", "pictures"]):
         found = call(*words)
         assert found.exit_code == 2, found.output
@@ -295,10 +336,7 @@ def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: x
 
 @pytest.mark.parametrize("friction", [False, True])
 def test_names_of_numbers_are_those_of_a_sweep(friction: bool) -> None:
-    coarse = {"lengthwise_nodes": 9, "profile_nodes": 7, "mesh_positions": 3, "segments_per_line": 9}
-    case = read_case("fm-11x41")
-    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    found = sweep(case, {"E": [0.0]}, torques=[100.0], speed=500.0 if friction else None, workers=1)
+    found = sweep(CASE, {"E": [0.0]}, torques=[100.0], speed=500.0 if friction else None, workers=1)
     own = {
         name for name in numbers(found) if found[name].dims[-1:] not in (("temperature",), ("roughness",)) or friction
     }

@@ -15,7 +15,8 @@ from easeoff.cases import case_text, gear_pair, parse_case
 from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, machine_pose, solve_flank, tooth_patches
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth import tooth
-from easeoff.geometry.tooth.tooth_surface import tooth_side, tooth_surface
+from easeoff.geometry.tooth.tooth_flanks import side
+from easeoff.geometry.tooth.tooth_surface import tooth_side
 from easeoff.geometry.vectors import dot, rotate_z
 
 NODES = (7, 9)
@@ -124,10 +125,10 @@ def test_patches_share_their_borders(member: str, flank: str) -> None:
     assert set(patches) == {"top_land"} | {
         f"{side}_{part}" for side in ("concave", "convex") for part in ("flank", "fillet", "root_land")
     }
-    loaded = tooth_surface(pair, member, NODES).names[0]
+    loaded = side(getattr(pair, member).loaded)
     other = "convex" if loaded == "concave" else "concave"
-    for side, top in ((loaded, 0), (other, -1)):
-        flank_grid, fillet, land = (patches[f"{side}_{part}"] for part in ("flank", "fillet", "root_land"))
+    for own, top in ((loaded, 0), (other, -1)):
+        flank_grid, fillet, land = (patches[f"{own}_{part}"] for part in ("flank", "fillet", "root_land"))
         tip, top_edge = (
             sorted(p.tolist(), key=lambda q: q[2]) for p in (flank_grid[:, -1], patches["top_land"][:, top])
         )
@@ -138,7 +139,7 @@ def test_patches_share_their_borders(member: str, flank: str) -> None:
     teeth = getattr(pair, member).teeth
     pinion_body, gear_body = bodies(pair)
     turn = (pinion_body if member == "pinion" else gear_body).turn
-    mine, theirs = (sorted(patches[f"{side}_root_land"][:, 0].tolist(), key=lambda p: p[2]) for side in (other, loaded))
+    mine, theirs = (sorted(patches[f"{own}_root_land"][:, 0].tolist(), key=lambda p: p[2]) for own in (other, loaded))
     next_tooth = rotate_z(np.full(NODES[0], turn * 2 * np.pi / teeth), np.array(theirs).T)
     np.testing.assert_allclose(np.array(mine).T, next_tooth, atol=1e-9)
 

@@ -45,7 +45,7 @@ def differences(path: TorquePath, torques: NDArray[np.float64]) -> tuple[float, 
 def test_path_is_that_of_solving_every_torque(name: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(touching_form, "DENSE_FIRST_SIZE", 0)
     events = 0
-    for number, given in enumerate(problems(name, 4, seed=5)):
+    for number, given in enumerate(problems(name, 2, seed=5)):
         problem = dense(given) if form == "dense" else given
         path = torque_path(problem, 0.0, 2.0 * problem.torque)
         assert path.certified, path.message
@@ -54,7 +54,7 @@ def test_path_is_that_of_solving_every_torque(name: str, form: str, monkeypatch:
         limit = 1e-9 if name in ILL_CONDITIONED else 1e-12
         assert rotation <= limit
         assert force <= limit
-    assert events >= 4
+    assert events >= 2  # one of each problem
 
 
 @pytest.mark.thorough

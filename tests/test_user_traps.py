@@ -7,42 +7,53 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+import xarray as xr
+from case_schema import schema_made_once
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from netCDF4 import Dataset
+from runs import call, read_only, small_file
 
 import easeoff
 from easeoff.cases import case_text, read_case, write_case
+from easeoff.core.reading.file_origin import FAULT_COUNT_LIMIT
 from easeoff.friction import lubricant
 from easeoff.study.cli import main
 from easeoff.study.cli.command import Command
+from easeoff.study.cli.result_commands import draw
+from easeoff.study.plot.figures import written_pictures
 from easeoff.study.plot.figures.picture_list import PICTURES
 from easeoff.study.plot.picture_files import pictures_of_results
+from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.result_layout import faults
 
-SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
 WEAR = ["wear", "nasa-12x36", "-o", "{tmp}/x.nc"]
 FRICTION = "\n[friction]\nspeed = 500.0\n"
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
-def small_case(folder: Path, name: str = "nasa-12x36", more: str = "") -> Path:
-    path = folder / f"{name}.toml"
-    path.write_text(case_text(name).replace("[contact]", "[contact]\n" + "\n".join(SMALL)) + more, encoding="utf-8")
-    return path
+SHELL = '\n[compliance]\nmodel = "shell"\n'
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Results of two pairs, the first with friction."""
-    folder = tmp_path_factory.mktemp("results")
-    for name, more in (("nasa-12x36", FRICTION), ("fm-11x41", "")):
-        said = call("run", small_case(folder, name, more), "-o", folder / f"{name}.nc", "--torque", "50")
-        assert said.exit_code == 0, said.output
-    return folder / "nasa-12x36.nc", folder / "fm-11x41.nc"
+def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result with friction."""
+    folder = tmp_path_factory.mktemp("result")
+    said = call("run", small_file(folder, more=SHELL + FRICTION), "-o", folder / "x.nc", "--torque", "50")
+    assert said.exit_code == 0, said.output
+    return folder / "x.nc"
+
+
+@pytest.fixture(scope="module")
+def read(result: Path) -> xr.DataTree:
+    """The same, read."""
+    return read_only(easeoff.read_result(result))
+
+
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every picture is an empty page."""
+    monkeypatch.setattr(written_pictures, "draw_picture", lambda *_, **__: FigureCanvasAgg(Figure((1, 1))).figure)
 
 
 def test_every_command_refuses_what_comes_twice() -> None:
@@ -93,29 +104,29 @@ def test_values_that_would_be_misread_are_refused(arguments: list[str], words: s
 @pytest.mark.parametrize(
     "options",
     [
-        ["--misalignment", "E=0.1, P=-0.1"],
-        ["--misalignment", " E = 0.1 , P = -0.1 "],
-        ["--torque", "50, 150"],
-        ["--torque", "150.0,50"],
-        ["--torque", "50", "--speed", "500", "--temperature", "40.0,30", "--roughness", "0.8 / 0.4, 0.2"],
+        ["--misalignment", "E=0.1, P=-0.1", "--torque", "50, 150"],
+        ["--misalignment", " E = 0.1 , P = -0.1 ", "--torque", "150.0,50", "--speed", "500", "--temperature", "40.0,30",
+         "--roughness", "0.8 / 0.4, 0.2"],
     ],
 )  # fmt: skip
 def test_blanks_after_commas_and_lists_with_a_point_are_read(options: list[str], tmp_path: Path) -> None:
-    said = call("run", small_case(tmp_path), "-o", tmp_path / "x.nc", *options)
+    said = call("run", small_file(tmp_path, more=SHELL), "-o", tmp_path / "x.nc", *options)
     assert said.exit_code == 0, said.output
     tree = easeoff.read_result(tmp_path / "x.nc")
-    if "--misalignment" in options:
-        assert [tree.attrs[f"misalignment_{key}_mm"] for key in ("offset", "pinion_axial")] == [0.1, -0.1]
+    assert [tree.attrs[f"misalignment_{key}_mm"] for key in ("offset", "pinion_axial")] == [0.1, -0.1]
+    assert list(tree["loaded"].to_dataset()["torque"].values) == [50.0, 150.0]
     if "--speed" in options:
         assert list(tree["friction"].to_dataset()["roughness_pinion"].values) == [0.8, 0.2]
         assert list(tree["friction"].to_dataset()["temperature"].values) == [40.0, 30.0]
 
 
-def test_pictures_of_an_earlier_result_do_not_stay(results: tuple[Path, Path], tmp_path: Path) -> None:
+@pytest.mark.usefixtures("blank_pictures")
+def test_pictures_of_an_earlier_result_do_not_stay(
+    result: Path, read: xr.DataTree, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Of the same case and flank; those of other cases, and what is no picture of a result, stay."""
-    nasa, fm = results
     folder, ours = tmp_path / "pictures", "nasa-12x36-drive-"
-    said = call("plot", nasa, folder)
+    said = call("plot", result, folder)
     assert said.exit_code == 0, said.output
     assert "replaced" not in said.output
     assert "removed" not in said.output
@@ -124,19 +135,20 @@ def test_pictures_of_an_earlier_result_do_not_stay(results: tuple[Path, Path], t
     own = {"photo.png": b"no picture", "notes.txt": b"mine", f"{ours}mine.png": b"", f"{ours}mine.svg": b"<"}
     for name, content in own.items():
         (folder / name).write_bytes(content)
-    said = call("plot", fm, folder)
-    assert said.exit_code == 0, said.output
-    assert "removed" not in said.output
+    tree = read.copy(deep=False)
+    del tree["friction"]
+    other = tree.copy(deep=False)
+    other.attrs |= {"case_name": "fm-11x41", "title": "Another pair"}
+    draw(other, folder)
+    assert "removed" not in capsys.readouterr().out
     others = {f"fm-11x41-drive-{name}.png" for name in PICTURES}
     assert {path.name for path in folder.iterdir()} == {*own, *first, *others}
     for suffix in ("svg", "pdf"):
-        assert call("plot", nasa, folder, "--format", suffix, "--pictures", "efficiency").exit_code == 0
-    tree = easeoff.read_result(nasa)
-    del tree["friction"]
-    easeoff.write_result(tree, tmp_path / "other.nc")
-    said = call("plot", tmp_path / "other.nc", folder)
+        written_pictures.write_pictures(read, folder, names="efficiency", file_format=suffix)
+    draw(tree, folder)
+    told = capsys.readouterr().out
     for name in ("friction_maps.png", "efficiency.png", "efficiency.svg", "efficiency.pdf"):
-        assert f"removed {folder / ours}{name}, a picture of an earlier result" in said.output
+        assert f"removed {folder / ours}{name}, a picture of an earlier result" in told
     assert {path.name for path in folder.iterdir()} == {*own, *others, *(f"{ours}{name}.png" for name in PICTURES)}
     assert all((folder / name).read_bytes() == content for name, content in own.items())
 
@@ -176,8 +188,9 @@ def test_the_checksum_is_of_the_lines_above_it(tmp_path: Path) -> None:
     assert last.split()[-1] == hashlib.sha256("".join(above).encode()).hexdigest()[:12]
 
 
-def test_what_is_written_names_the_next_command(results: tuple[Path, Path], tmp_path: Path) -> None:
-    case = small_case(tmp_path)
+@pytest.mark.usefixtures("blank_pictures")
+def test_what_is_written_names_the_next_command(tmp_path: Path) -> None:
+    case = small_file(tmp_path, more=SHELL)
     problems, wear = tmp_path / "problems.nc", tmp_path / "wear.nc"
     said = call("problems", case, "-o", problems, "--torque", "50")
     assert said.output.endswith(f"next: easeoff compare {problems}\n")
@@ -207,7 +220,8 @@ def test_mistakes_in_a_case_file_show_what_to_write(old: str, new: str, words: s
     text = case_text("nasa-12x36")
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
-    said = call("run", path, "-o", tmp_path / "x.nc")
+    with schema_made_once():
+        said = call("run", path, "-o", tmp_path / "x.nc")
     assert said.exit_code == 2
     assert words in said.output
     assert not (tmp_path / "x.nc").exists()
@@ -276,42 +290,60 @@ def test_an_oil_with_a_number_no_float_holds_is_refused(tmp_path: Path) -> None:
         lubricant(tmp_path / "oil.toml")
 
 
-def test_a_result_without_a_title_is_shown(results: tuple[Path, Path], tmp_path: Path) -> None:
-    path = Path(shutil.copy(results[0], tmp_path / "x.nc"))
+def test_a_result_without_a_title_is_shown(result: Path, tmp_path: Path) -> None:
+    path = Path(shutil.copy(result, tmp_path / "x.nc"))
     with Dataset(path, "a") as file:
         file.setncattr("title", "")
-    assert call("show", path).output.startswith("untitled\n========\n")
+    assert result_summary(easeoff.read_result(path)).startswith("untitled\n========\n")
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda file: file["loaded"].renameVariable("force", "load"), "loaded: no numbers 'force' over torque"),
-        (lambda file: file["flanks"].renameDimension("lengthwise", "x"), "flanks: no numbers 'position' over member"),
-        (lambda file: file["friction"].renameDimension("speed", "x"), "friction: no numbers 'friction_coefficient'"),
-        (lambda file: file["loaded"].setncattr("searched_segments", "many"), "no number in the attribute 'searched_"),
-        (lambda file: file.delncattr("pinion_teeth"), "root: no number in the attribute 'pinion_teeth'"),
-        (lambda file: file["ease_off"].setncattr("gear_axis", [1.0, 0.0]), "no vector in the attribute 'gear_axis'"),
-        (lambda file: file["flanks/position"].__setitem__(..., 1e300), "'position' holds numbers beyond 1e+30"),
-        (lambda file: file.renameGroup("teeth", "tooth"), "no group teeth"),
-        (lambda file: file.setncattr("edge_contact", "x"), "root: no number in the attribute 'edge_contact'"),
-        (lambda file: file.setncattr("largest_deviation_gear_um", [1.0, 2.0]), "'largest_deviation_gear_um'"),
-        (lambda file: file.setncattr("modification_um", "{"), "no table of numbers in the attribute 'modification_um'"),
-        (lambda file: file["unloaded"].setncattr("harmonics", -1.0), "no vector in the attribute 'harmonics'"),
-        (lambda file: file["unloaded"].renameVariable("contact_ratio", "x"), "unloaded: no numbers 'contact_ratio'"),
-        (lambda file: file["light_load"].renameVariable("pattern_length", "x"), "light_load: no numbers 'pattern_len"),
-        (lambda file: file["friction"].renameDimension("formula_flag", "x"), "friction: no numbers 'flagged_share'"),
-    ],
-)
-def test_a_result_that_was_changed_is_refused_with_what_it_lacks(
-    change: Callable[[Dataset], None], words: str, results: tuple[Path, Path], tmp_path: Path
-) -> None:
-    path = Path(shutil.copy(results[0], tmp_path / "x.nc"))
+def test_a_result_file_that_was_changed_is_refused_with_what_it_lacks(result: Path, tmp_path: Path) -> None:
+    path = Path(shutil.copy(result, tmp_path / "x.nc"))
     with Dataset(path, "a") as file:
-        change(file)
+        file["loaded"].renameVariable("force", "load")
+        file.delncattr("pinion_teeth")
+        file.setncattr("edge_contact", "x")
     for arguments in (("show", path), ("plot", path, tmp_path / "pictures")):
         said = call(*arguments)
         assert said.exit_code == 2
         assert "x.nc is damaged, changed by hand or made by another version of easeoff: " in said.output
-        assert words in said.output
+        for words in ("loaded: no numbers 'force' over torque", "root: no number in the attribute 'pinion_teeth'"):
+            assert words in said.output
+        assert "root: no number in the attribute 'edge_contact'" in said.output
     assert [file.name for file in tmp_path.iterdir()] == ["x.nc"]
+
+
+@pytest.mark.parametrize(
+    ("group", "change", "words"),
+    [
+        ("loaded", lambda data: data.rename(force="load"), "loaded: no numbers 'force' over torque"),
+        ("flanks", lambda data: data.rename_dims(lengthwise="x"), "flanks: no numbers 'position' over member"),
+        ("friction", lambda data: data.rename_dims(speed="x"), "friction: no numbers 'friction_coefficient'"),
+        ("loaded", lambda data: data.assign_attrs(searched_segments="many"), "no number in the attribute 'searched_"),
+        ("/", lambda data: data.assign_attrs(pinion_teeth=None), "root: no number in the attribute 'pinion_teeth'"),
+        ("ease_off", lambda data: data.assign_attrs(gear_axis=np.ones(2)), "no vector in the attribute 'gear_axis'"),
+        ("flanks", lambda data: data + 1e300, "'position' holds numbers beyond 1e+30"),
+        ("teeth", None, "no group teeth"),
+        ("/", lambda data: data.assign_attrs(edge_contact="x"), "root: no number in the attribute 'edge_contact'"),
+        (
+            "/",
+            lambda data: data.assign_attrs(largest_deviation_gear_um=np.ones(2)),
+            "no number in the attribute 'largest_deviation_gear_um'",
+        ),
+        ("/", lambda data: data.assign_attrs(modification_um="{"), "no table of numbers in the attribute 'modif"),
+        ("unloaded", lambda data: data.assign_attrs(harmonics=-1.0), "no vector in the attribute 'harmonics'"),
+        ("unloaded", lambda data: data.rename(contact_ratio="x"), "unloaded: no numbers 'contact_ratio'"),
+        ("light_load", lambda data: data.rename(pattern_length="x"), "light_load: no numbers 'pattern_length'"),
+        ("friction", lambda data: data.rename_dims(formula_flag="x"), "friction: no numbers 'flagged_share'"),
+    ],
+)
+def test_what_a_changed_result_lacks_is_told(
+    group: str, change: Callable[[xr.Dataset], xr.Dataset] | None, words: str, read: xr.DataTree
+) -> None:
+    tree = read.copy(deep=False)
+    assert faults(tree) == []
+    if change is None:
+        del tree[group]
+    else:
+        tree[group].dataset = change(tree[group].to_dataset())  # type: ignore[assignment]
+    assert words in "; ".join(faults(tree)[:FAULT_COUNT_LIMIT])

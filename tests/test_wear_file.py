@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call
 from test_wear import small_case
 
 import easeoff
@@ -16,7 +16,6 @@ from easeoff import InputError
 from easeoff.cases import Case, gear_pair, write_case
 from easeoff.geometry import FlankName
 from easeoff.study import WearLaw, flank_deviations, wear
-from easeoff.study.cli import main
 
 MEMBERS: Any = ("pinion", "gear")
 
@@ -112,12 +111,8 @@ def test_a_file_that_does_not_say_is_refused(file: Path, tmp_path: Path, lost: s
 @pytest.mark.parametrize("command", ["run", "correct", "wear"])
 def test_every_command_refuses_it_and_leaves_nothing(file: Path, tmp_path: Path, command: str) -> None:
     out = tmp_path / "out.nc"
-    more = {
-        "run": ["-o", str(out)],
-        "correct": [],
-        "wear": ["-o", str(out), "--torque", "50", "--revolutions", "1"],
-    }
-    wrong = CliRunner().invoke(main, [command, "nasa-12x36", "--deviation", f"gear={file}", *more[command]])
+    more = {"run": ["-o", out], "correct": [], "wear": ["-o", out, "--torque", "50", "--revolutions", "1"]}
+    wrong = call(command, "nasa-12x36", "--deviation", f"gear={file}", *more[command])
     assert wrong.exit_code == 2, wrong.output
     assert f"deviation gear = {file}" in wrong.output
     assert "this pair has 12 x 36 teeth" in wrong.output

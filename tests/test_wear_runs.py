@@ -10,17 +10,26 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call
 from test_wear import small_case
 
 import easeoff
 from easeoff import GeometryError, InputError
+from easeoff.cases import write_case
 from easeoff.contact import MeshCycle
 from easeoff.contact.lines.contact_lines import arc_length, contact_splines
 from easeoff.geometry import Misalignment, deviation_from_formula, pair_geometry
 from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
-from easeoff.study.cli import main
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of a small case."""
+    path = tmp_path_factory.mktemp("case") / "case.toml"
+    write_case(small_case(4), path)
+    return path
+
 
 LAW = WearLaw(1e-12, 1e-12, 4e6, 10.0)
 
@@ -100,10 +109,10 @@ def test_flanks_without_line_contact_do_not_wear() -> None:
         wear(small_case(), LAW, torque=200.0, deviations={"gear": wavy})
 
 
-def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) -> None:
+def test_the_command_line_wears_and_goes_on_from_what_it_left(file: Path, tmp_path: Path) -> None:
     out, again = tmp_path / "worn.nc", tmp_path / "again.nc"
-    common = ["wear", "fm-11x41", "--torque", "100=0.5,200=0.5", "--revolutions", "2e6", "--largest-step", "5"]
-    done = CliRunner().invoke(main, [*common, "--coefficient", "1e-12/2e-12", "-o", str(out)])
+    common = ["wear", file, "--torque", "100=0.5,200=0.5", "--revolutions", "2e6", "--largest-step", "5"]
+    done = call(*common, "--coefficient", "1e-12/2e-12", "-o", out)
     assert done.exit_code == 0, done.output
     assert "all revolutions done" in done.output
     assert "peak to peak at 200 N m" in done.output
@@ -113,10 +122,10 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
     assert first["wear_depth"].attrs["units"] == "um"
     assert first.attrs["gear_coefficient_mm2_per_N"] == 2e-12
     law = WearLaw(1e-12, 2e-12, 2e6, 5.0)
-    history = wear("fm-11x41", law, torque={100.0: 0.5, 200.0: 0.5})
+    history = wear(small_case(4), law, torque={100.0: 0.5, 200.0: 0.5})
     np.testing.assert_allclose(first["wear_depth"].values, history["wear_depth"].values, rtol=1e-9)
     worn = ["--deviation", f"pinion={out}", "--deviation", f"gear={out}"]
-    done = CliRunner().invoke(main, [*common, *worn, "-o", str(again)])
+    done = call(*common, *worn, "-o", again)
     assert done.exit_code == 0, done.output
     with xr.open_dataset(again, engine="netcdf4") as stored:
         start = stored["deviation"].isel(step=0).values
@@ -143,10 +152,10 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
         (["--flank", "left"], "'left' is not one of 'drive', 'coast'"),
     ],
 )
-def test_mistakes_on_the_command_line_are_named(options: list[str], message: str, tmp_path: Path) -> None:
+def test_mistakes_on_the_command_line_are_named(options: list[str], message: str, file: Path, tmp_path: Path) -> None:
     usual = {"--torque": "200", "--revolutions": "1e6", "-o": str(tmp_path / "worn.nc")}
     given = usual | dict(zip(options[::2], options[1::2], strict=True))
-    wrong = CliRunner().invoke(main, ["wear", "fm-11x41", *(part for pair in given.items() for part in pair)])
+    wrong = call("wear", file, *(part for pair in given.items() for part in pair))
     assert wrong.exit_code == 2
     assert message in " ".join(wrong.output.replace("│", " ").split())
     assert not list(tmp_path.iterdir())
@@ -205,7 +214,7 @@ def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
     monkeypatch.setattr(MeshCycle, "lost_contact", property(lost_in_the_end))
     out = tmp_path / "worn.nc"
     arguments = ["wear", "fm-11x41", "--torque", "200", "--revolutions", "1e8", "--largest-step", "1", "-o", str(out)]
-    ended = CliRunner().invoke(main, arguments)
+    ended = call(*arguments)
     assert ended.exit_code == 1
     for part in ("contact lost: at 3.0 % of the points", "ended early", "% of the revolutions"):
         assert part in ended.output

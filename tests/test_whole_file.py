@@ -564,7 +564,7 @@ def test_a_terminal_that_lacks_characters_gets_escape_sequences(tmp_path: Path, 
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
-@pytest.mark.parametrize("words", [["cases"], ["--help"], ["run", "--help"]])
+@pytest.mark.parametrize("words", [["completion", "bash"], ["--help"], ["run", "--help"]])
 def test_output_that_has_no_room_is_one_message(words: list[str]) -> None:
     command = [sys.executable, "-c", "from easeoff.study.cli import main; main()", *words]
     with open("/dev/full", "w", encoding="utf-8") as full:

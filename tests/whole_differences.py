@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from held_teeth import anew
 from numpy.typing import NDArray
+from runs import small
 
+from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes, cycle_values
@@ -19,6 +22,7 @@ from easeoff.friction import FrictionModel, Operation
 from easeoff.geometry.pair.modification import Modification, modified_ease_off
 from easeoff.geometry.pair.near_pair import PLACES, rate
 from easeoff.geometry.pair.pair_setting import PairSetting
+from easeoff.study import CaseInMesh
 from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
 
 Array = NDArray[Any]
@@ -43,6 +47,19 @@ MADE_OF = {
     "max_pressure": "pressure",
     "max_root_stress": "root_stress_history",
 }
+
+
+def coarse(name: str, model: str = "solid_shell") -> Case:
+    """A small case with coarse teeth, of ``fm-11x41`` each on a body of its own."""
+    case = small(name, mesh_positions=4)
+    teeth = {"model": model, "fineness": 0.3, "neighbours": name != "fm-11x41"}
+    return case.model_copy(update={"compliance": case.compliance.model_copy(update=teeth)})
+
+
+@cache
+def coarse_cycle(name: str) -> MeshCycle:
+    """The mesh of such a case."""
+    return CaseInMesh.of(coarse(name)).cycle
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ def vh_table(found: xr.Dataset) -> str:
     Examples
     --------
     >>> from easeoff.study import vh_check
-    >>> print(vh_table(vh_check("fh-design-a", share=0.3)).splitlines()[-1].partition(":")[0])
+    >>> print(vh_table(vh_check("fh-design-a")).splitlines()[-1].partition(":")[0])
     toe to heel
     """
     table = tabulate(vh_rows(found), headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))

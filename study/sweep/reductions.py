@@ -102,7 +102,7 @@ def percentiles(
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.05]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> middle = percentiles(found, [50.0], ["peak_to_peak"])["peak_to_peak"]
     >>> bool(middle.item() == found["peak_to_peak"].sel(E=0.02).item())
     True
@@ -261,7 +261,7 @@ def worst_points(dataset: xr.Dataset, name: str, count: int = 3, *, least: bool 
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05, 0.1]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> worst = int(found["peak_to_peak"].values.argmax())
     >>> bool(worst_points(found, "peak_to_peak", 1)["E"].item() == found["E"].values[worst])
     True

@@ -46,8 +46,9 @@ class ShiftedPatterns:
     --------
     >>> from easeoff.cases import read_case
     >>> case = read_case("fh-design-a")
-    >>> coarse = {"mesh_positions": 8, "lengthwise_nodes": 11, "profile_nodes": 7}
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 11, "profile_nodes": 7}
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse), "compliance": shells})
     >>> patterns = ShiftedPatterns(CaseInMesh.of(case), 6.0, (61, 31))
     >>> along, up = patterns.centre(np.array([0.1, 0.0])) - patterns.centre(np.zeros(2))
     >>> bool(along < -1.0 < up)

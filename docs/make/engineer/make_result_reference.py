@@ -36,11 +36,11 @@ def coarse_analysis() -> xr.DataTree:
     case = easeoff.read_case("fm-11x41").model_copy(update=changed)
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
-    plain = case.model_copy(update={"compliance": ComplianceTable()})
-    best = easeoff.modify(plain, order=2, programmes=1)
+    shells = case.model_copy(update={"compliance": ComplianceTable(model="shell")})
+    best = easeoff.modify(shells, order=2, programmes=1)
     further = {name: best[name] for name in ("modification", "optimization")}
     front = easeoff.optimize(
-        plain,
+        case,
         form="pareto",
         points=2,
         steps=1,
@@ -49,7 +49,7 @@ def coarse_analysis() -> xr.DataTree:
         samples=1,
     )
     further |= {name: front[name] for name in ("optimal_settings", "front")}
-    return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
+    return tree.assign(further | {"supports": easeoff.analyze(shells, supports="axle-fm-11x41")["supports"]})
 
 
 def result_tables(tree: xr.DataTree) -> str:

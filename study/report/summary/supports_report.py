@@ -159,8 +159,6 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     >>> tree = easeoff.analyze("fm-11x41", torques=[100.0], supports="axle-fm-11x41")
     >>> print(added_notes(tree)[0].partition(" and ")[0])
     Note: the case's misalignment E -0.15 mm, P +0.12 mm stands without torque
-    >>> added_notes(easeoff.analyze("fm-11x41", torques=[100.0], supports="axle-fm-11x41", misalignment={"E": 0.0}))
-    []
     """
     if "supports" not in tree.children or "deflections" in tree.attrs:
         return []

@@ -1,0 +1,51 @@
+"""Cases and pairs with teeth of another model: shells where teeth are not the point, few bricks where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from runs import SMALL
+
+from easeoff.cases import Case, read_case
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.contact import STEEL, ElasticModel
+from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
+from easeoff.geometry import GearPair
+
+#: Of bricks and functions, by which a tooth takes a fifth of the usual time.
+COARSE = 0.4
+
+
+def with_teeth(case: Case, model: str = "shell", **keys: Any) -> Case:
+    """The same case with teeth of a model, coarse ones, and other keys of [compliance]."""
+    of_bricks = {} if model == "shell" else {"fineness": COARSE}
+    return case.model_copy(update={"compliance": ComplianceTable.model_validate({"model": model, **of_bricks, **keys})})
+
+
+def few(name: str = "nasa-12x36", model: str = "shell", **contact: Any) -> Case:
+    """A shipped case with such teeth, few mesh positions, segments and nodes; other keys of [contact] by name."""
+    case = read_case(name)
+    return with_teeth(case.model_copy(update={"contact": case.contact.model_copy(update=SMALL | contact)}), model)
+
+
+def coarse_solid_shells(pair: GearPair, *, neighbours: bool = False) -> ElasticModel:
+    """Solid shells of few bricks and functions."""
+    pinion, gear = (
+        members.solid_shell_tooth(pair, member, STEEL, fineness=COARSE, neighbours=neighbours).flank
+        for member in ("pinion", "gear")
+    )
+    return ElasticModel(condensed=(pinion, gear))
+
+
+@contextmanager
+def few_bricks() -> Iterator[None]:
+    """Solid shells are of few bricks and functions within this context, those of the default too."""
+    usual = members.solid_shell_size
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            members, "solid_shell_size", lambda pair, member, fineness=1.0: usual(pair, member, COARSE * fineness)
+        )
+        yield
