@@ -13,7 +13,7 @@ from tooth_models import coarse_solid_shells, few
 
 from easeoff import analyze, read_case
 from easeoff.cases import gear_pair
-from easeoff.contact import ElasticModel, MeshCycle, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.free_end import MODES
@@ -292,13 +292,8 @@ def test_other_solvers_find_the_same_on_edges(solver: str) -> None:
 
 
 @cache
-def on_edges_of_fh() -> MeshCycle:
-    return CaseInMesh.of(few("fh-12x41-45")).cycle
-
-
-@cache
 def solved_by(solver: str) -> xr.Dataset:
-    return on_edges_of_fh().loaded([300.0], solver=solver, edge_contact=True)[0]
+    return analyze(few("fh-12x41-45", mesh_positions=2), torques=[300.0], solver=solver)["loaded"].to_dataset()
 
 
 def test_edges_alone_hold_a_pair_without_a_line() -> None:

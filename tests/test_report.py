@@ -318,8 +318,10 @@ def test_too_few_or_too_many_results_are_refused(drive: xr.DataTree, tmp_path: P
 
 @pytest.fixture(scope="module")
 def file(coast: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("result") / "a.nc"
-    write_result(coast, path)
+    """The file of a result that keeps no case."""
+    path, tree = tmp_path_factory.mktemp("result") / "a.nc", coast.copy()
+    tree.attrs = {key: value for key, value in coast.attrs.items() if key != "case"}
+    write_result(tree, path)
     return path
 
 

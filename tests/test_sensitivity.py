@@ -92,7 +92,7 @@ def test_derivatives_are_those_of_central_differences(data: str, form: str, monk
     monkeypatch.setattr(touching_form, "DENSE_FIRST_SIZE", 0)
     tried = 0
     for name in SMOOTH:
-        for number, given in enumerate(problems(name, 2, seed=1)):
+        for number, given in enumerate(problems(name, 1, seed=1)):
             problem = dense(given) if form == "dense" else given
             change = direction(problem, (data,), number)
             if not change:
@@ -108,7 +108,7 @@ def test_derivatives_are_those_of_central_differences(data: str, form: str, monk
             error = (ahead - behind) / (2.0 * length) - as_array(found)
             assert np.abs(error / scales(problem, found)).max() < 1e-6
             tried += 1
-    assert tried == (0 if form == "dense" and data in ("local", "factor") else 12)
+    assert tried == (0 if form == "dense" and data in ("local", "factor") else 6)
 
 
 @pytest.mark.parametrize("form", ["modal", "dense"])

@@ -231,8 +231,8 @@ def test_supports_a_thousand_times_softer_than_teeth(signs: bool) -> None:
 
 def test_several_problems_go_together() -> None:
     """Of different numbers of pairs, columns and modes, some of them without any."""
-    given = [shared_problem(seed, modes=seed % 4 * 3) for seed in range(24)]
-    for found, problem in zip(plain_solutions(given, [None] * 24), given, strict=True):
+    given = [shared_problem(seed, modes=seed % 4 * 3) for seed in range(12)]
+    for found, problem in zip(plain_solutions(given, [None] * 12), given, strict=True):
         assert found.method == "modal"
         assert_same(found, solve(dense(problem)))
     for found, problem in zip(solve_many(given), given, strict=True):
@@ -253,7 +253,7 @@ def test_arrays_are_solved_as_one_by_one() -> None:
 @pytest.mark.parametrize(("modes", "longest"), [(6, 150), (36, 80)])
 def test_steps_do_not_grow_with_the_segments(modes: int, longest: int) -> None:
     steps = []
-    for seed in range(3):
+    for seed in range(2):
         problem = shared_problem(seed, pairs=6, columns=6, modes=modes, longest=-longest, torque=1e6)
         found = linear_answer(problem)
         assert found is not None
@@ -268,13 +268,13 @@ def test_steps_do_not_grow_with_the_segments(modes: int, longest: int) -> None:
 @pytest.mark.parametrize(("modes", "softness"), [(1, 50.0), (6, 1.0), (24, 1e-12), (24, 50.0)])
 def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
     bendings, contacts = [], []
-    for seed in (1, 2, 3):
+    for seed in (2, 3):
         given = shared_problem(seed, columns=6, modes=modes, softness=softness, torque=10.0 ** (4 + seed % 3))
         nothing = np.zeros(given.size)
         basis = basis_of(given)
         bendings.append(ContactProblem.of_modes(given.separation, given.lever_arm, given.torque, nothing, basis))
         contacts.append(line_contact_of(given.size, seed))
-    plain = newton_answers(bendings, LineContacts(contacts), [None] * 3)
+    plain = newton_answers(bendings, LineContacts(contacts), [None] * 2)
     for bending, contact, other in zip(bendings, contacts, plain, strict=True):
         assert other is not None
         assert bending.modal_basis is not None

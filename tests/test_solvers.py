@@ -396,7 +396,7 @@ def test_native_solver_comes_first_and_needs_nothing() -> None:
 @pytest.mark.parametrize("name", SOLVERS)
 def test_energy_is_the_work_of_the_torque_less_the_work_on_the_separations(name: str) -> None:
     """Of springs, 1/2 c F^2 each; of any problem 1/2 (theta T - S'F), both counted from first contact."""
-    for problem in realistic(3):
+    for problem in realistic():
         solution = solve(problem, installed(name))
         work = solution.elastic_rotation * problem.torque - problem.separation_at_first_contact @ solution.force
         assert solution.energy == pytest.approx(0.5 * work, rel=1e-9)

@@ -40,7 +40,7 @@ from easeoff.study.sweep.distribution import Sampler, sample_values
 from easeoff.study.sweep.sweep_file import checked_sweep
 
 OILS = ["75w90", "heavy-mineral"]
-POINTED = RADIAL - 6.0  # with it the pinion's teeth are pointed
+POINTED = RADIAL - 6.0  # with it the pinion's teeth, of solid shells, are pointed
 
 
 @pytest.fixture(scope="module")
@@ -140,16 +140,22 @@ def test_grid_point_off_the_design_is_its_analysis() -> None:
 
 
 def test_failures_are_rows_with_a_reason() -> None:
-    values = [1e4, RADIAL, POINTED]
-    found = sweep(small(), {SETTING: values, "P": [0.05]}, torques=[100.0, 200.0], workers=1)
-    statuses = [PointStatus.NOT_POSSIBLE, PointStatus.CERTIFIED, PointStatus.NO_CONTACT]
-    assert found["status"].values.tolist() == [[[status] * 2] for status in statuses]
+    over = {SETTING: [1e4, RADIAL], "G": [0.0, 9.9]}
+    found = sweep(CASE, over, torques=[100.0, 200.0], workers=1, edge_contact=False)
+    impossible, certified, apart = PointStatus.NOT_POSSIBLE, PointStatus.CERTIFIED, PointStatus.NO_CONTACT
+    assert found["status"].values.tolist() == [[[impossible] * 2] * 2, [[certified] * 2, [apart] * 2]]
     assert "must be below 5000" in found["reason"].values[0, 0, 0]
     assert found["reason"].values[1, 0, 0] == ""
-    assert "pointed" in found["reason"].values[2, 0, 1]
-    assert np.isnan(found["peak_to_peak"].values[[0, 2]]).all()
+    assert "no part of the gear flank meets the pinion flank" in found["reason"].values[1, 1, 1]
+    assert np.isnan(found["peak_to_peak"].values[[0, 0, 1], [0, 1, 1]]).all()
     assert found["max_pressure_line_end"].values[0, 0, 0] == -1
     assert "not_computed" in found["max_pressure_line_end"].attrs["flag_meanings"]
+
+
+def test_teeth_that_cannot_be_meshed_are_no_contact() -> None:
+    found = sweep(small(), {SETTING: [POINTED]}, torques=[100.0], workers=1)
+    assert found["status"].values.tolist() == [[PointStatus.NO_CONTACT]]
+    assert "pointed" in found["reason"].item()
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from click.testing import Result
 from runs import call
 from sweeps import CASE, SETTING, analyse_points_once, case_file
 
-from easeoff import InputError
+from easeoff import InputError, plot
 from easeoff.cases import read_load_cases
 from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
@@ -23,6 +23,7 @@ from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.report.key_numbers import number_names
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
+from easeoff.study.sweep.batch_store import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
 from easeoff.study.sweep.sweep_file import checked_sweep
@@ -66,7 +67,7 @@ def names(folder: Path) -> list[str]:
     ],
 )
 def test_a_sweep_over_loads_alone_is_shown_and_drawn(
-    over: dict[str, Any], given: dict[str, Any], reduced: str, folder: Path
+    over: dict[str, Any], given: dict[str, Any], reduced: str, tmp_path: Path
 ) -> None:
     found = sweep(CASE, over, workers=1, edge_contact=False, **given)
     name = next(iter(over))
@@ -76,13 +77,13 @@ def test_a_sweep_over_loads_alone_is_shown_and_drawn(
     np.testing.assert_array_equal(found[reduced].values, key_numbers(tree)[reduced].values)
     values = found[reduced].values.ravel()
     assert percentiles(found, [0.0, 100.0], [reduced])[reduced].values.ravel().tolist() == [values.min(), values.max()]
-    write_sweep(found, "out.nc")
-    shown = call("show", "out.nc")
+    write_sweep(found, tmp_path / "out.nc")
+    shown = call("show", tmp_path / "out.nc")
     assert shown.exit_code == 0, shown.output
     assert f"\n{reduced}" in shown.output
-    drawn = call("plot", "out.nc", "pictures", "--dpi", "30")
-    assert drawn.exit_code == 0, drawn.output
-    assert [name.split("-")[-1] for name in names(folder / "pictures")] == ["sweep_curves.png", "sweep_pattern.png"]
+    assert plot.pictures(found) == ("sweep_curves", "sweep_pattern")
+    for picture in ("curves", "pattern"):
+        plot.sweep(found, picture).draw_without_rendering()
     assert name in shown.output
 
 
@@ -198,12 +199,19 @@ def divided(kept: tuple[Path, xr.Dataset], bounds: list[int], folder: Path) -> N
 
 
 @pytest.mark.usefixtures("points_once")
-@pytest.mark.parametrize("bounds", [[0, 2], [0, 2, 3], [0, 1, 2, 9], [0, 1, 5], [0], [1, 2], [0, True, 3]])
+@pytest.mark.parametrize("bounds", [[0, 2], [0, 2, 3], [0, 1, 2, 9]])
 def test_batches_divided_otherwise_are_not_taken_for_others(
     bounds: list[int], kept: tuple[Path, xr.Dataset], tmp_path: Path
 ) -> None:
     """As two runs of one sweep at the same time may leave them."""
     divided(kept, bounds, tmp_path)
+
+
+@pytest.mark.parametrize("bounds", [[0, 1, 2, 9], [0, 1, 5], [], [1, 2], [0, True, 3], [0, 2, 1], "0", None])
+def test_bounds_that_do_not_rise_from_the_first_point_to_the_last_are_not_taken(bounds: Any) -> None:
+    assert _bounds({"bounds": bounds}, 3) is None
+    for rising in ([0], [0, 2], [0, 2, 3]):
+        assert _bounds({"bounds": rising}, 3) == rising
 
 
 def test_points_in_one_batch_have_the_numbers_of_three(kept: tuple[Path, xr.Dataset], tmp_path: Path) -> None:

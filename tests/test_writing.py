@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from case_strategies import cases
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from easeoff import InputError
@@ -20,6 +20,7 @@ def test_shipped_cases_survive(name: str) -> None:
     assert parse_case(case_toml(case)).model_dump() == case.model_dump()
 
 
+@settings(max_examples=settings.default.max_examples // 2)
 @given(cases())
 def test_any_case_survives(case: Case) -> None:
     text = case_toml(case)

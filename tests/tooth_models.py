@@ -17,12 +17,17 @@ from easeoff.geometry import GearPair
 
 #: Of bricks and functions, by which a tooth takes a fifth of the usual time.
 COARSE = 0.4
+KEYS: dict[str, dict[str, Any]] = {
+    "shell": {},
+    "solid_shell": {"fineness": COARSE},
+    "fe": {"fineness": COARSE, "neighbours": False},
+}
 
 
 def with_teeth(case: Case, model: str = "shell", **keys: Any) -> Case:
     """The same case with teeth of a model, coarse ones, and other keys of [compliance]."""
-    of_bricks = {} if model == "shell" else {"fineness": COARSE}
-    return case.model_copy(update={"compliance": ComplianceTable.model_validate({"model": model, **of_bricks, **keys})})
+    table = ComplianceTable.model_validate({"model": model, **KEYS[model], **keys})
+    return case.model_copy(update={"compliance": table})
 
 
 def few(name: str = "nasa-12x36", model: str = "shell", **contact: Any) -> Case:
