@@ -37,6 +37,10 @@ settings.register_profile("random", max_examples=400, print_blob=True, **CALM)
 settings.load_profile("alike")
 
 
+#: Of the thorough items one in so many is run by ``.ci/run``.
+CI_SHARE = 5
+
+
 @pytest.fixture(scope="session", autouse=True)
 def patience() -> None:
     """Give solvers as long as they need, on a machine however busy."""
@@ -64,7 +68,7 @@ def compiled_kernels() -> Iterator[None]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the cases that ``quick(count)`` and ``ci(count)`` leave out: all but that many, spread over the test's."""
+    """Mark what is left out: cases by ``quick(count)`` and ``ci(count)``, and of thorough items all but every fifth."""
     for name, left_out in (("quick", pytest.mark.thorough), ("ci", pytest.mark.beyond_ci)):
         cases = defaultdict(list)
         for item in items:
@@ -76,3 +80,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             for number, item in enumerate(found):
                 if number not in kept:
                     item.add_marker(left_out)
+    thorough = [
+        item for item in items if item.get_closest_marker("thorough") and not item.get_closest_marker("beyond_ci")
+    ]
+    for number, item in enumerate(thorough):
+        if number % CI_SHARE:
+            item.add_marker(pytest.mark.beyond_ci)

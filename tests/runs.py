@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 import xarray as xr
 from click.testing import CliRunner, Result
 
@@ -60,6 +59,5 @@ def read_only(result: Computed) -> Computed:
     """The same tree or dataset, whose numbers cannot be changed."""
     for group in result.subtree if isinstance(result, xr.DataTree) else [result]:
         for variable in group.variables.values():
-            if isinstance(variable.values, np.ndarray):
-                variable.values.flags.writeable = False
+            variable.values.flags.writeable = False
     return result

@@ -71,7 +71,7 @@ def close(one: Any, two: Any) -> None:
         assert one == two
 
 
-@settings(suppress_health_check=list(HealthCheck), max_examples=settings.default.max_examples // 2)
+@settings(suppress_health_check=list(HealthCheck), max_examples=settings().max_examples // 2)
 @given(cases())
 def test_any_geometry_survives(tmp_path: Path, case: Case) -> None:
     write_rexs(case, tmp_path / "case.rexs")
