@@ -23,7 +23,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from read_here import reading_here
 from runs import call
 from solver_choice import BACKENDS, installed
 
@@ -89,7 +88,7 @@ def forked() -> Iterator[None]:
     """
     server: Any = multiprocessing.get_context("forkserver")
     server.set_forkserver_preload(["pytest", "qpsolvers", worker.__name__])
-    with pytest.MonkeyPatch.context() as patch, reading_here():
+    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(multiprocessing, "get_context", lambda _: server)
         yield
 

@@ -11,7 +11,6 @@ import fake_solvers
 import numpy as np
 import pytest
 import qpsolvers
-from read_here import reading_here
 from solver_choice import BACKENDS, installed
 
 from easeoff.contact import SOLVERS, ContactProblem, solve, write_problems
@@ -72,11 +71,10 @@ def assert_found_out(name: str, posed: list[PosedProblem]) -> None:
 def classes(tmp_path_factory: pytest.TempPathFactory) -> list[list[PosedProblem]]:
     """Two problems of each class, as a comparison reads them."""
     path, found = tmp_path_factory.mktemp("classes") / "class.nc", []
-    with reading_here():
-        for kind in PROBLEM_CLASSES:
-            loaded = [problem for problem in problems(kind, 2, seed=11) if problem.torque > 0.0 and problem.size > 1]
-            write_problems(loaded, path)
-            found.append(posed_problems(path, kind))
+    for kind in PROBLEM_CLASSES:
+        loaded = [problem for problem in problems(kind, 2, seed=11) if problem.torque > 0.0 and problem.size > 1]
+        write_problems(loaded, path)
+        found.append(posed_problems(path, kind))
     return found
 
 

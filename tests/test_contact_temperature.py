@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from read_here import reading_here
 from runs import call
 from scipy.special import ellipe, ellipk, j1
 from tooth_models import few
@@ -51,12 +49,6 @@ Array = NDArray[Any]
 STEEL = ThermalMaterial()
 POSITIONS = np.array([-0.95, -0.5, 0.0, 0.4, 0.65, 0.95])
 WIDTH = 0.2e-3
-
-
-@pytest.fixture(autouse=True)
-def files_read_here() -> Iterator[None]:
-    with reading_here():
-        yield
 
 
 def velocity_of(peclet: float, material: ThermalMaterial = STEEL) -> float:

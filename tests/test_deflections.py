@@ -6,7 +6,6 @@ misalignment that the deflections have there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from read_here import reading_here
 from runs import call, read_only
 from tooth_models import few
 
@@ -49,12 +47,6 @@ AXLE = Deflections(
 TORQUES = [300.0, 40.0]  # not in order
 SPEEDS = [500.0, 1500.0]
 TABLE = "torque,E,P,flank\n0,0,0,drive\n100,0.02,-0.01,drive\n300,0.05,-0.03,drive\n200,-0.04,0.01,coast\n"
-
-
-@pytest.fixture(autouse=True)
-def files_read_here() -> Iterator[None]:
-    with reading_here():
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,7 +13,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from pairs import by_the_dissertation
-from read_here import reading_here
 from runs import SMALL, call, small_file
 from test_friction_kinematics import shape_operators, spur
 
@@ -44,12 +42,6 @@ CONTACT = ContactTable(
     edge_contact=False,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
-
-
-@pytest.fixture(autouse=True)
-def files_read_here() -> Iterator[None]:
-    with reading_here():
-        yield
 
 
 def replace_torques(torques: tuple[float, ...]) -> ContactTable:

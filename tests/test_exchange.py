@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
@@ -12,18 +12,10 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-from read_here import reading_here
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, export_problems, read_labels, read_problems, write_problems
 from easeoff.verification import PROBLEM_CLASSES, problems
-
-
-@pytest.fixture(scope="module", autouse=True)
-def here() -> Iterator[None]:
-    """Files are read in this process."""
-    with reading_here():
-        yield
 
 
 @cache

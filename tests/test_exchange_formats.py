@@ -6,7 +6,6 @@ import csv
 import math
 import subprocess
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,6 @@ import numpy as np
 import pytest
 import qpsolvers
 import scipy.io
-from read_here import reading_here
 from runs import call
 from scipy.sparse import csc_array, csr_array
 
@@ -44,13 +42,6 @@ from easeoff.study.library import Entry, entries, generate, reference_answers
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 SINGLE = ("npz", "qps", "hdf5")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def here() -> Iterator[None]:
-    """Files are read in this process."""
-    with reading_here():
-        yield
 
 
 @cache

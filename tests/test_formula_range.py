@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from read_here import reading_here
 from runs import call, small_file
 from tooth_models import few, with_teeth
 
@@ -49,12 +48,6 @@ CONTACT = ContactTable(
     profile_nodes=11,
     edge_contact=False,
 )
-
-
-@pytest.fixture(autouse=True)
-def files_read_here() -> Iterator[None]:
-    with reading_here():
-        yield
 
 
 @pytest.fixture(scope="module")

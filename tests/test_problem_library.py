@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from read_here import reading_here
 from runs import call
 from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -54,13 +53,6 @@ SAMPLE = [
     ),
     *(EVERY[f"fh-design-a-{end}"] for end in ("coast-misaligned-2", "cycle-20")),
 ]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def here() -> Iterator[None]:
-    """Files are read in this process."""
-    with reading_here():
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from read_here import reading_here
 from shared_problems import as_array, basis_of, dense, line_contact_of, shared_problem
 from solver_choice import BACKENDS, LIFTING, installed
 
@@ -435,8 +434,7 @@ def test_files_give_the_identical_problem_back(tmp_path: Path) -> None:
     problem = shared_problem(9, pairs=3, columns=6, modes=6, longest=-15)
     write_npz(problem, tmp_path / "a.npz")
     export_problems([problem], tmp_path / "a.nc")
-    with reading_here():
-        read = import_problems(tmp_path / "a.nc").problems[0]
+    read = import_problems(tmp_path / "a.nc").problems[0]
     for again in (ContactProblem.from_dataset(problem.to_dataset()), read_npz(tmp_path / "a.npz"), read):
         assert again.identical(problem)
         basis = basis_of(again)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from read_here import reading_here
 from runs import call
 from tooth_models import few
 
@@ -19,12 +17,6 @@ from easeoff.contact.supports.assembly_rounds import AssemblyRounds
 from easeoff.geometry import Misalignment
 
 AXLE = "axle-fm-11x41"
-
-
-@pytest.fixture(autouse=True)
-def files_read_here() -> Iterator[None]:
-    with reading_here():
-        yield
 
 
 @pytest.fixture(scope="module")
