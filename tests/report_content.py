@@ -23,8 +23,8 @@ from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 
 def coarse(**changes: int) -> Case:
     """The pair 11 x 41 at few mesh positions, with teeth as shells."""
-    size = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15} | changes
-    return few("fm-11x41", **size)
+    size: dict[str, Any] = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
+    return few("fm-11x41", **(size | changes))
 
 
 @functools.cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -57,7 +58,8 @@ def _analysed(name: str, contact: str, keywords: str) -> xr.DataTree:
 
 def read_only(result: Computed) -> Computed:
     """The same tree or dataset, whose numbers cannot be changed."""
-    for group in result.subtree if isinstance(result, xr.DataTree) else [result]:
+    groups: Iterable[xr.DataTree | xr.Dataset] = getattr(result, "subtree", [result])
+    for group in groups:
         for variable in group.variables.values():
             variable.values.flags.writeable = False
     return result

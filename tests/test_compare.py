@@ -29,6 +29,7 @@ from solver_choice import BACKENDS, installed
 from easeoff import InputError
 from easeoff.contact import EXACT_TOLERANCE, ContactProblem, read_problems, write_problems
 from easeoff.contact import SOLVERS as SOLVER_TABLE
+from easeoff.core.compiled import compiled_use
 from easeoff.study.compare import compare, read_table, write_comparison, write_test_set
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_table import RESIDUALS
@@ -326,7 +327,7 @@ def test_measurements_of_another_machine_are_stale(
 
     monkeypatch.setattr(importlib.metadata, "version", version)
     if changed == "compiled code":
-        used = environment.is_used()
+        used = compiled_use.is_used()
         monkeypatch.setattr(environment, "is_used", lambda: not used)
     if changed == "BLAS":
         library = {"Build Dependencies": {"blas": {"name": "another", "version": "1"}}}

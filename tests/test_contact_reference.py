@@ -27,7 +27,7 @@ def coarse_analyses(kept: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]
     read_case = kept.easeoff.read_case
 
     def coarse(name: str) -> Case:
-        case = read_case(name)
+        case: Case = read_case(name)
         return case.model_copy(update={"contact": case.contact.model_copy(update=FEW)})
 
     monkeypatch.setattr(kept.easeoff, "read_case", coarse)

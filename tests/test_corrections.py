@@ -63,7 +63,7 @@ from easeoff.verification.measuring.correction_loop import (
 )
 
 
-@pytest.mark.parametrize("loop", sorted(CORRECTION_LOOPS, key=lambda loop: "fixed" not in loop))
+@pytest.mark.parametrize("loop", sorted(CORRECTION_LOOPS, key=lambda loop: "fixed" not in str(loop)))
 @pytest.mark.quick(1)
 def test_the_corrected_case_leaves_less_than_three_percent(loop: str, tmp_path: Path) -> None:
     """Measured by another method than the fit uses: along the normals, by Newton."""

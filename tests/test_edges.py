@@ -235,7 +235,7 @@ def test_a_little_load_touches_no_edge() -> None:
 
 
 @cache
-def at_500(model: str, edges: bool, **argument: bool) -> xr.DataTree:
+def at_500(model: str, edges: bool, **argument: Any) -> xr.DataTree:
     """Analysed with the word of the case file, and perhaps with the argument."""
     return analyze(few("fm-11x41", model, edge_contact=edges, mesh_positions=2), torques=[500.0], **argument)
 

@@ -219,7 +219,8 @@ def test_a_load_beside_the_border_of_a_shape_function_moves_on_its_own_side(monk
     _, slopes = cycle_slopes(cycle, [setting], *cycle.loaded(torques, edge_contact=False))
     own = 1e-6 * slopes["transmission_error"].values[0, :, 0]
     moved = [anew(cycle, setting.moved(cycle.geometry.pair, place * step)) for place in PLACES]
-    change = rate([one.loaded(torques, edge_contact=False)[1][0].solution.rotation for one in moved], step)
+    rotations = [one.loaded(torques, edge_contact=False)[1][0].solution.rotation for one in moved]
+    change = rate([np.asarray(rotation) for rotation in rotations], step)
     assert abs(change - own[0]) < 2e-6 * np.abs(own).max() + ROTATION_ROUNDING / step
 
 
@@ -424,12 +425,12 @@ def test_unloaded_contact_agrees_with_whole_analyses(name: str, flank: FlankName
     own = 1e-6 * slopes["unloaded_transmission_error_envelope"]
     for number, setting in enumerate(settings):
         step = UNLOADED_STEP * setting.scale
-        found = [errors_of(pair_geometry(setting.moved(pair, place * step), nodes)) for place in PLACES]
-        change = rate([one.envelope_at(places[::16]) for one in found], step)
+        moved = [errors_of(pair_geometry(setting.moved(pair, place * step), nodes)) for place in PLACES]
+        change = rate([one.envelope_at(places[::16]) for one in moved], step)
         limit = TOLERANCE * np.nanmax(np.abs(own[:, number])) + GAP_ROUNDING / step
         # All of them, but where the carrying pair changes just there.
         assert np.sort(np.abs(change - own[:, number]))[:-1].max() < limit, setting
-        by_steps = rate([np.asarray(range_of(one)) for one in found], step)
+        by_steps = rate([np.asarray(range_of(one)) for one in moved], step)
         assert 1e-6 * slopes["unloaded_peak_to_peak"][number] == pytest.approx(by_steps, abs=limit), setting
 
 
@@ -501,7 +502,8 @@ def test_unloaded_range_agrees_with_differences_of_itself(name: str, setting: Pa
         return unloaded_slopes(moved.geometry, moved.lines, [setting], field_slopes(moved.geometry, [setting]))
 
     own, step = found(cycle.geometry.pair), 1.5e-4 * setting.scale
-    change = rate([found(setting.moved(cycle.geometry.pair, place * step)).peak_to_peak for place in PLACES], step)
+    peaks = [found(setting.moved(cycle.geometry.pair, place * step)).peak_to_peak for place in PLACES]
+    change = rate([np.asarray(peak) for peak in peaks], step)
     # Both courses move, a hundred times as much as where they cross.
     assert own.peak_slopes[0] == pytest.approx(change, abs=1e-7 * np.abs(own.slopes).max())
 

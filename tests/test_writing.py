@@ -20,7 +20,7 @@ def test_shipped_cases_survive(name: str) -> None:
     assert parse_case(case_toml(case)).model_dump() == case.model_dump()
 
 
-@settings(max_examples=settings.default.max_examples // 2)
+@settings(max_examples=settings().max_examples // 2)
 @given(cases())
 def test_any_case_survives(case: Case) -> None:
     text = case_toml(case)
