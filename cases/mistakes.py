@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -151,9 +152,15 @@ def _unit(model: type[BaseModel], key: tuple[Any, ...]) -> str:
     return "" if unit == "1" else f" [{unit}]"
 
 
+@cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    """JSON schema of a case or design, made once: a message asks for it for every table that it looks at."""
+    return model.model_json_schema()
+
+
 def _node(model: type[BaseModel], path: tuple[Any, ...]) -> dict[str, Any]:
     """Schema of the table or key ``path`` of a case or design; empty if there is none."""
-    schema = model.model_json_schema()
+    schema = _schema(model)
     node = schema
     for part in path:
         node = node.get("properties", {}).get(part, {})

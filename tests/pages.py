@@ -6,8 +6,7 @@ from functools import cache
 
 import xarray as xr
 from matplotlib.figure import Figure
-from runs import read_only
-from tooth_models import few
+from runs import read_only, small
 
 from easeoff import analyze, plot
 
@@ -17,7 +16,7 @@ TORQUES = [50.0, 100.0, 200.0]
 @cache
 def drawn_result() -> xr.DataTree:
     """A result with friction."""
-    return read_only(analyze(few(), torques=TORQUES, speed=[500.0, 1500.0]))
+    return read_only(analyze(small(compliance="shell"), torques=TORQUES, speed=[500.0, 1500.0]))
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from tooth_models import few
+from runs import small
 
 from easeoff import analyze
 from easeoff.cases import Case, LoadCase
@@ -24,7 +24,7 @@ from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 def coarse(**changes: int) -> Case:
     """The pair 11 x 41 at few mesh positions, with teeth as shells."""
     size: dict[str, Any] = {"mesh_positions": 8, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
-    return few("fm-11x41", **(size | changes))
+    return small("fm-11x41", "shell", **(size | changes))
 
 
 @functools.cache
@@ -48,7 +48,7 @@ def duty_result() -> xr.DataTree:
         LoadCase(name="cruise", torque=50.0, speed=2000.0, share=0.8),
         LoadCase(name="climb", torque=250.0, speed=1000.0, share=0.2, E=0.05, Sigma=0.03),
     ]
-    return analyze_load_cases(few("fm-11x41"), rows)
+    return analyze_load_cases(small("fm-11x41", "shell"), rows)
 
 
 @functools.cache

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 
 import xarray as xr
 from click.testing import CliRunner, Result
+from tooth_models import with_teeth
 
 from easeoff import analyze, read_case
 from easeoff.cases import case_text
-from easeoff.cases.changes import changed_case
 from easeoff.cases.schema.case_schema import Case
 from easeoff.study.cli import main
 
@@ -28,9 +28,14 @@ def call(*arguments: object) -> Result:
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
-def small(name: str = "nasa-12x36", **contact: Any) -> Case:
-    """A shipped case with few mesh positions, segments and nodes; other keys of [contact] by name."""
-    return changed_case(read_case(name), {f"contact.{key}": value for key, value in (SMALL | contact).items()})
+def small(name: str = "nasa-12x36", compliance: str | None = None, **contact: Any) -> Case:
+    """A shipped case with few mesh positions, segments and nodes; other keys of [contact] by name.
+
+    Its teeth are of a model in ``compliance``, coarse ones; of the case if there is none given.
+    """
+    case = read_case(name)
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=SMALL | contact)})
+    return case if compliance is None else with_teeth(case, compliance)
 
 
 def small_text(name: str = "nasa-12x36", more: str = "") -> str:

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tooth_models import few
+from runs import small
 
 from easeoff.cases import write_case
 from easeoff.study.analysis.joined_analysis import Analysis
 from easeoff.study.sweep.batch_analysis import _Assembly
 from easeoff.study.sweep.sweep_setup import SweepSetup
 
-CASE = few()
+CASE = small(compliance="shell")
 SETTING = "pinion.concave.machine.radial_distance"
 assert CASE.pinion.concave is not None
 RADIAL = CASE.pinion.concave.machine.radial_distance or 0.0

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plates import on_plates
+from runs import small
 
 import easeoff
 from easeoff.cases import gear_pair
@@ -108,7 +108,7 @@ def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
 
 def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:
     """A corner that hardly carries: update and surfaces agree, and the result says how many segments were searched."""
-    case = on_plates("fm-11x41", mesh_positions=8, segments_per_line=15, lengthwise_nodes=31, profile_nodes=21)
+    case = small("fm-11x41", "shell", mesh_positions=8, segments_per_line=15, lengthwise_nodes=31, profile_nodes=21)
     swings, levels = [], []
     for deviations in ({}, {"gear": dent(9.0)}):
         for way in ("ease_off", "surface"):

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 
 import pytest
-from case_schema import schema_made_once
 
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, gear_pair, parse_case, read_case, shipped_cases
 from easeoff.geometry import pair_geometry
 
 NASA = case_text("nasa-12x36")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_messages() -> Iterator[None]:
-    """Messages about mistakes in a case."""
-    with schema_made_once():
-        yield
 
 
 def changed(pattern: str, replacement: str) -> str:

@@ -13,6 +13,7 @@ import xarray as xr
 import yaml
 from click.testing import CliRunner
 from jsonschema import Draft7Validator
+from runs import small
 
 import easeoff
 from easeoff.cases.writing import case_toml
@@ -31,13 +32,6 @@ from easeoff.study.report.citation.solver_works import SOLVER_WORKS
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-COARSE = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
-
-
-def coarse(name: str, model: str) -> easeoff.Case:
-    case = easeoff.read_case(name)
-    compliance = case.compliance.model_copy(update={"model": model})
-    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "compliance": compliance})
 
 
 def entries(text: str) -> dict[str, dict[str, str]]:
@@ -108,7 +102,7 @@ def test_sources_have_the_identifiers_of_the_pages() -> None:
 def test_a_result_names_its_own_sources() -> None:
     model = FrictionModel(coefficient="benedict_kelly")
     tree = easeoff.analyze(
-        coarse("nasa-12x36", "shell"), torques=100.0, speed=1500.0, oil="pao-vg100", friction_model=model
+        small("nasa-12x36", "shell"), torques=100.0, speed=1500.0, oil="pao-vg100", friction_model=model
     )
     found = {source.role: [work.key for work in source.works] for source in result_sources(tree)}
     assert found["pair, by its title"] == ["bibel_1994"]
@@ -187,7 +181,7 @@ def test_works_of_solvers_are_those_of_the_bibliography() -> None:
 def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
     """File, listing, exports and citation give the same names and the same pair."""
     case = tmp_path / "pair.toml"
-    case.write_text(case_toml(coarse("nasa-12x36", "shell")), encoding="utf-8")
+    case.write_text(case_toml(small("nasa-12x36", "shell")), encoding="utf-8")
     runner, file = CliRunner(), tmp_path / "problems.nc"
     arguments = ["problems", str(case), "--torque", "150", "--misalignment", "E=0.05", "-o", str(file)]
     assert runner.invoke(main, arguments, catch_exceptions=False).exit_code == 0

@@ -17,7 +17,6 @@ from runs import small
 from solver_choice import LIFTING, installed
 
 from easeoff import InputError
-from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import (
     SOLVERS,
     ContactProblem,
@@ -144,8 +143,7 @@ def test_every_form_holds_the_degenerate_classes(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41", "fh-12x41-45"])
 def test_every_form_holds_the_problems_of_shipped_cases(name: str) -> None:
-    case = small(name).model_copy(update={"compliance": ComplianceTable(model="shell")})
-    solved = contact_analysis(CaseInMesh.of(case), [40.0, 150.0]).cases
+    solved = contact_analysis(CaseInMesh.of(small(name, "shell")), [40.0, 150.0]).cases
     chosen = [item.problem for item in solved if (item.torque + item.mesh_position) % 2 == 0]
     assert len(chosen) == 3
     for problem in chosen:

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import call, read_only
+from runs import call, read_only, small
 from scipy.spatial import cKDTree
-from tooth_models import few
 
 import easeoff
 from easeoff import InputError
@@ -26,7 +25,7 @@ FLANK, OTHER, SEGMENT = 0, 1, 2
 
 @pytest.fixture(scope="module")
 def tree() -> xr.DataTree:
-    case = few("fm-11x41", mesh_positions=4, segments_per_line=21, lengthwise_nodes=31, profile_nodes=15)
+    case = small("fm-11x41", "shell", mesh_positions=4, segments_per_line=21, lengthwise_nodes=31, profile_nodes=15)
     return read_only(easeoff.analyze(case, torques=[60.0, TORQUE], speed=1500.0))
 
 

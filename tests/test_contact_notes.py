@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff.cases import Case, read_supports
@@ -25,7 +25,7 @@ from easeoff.study.vh.shifted_patterns import round_values
 
 @cache
 def case() -> Case:
-    return few(torques=(100.0,), edge_contact=True)
+    return small(compliance="shell", torques=(100.0,), edge_contact=True)
 
 
 @cache

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import call
+from runs import call, small
 from scipy.special import ellipe, ellipk, j1
-from tooth_models import few
 
 import easeoff
 from easeoff.cases import write_case
@@ -223,7 +222,7 @@ def test_flash_temperature_is_one_of_dimensionless_numbers() -> None:
 
 def coarse(name: str, **changed: Any) -> easeoff.cases.Case:
     """A case with few mesh positions and nodes, and other tables."""
-    return few(name).model_copy(update=changed)
+    return small(name, "shell").model_copy(update=changed)
 
 
 @pytest.fixture(scope="module")

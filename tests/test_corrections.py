@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from plates import on_plates
 from report_content import content
-from runs import call
+from runs import call, small
 
 import easeoff
 from easeoff import GeometryError, InputError, plot
@@ -718,7 +717,7 @@ def test_the_command_tells_that_there_is_nothing_to_correct(
 
 def test_sheet_result_and_report_tell_settings_to_execute(tmp_path: Path) -> None:
     """Once each, from the mark in the case file; of load cases once for all."""
-    case = on_plates("nasa-12x36")
+    case = small("nasa-12x36", "shell")
     write_case(case.model_copy(update={"corrected_flanks": ("gear convex",)}), tmp_path / "corrected.toml")
     marked = read_case(tmp_path / "corrected.toml")
     tree = easeoff.analyze(marked, torques=[100.0])
@@ -797,7 +796,10 @@ def test_topographies_show_toe_heel_top_and_root_with_signs_and_sizes() -> None:
     gear = views(case, "gear")["convex"]
     values = GlobalErrors(spiral_angle=5.0)(*np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 5)))
     matrix = measured_matrix(gear, values)
-    found = correct_case(case, {"gear": matrix}, free=["machine_root_angle"]).corrections["gear"][0]
+    corrected = correct_case(case, {"gear": matrix}, free=["machine_root_angle"])
+    (found,) = corrected.corrections["gear"]
+    rest = f"rms {1e3 * found.rms_before:.2f} um, after the correction {1e3 * found.rms:.2f} um"
+    assert rest in correction_report(corrected)
     figure = plot.topography(found, title="a title")
     assert len(figure.axes) == 2
     texts = [text.get_text() for text in figure.axes[0].texts]

@@ -7,7 +7,7 @@ import os
 import shutil
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from case_schema import schema_made_once
 from netCDF4 import Dataset
 from runs import call, small_text
 
@@ -49,13 +48,6 @@ def refused(*arguments: object) -> str:
     assert len(found.output) < MESSAGE_LENGTH_LIMIT
     assert not any(character in found.output for character in ESCAPE if not character.isprintable())
     return found.output
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_messages() -> Iterator[None]:
-    """Messages about mistakes in a case."""
-    with schema_made_once():
-        yield
 
 
 @pytest.fixture(scope="module")

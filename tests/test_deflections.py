@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, read_only
-from tooth_models import few
+from runs import call, read_only, small
 
 import easeoff
 from easeoff.cases import Case, Deflections, LoadCase, case_text, case_toml, parse_case, read_deflections
@@ -51,7 +50,7 @@ TABLE = "torque,E,P,flank\n0,0,0,drive\n100,0.02,-0.01,drive\n300,0.05,-0.03,dri
 
 @pytest.fixture(scope="module")
 def case() -> Case:
-    return few("fm-11x41", edge_contact=False)
+    return small("fm-11x41", "shell", edge_contact=False)
 
 
 @cache
@@ -59,7 +58,7 @@ def analysed(torque: float | None = None, at: float | None = None) -> xr.DataTre
     """All torques at once, or one of them in the constant misalignment that the deflections have there or elsewhere."""
     there = AXLE if torque is None else AXLE.at(torque if at is None else at)
     torques = TORQUES if torque is None else torque
-    return read_only(easeoff.analyze(few("fm-11x41"), torques=torques, misalignment=there, speed=SPEEDS))
+    return read_only(easeoff.analyze(small("fm-11x41", "shell"), torques=torques, misalignment=there, speed=SPEEDS))
 
 
 def at_torque(group: xr.Dataset, number: int, own: xr.Dataset, name: str) -> Any:

@@ -14,7 +14,7 @@ import xarray as xr
 from deviations import GEAR_ERRORS, PINION_ERRORS, worn
 from numpy.typing import NDArray
 from pairs import conjugate_pair
-from plates import on_plates
+from runs import small
 
 import easeoff
 from easeoff import InputError
@@ -82,7 +82,7 @@ def errors_of_the_update(pair: GearPair, pinion: Formula, gear: Formula, factor:
 
 
 def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
-    case = on_plates("fm-11x41")
+    case = small("fm-11x41", "shell")
     plain = easeoff.analyze(case, torques=[200.0])
     pair = gear_pair(case, "drive")
     nothing = {"pinion": of(pair.pinion, uniform, 0.0), "gear": of(pair.gear, uniform, 0.0)}
@@ -140,9 +140,9 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
 def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> None:
     pair = conjugate_pair()
     errors = [errors_of_the_update(pair, PINION_ERRORS, GEAR_ERRORS, factor) for factor in (1.0, 0.5, 0.25)]
-    for large, small in pairwise(errors):
-        assert 3.6 < large[0] / small[0] < 4.4
-        assert 3.6 < large[1] / small[1] < 4.4
+    for whole, half in pairwise(errors):
+        assert 3.6 < whole[0] / half[0] < 4.4
+        assert 3.6 < whole[1] / half[1] < 4.4
     assert errors[0][0] < 0.1  # um, of 40 um
 
 
@@ -292,13 +292,13 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
     with pytest.raises(InputError, match="another blank"):
         deviated_pair(pair, pinion=of(pair.gear, uniform))
     with pytest.raises(InputError, match="another blank"):
-        easeoff.analyze(on_plates("fm-11x41"), deviations={"pinion": of(pair.gear, uniform)})
+        easeoff.analyze(small("fm-11x41", "shell"), deviations={"pinion": of(pair.gear, uniform)})
     with pytest.raises(InputError, match="of the gear is a ndarray: give a file, a dataset or a Deviation"):
-        easeoff.analyze(on_plates("fm-11x41"), deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
+        easeoff.analyze(small("fm-11x41", "shell"), deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="member = 'axle'"):
-        easeoff.analyze(on_plates("fm-11x41"), deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
+        easeoff.analyze(small("fm-11x41", "shell"), deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="must be one of ease_off, surface"):
-        easeoff.analyze(on_plates("fm-11x41"), deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
+        easeoff.analyze(small("fm-11x41", "shell"), deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
 
 
 @cache

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff.study import result_summary
@@ -15,7 +15,7 @@ from easeoff.study.report.notes.edge_load import EDGE_SHARE_LIMIT, edge_notes
 
 @cache
 def loaded(name: str, *, edges: bool = True) -> xr.DataTree:
-    return easeoff.analyze(few(name), torques=50.0, edge_contact=edges)
+    return easeoff.analyze(small(name, "shell"), torques=50.0, edge_contact=edges)
 
 
 def test_only_a_pair_that_rests_on_its_edges_is_told() -> None:

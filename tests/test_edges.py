@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tooth_models import coarse_solid_shells, few
+from runs import small
+from tooth_models import coarse_solid_shells
 
 from easeoff import analyze, read_case
 from easeoff.cases import gear_pair
@@ -237,7 +238,7 @@ def test_a_little_load_touches_no_edge() -> None:
 @cache
 def at_500(model: str, edges: bool, **argument: Any) -> xr.DataTree:
     """Analysed with the word of the case file, and perhaps with the argument."""
-    return analyze(few("fm-11x41", model, edge_contact=edges, mesh_positions=2), torques=[500.0], **argument)
+    return analyze(small("fm-11x41", model, edge_contact=edges, mesh_positions=2), torques=[500.0], **argument)
 
 
 def on_edges(tree: xr.DataTree) -> tuple[int, bool]:
@@ -254,7 +255,7 @@ def test_an_argument_counts_before_the_case_and_a_cycle_has_its_own() -> None:
     assert read_case("fm-11x41").contact.edge_contact
     assert on_edges(at_500("shell", True, edge_contact=False)) == (0, False)
     assert on_edges(at_500("shell", False, edge_contact=True)) == (1, True)
-    cycle = CaseInMesh.of(few("fm-11x41", mesh_positions=2)).cycle
+    cycle = CaseInMesh.of(small("fm-11x41", "shell", mesh_positions=2)).cycle
     assert float(cycle.loaded([500.0])[0]["edge_share"].max()) > 0.03
     assert float(cycle.loaded([500.0], edge_contact=False)[0]["edge_share"].max()) == 0.0
 
@@ -273,7 +274,7 @@ def test_one_word_in_the_case_lets_edges_touch() -> None:
 
 def test_friction_on_edges_is_in_the_balance_of_power() -> None:
     """An edge slides as the flank it is on does: what it takes is in the losses and off the output."""
-    case = few("fh-design-a", edge_contact=True)
+    case = small("fh-design-a", "shell", edge_contact=True)
     tree = analyze(case, torques=[500.0], speed=1000.0, temperature=90.0, roughness=0.8, friction_feedback=True)
     assert float(tree["loaded/edge_share"].max()) > 0.02
     assert float(np.abs(tree["friction/energy_balance"]).max()) < 1e-10
@@ -293,7 +294,9 @@ def test_other_solvers_find_the_same_on_edges(solver: str) -> None:
 
 @cache
 def solved_by(solver: str) -> xr.Dataset:
-    return analyze(few("fh-12x41-45", mesh_positions=2), torques=[300.0], solver=solver)["loaded"].to_dataset()
+    return analyze(small("fh-12x41-45", "shell", mesh_positions=2), torques=[300.0], solver=solver)[
+        "loaded"
+    ].to_dataset()
 
 
 def test_edges_alone_hold_a_pair_without_a_line() -> None:

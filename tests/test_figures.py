@@ -17,8 +17,7 @@ from matplotlib.image import imread
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from pages import drawn_pages, drawn_result
-from runs import call
-from tooth_models import few
+from runs import call, small
 
 import easeoff
 from easeoff import InputError, plot
@@ -309,7 +308,7 @@ def test_efficiency_marks_conditions_beyond_the_range_of_the_formula(tree: xr.Da
 @pytest.mark.thorough
 def test_load_cases_of_both_flanks_are_drawn_into_their_folders(tmp_path: Path) -> None:
     rows = [LoadCase(name="climb", torque=100.0), LoadCase(name="brake", torque=50.0, flank="coast")]
-    tree = analyze_load_cases(few(), rows)
+    tree = analyze_load_cases(small(compliance="shell"), rows)
     assert plot.pictures(tree) == ("load_cases",)
     axes = Figure().subplots(1, 3)
     plot.load_cases(tree, axes=axes)
@@ -328,7 +327,7 @@ def test_load_cases_of_both_flanks_are_drawn_into_their_folders(tmp_path: Path) 
 
 @pytest.mark.thorough
 def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
-    found = easeoff.sweep(few(), {"E": [-0.02, 0.02], "flank": ["drive", "coast"]}, torques=[100.0])
+    found = easeoff.sweep(small(compliance="shell"), {"E": [-0.02, 0.02], "flank": ["drive", "coast"]}, torques=[100.0])
     write_sweep(found, tmp_path / "sweep.nc")
     assert "sweep_curves" in plot.pictures(found)
     axes = Figure().subplots()
@@ -339,7 +338,7 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
     assert file_prefix(found) == "nasa-12x36"
     done = call("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
     assert done.exit_code == 0, done.output
-    history = wear(few(), WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
+    history = wear(small(compliance="shell"), WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
     history.to_netcdf(tmp_path / "wear.nc", engine="netcdf4")
     done = call("plot", tmp_path / "wear.nc", tmp_path / "p", "--format", "pdf")
     assert done.exit_code == 0, done.output
@@ -451,7 +450,7 @@ def test_wrong_choices_are_refused_before_anything_is_written(
 @pytest.mark.thorough
 def test_a_sweep_leaves_the_pictures_of_a_result(tree: xr.DataTree, tmp_path: Path) -> None:
     kept = plot.write_pictures(tree, tmp_path, names="pressure")
-    plot.write_pictures(easeoff.sweep(few(), {"E": [0.0, 0.02]}, torques=[100.0]), tmp_path)
+    plot.write_pictures(easeoff.sweep(small(compliance="shell"), {"E": [0.0, 0.02]}, torques=[100.0]), tmp_path)
     assert kept[0].exists()
 
 
@@ -460,7 +459,7 @@ def test_a_sweep_leaves_the_pictures_of_a_result(tree: xr.DataTree, tmp_path: Pa
 
 @pytest.mark.thorough
 def test_the_footer_names_the_supports() -> None:
-    case = with_supports(few("fm-11x41"), "axle-fm-11x41")
+    case = with_supports(small("fm-11x41", "shell"), "axle-fm-11x41")
     tree = easeoff.analyze(case, torques=[100.0])
     assert tree.attrs["supports_name"] == "axle-fm-11x41"
     assert "on supports axle-fm-11x41" in small_print(tree.attrs)

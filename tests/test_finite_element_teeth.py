@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -373,7 +373,7 @@ def test_numbers_out_of_range_are_refused() -> None:
 
 @cache
 def quick_analysis(name: str) -> xr.DataTree:
-    return easeoff.analyze(few(name, "fe"), torques=[300.0])
+    return easeoff.analyze(small(name, "fe"), torques=[300.0])
 
 
 def test_one_word_of_the_case_file_is_enough() -> None:
@@ -381,7 +381,7 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     tree = quick_analysis("fm-11x41")
     loaded = tree["loaded"].to_dataset()
     assert np.all(loaded["status"] == 0)
-    shell = easeoff.analyze(few("fm-11x41"), torques=[300.0])["loaded"].to_dataset()
+    shell = easeoff.analyze(small("fm-11x41", "shell"), torques=[300.0])["loaded"].to_dataset()
     assert loaded["mean_level"].item() == pytest.approx(shell["mean_level"].item(), rel=0.1)
     assert not np.allclose(loaded["mean_level"], shell["mean_level"], rtol=1e-6)
     stress = tree["root_stress"].to_dataset()
@@ -405,7 +405,7 @@ def test_a_blade_without_edge_radius_has_no_root_stress() -> None:
         assert words in tree.attrs["root_stress_left_out"]
     (note,) = [note for note in plausibility(tree) if "root stress" in note]
     assert note in " ".join(result_summary(tree).split())
-    state = CaseInMesh.of(few("nasa-12x36", "fe"))
+    state = CaseInMesh.of(small("nasa-12x36", "fe"))
     assert state.teeth is not None
     loaded, cases = state.cycle.loaded([100.0])
     with pytest.raises(InputError, match=r"tool_edge_radius = 0 of the pinion's concave flank: must be above 0 mm"):

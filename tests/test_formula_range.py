@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, small_file
-from tooth_models import few, with_teeth
+from runs import call, small, small_file
+from tooth_models import with_teeth
 
 import easeoff
 from easeoff import InputError
@@ -163,7 +163,7 @@ def test_every_flag_has_words() -> None:
 
 def test_notes_go_with_the_feedback_too() -> None:
     tree = easeoff.analyze(
-        few("nasa-12x36"),
+        small("nasa-12x36", "shell"),
         torques=100.0,
         speed=[30.0, 1500.0],
         roughness=[0.8, 3.0],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import math
 import tomllib
 from dataclasses import replace
@@ -24,7 +23,6 @@ from easeoff.geometry import (
     blank_dimensions,
     dimensions_by_symbol,
 )
-from easeoff.geometry.design import blank as blank_module
 from easeoff.geometry.design.blank import ISO_INPUT_SYMBOLS, ISO_SYMBOLS
 from easeoff.geometry.design.iso23509.crown_gear import crown_gear
 from easeoff.geometry.design.iso23509.symbols import is_angle
@@ -495,8 +493,3 @@ def test_symbols_that_do_not_belong_are_named() -> None:
         design_of("F3", diameter_x=1.0)
     with pytest.raises(InputError, match="cutter_radius"):
         blank_design_from_symbols({k: v for k, v in SAMPLES["F3"]["input"].items() if k != "rc0"}, degrees=True)
-
-
-def test_example_of_the_documentation_runs() -> None:
-    """The example in the docstring gives the printed face angle."""
-    assert doctest.testmod(blank_module).failed == 0

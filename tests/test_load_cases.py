@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call
-from tooth_models import few
+from runs import call, small
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -27,7 +26,7 @@ ROWS = (
 
 @pytest.fixture(scope="module")
 def case() -> Case:
-    return few()
+    return small(compliance="shell")
 
 
 @pytest.fixture(scope="module")

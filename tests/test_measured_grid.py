@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from deviations import GEAR_ERRORS
-from plates import on_plates
-from runs import call
+from runs import call, small
 
 import easeoff
 from easeoff import InputError
@@ -262,7 +261,7 @@ def test_results_begin_as_those_of_the_consortium_and_a_point_may_come_twice(tmp
 
 def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:
     write_measured_grid(grid(), tmp_path / "gear.csv")
-    case, out = on_plates("fm-11x41"), tmp_path / "out.nc"
+    case, out = small("fm-11x41", "shell"), tmp_path / "out.nc"
     write_case(case, tmp_path / "case.toml")
     common = ["run", tmp_path / "case.toml", "--torque", "200", "-o", out]
     done = call(*common, "--deviation", f"gear={tmp_path / 'gear.csv'}")

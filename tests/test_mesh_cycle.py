@@ -12,10 +12,10 @@ import pytest
 import xarray as xr
 from deviations import GEAR_ERRORS, PINION_ERRORS
 from runs import small
-from tooth_models import few, few_bricks
+from tooth_models import few_bricks
 
 from easeoff import InputError, analyze
-from easeoff.cases import gear_pair, read_case
+from easeoff.cases import Deflections, gear_pair, read_case
 from easeoff.contact import (
     ElasticModel,
     MeshCycle,
@@ -188,10 +188,15 @@ def test_cycle_refuses_impossible_torques() -> None:
             designed("nasa-12x36").loaded(torques)
 
 
+def test_the_pair_of_deflections_is_that_of_no_torque() -> None:
+    axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+    assert CaseInMesh.of(small()).misaligned(axle).pair.assembly.misalignment == axle.at(0.0, "drive")
+
+
 @pytest.mark.parametrize("deviated", ["ease_off", "surface"])
 def test_misaligned_case_keeps_deviations_and_modification(deviated: str) -> None:
     """A study over assemblies gives what an analysis of each gives."""
-    case = few("fm-11x41", edge_contact=False)
+    case = small("fm-11x41", "shell", edge_contact=False)
     pair = gear_pair(case)
     state = {
         "deviations": {

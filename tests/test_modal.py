@@ -16,7 +16,6 @@ from runs import small
 
 import easeoff.contact.loaded as loaded_module
 from easeoff import InputError
-from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import (
     ContactProblem,
     ContactSolution,
@@ -73,7 +72,7 @@ def relative_difference(problem: ContactProblem, method: str, other: ContactSolu
 @cache
 def in_mesh(name: str) -> CaseInMesh:
     """A small shipped case on shells."""
-    return CaseInMesh.of(small(name).model_copy(update={"compliance": ComplianceTable(model="shell")}))
+    return CaseInMesh.of(small(name, "shell"))
 
 
 @cache

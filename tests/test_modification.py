@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plates import on_plates
+from runs import small
 
 import easeoff
 from easeoff import InputError
@@ -68,7 +68,7 @@ def test_settings_for_a_modification_give_what_they_say() -> None:
 
 
 def test_no_modification_changes_nothing() -> None:
-    case, nothing = on_plates("nasa-12x36"), Modification({"bias": 0.0})
+    case, nothing = small("nasa-12x36", "shell"), Modification({"bias": 0.0})
     plain, same = (easeoff.analyze(case, torques=[100.0], modification=one) for one in (None, nothing))
     np.testing.assert_allclose(same["loaded"]["force"], plain["loaded"]["force"], rtol=1e-9, atol=1e-6)
     assert same.attrs["modification_um"] == '{"bias": 0.0}'

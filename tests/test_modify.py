@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from plates import on_plates
-from runs import call
+from runs import call, small
 
 import easeoff
 from easeoff import InputError, modify
@@ -27,8 +26,7 @@ AWAY = Misalignment(offset=0.05, pinion_axial=-0.05)
 
 @cache
 def coarse_case() -> Case:
-    case = on_plates("fm-11x41")
-    return case.model_copy(update={"contact": case.contact.model_copy(update={"torques": (50.0, 250.0)})})
+    return small("fm-11x41", "shell", torques=(50.0, 250.0))
 
 
 @cache

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
@@ -32,7 +32,7 @@ from easeoff.study.report.summary.supports_report import bearing_loads
 
 @cache
 def coarse() -> Case:
-    return parse_case(case_toml(few()))
+    return parse_case(case_toml(small(compliance="shell")))
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,7 @@ def test_the_page_marks_what_is_outside_the_ranges_as_the_text_does(tree: xr.Dat
 
 @pytest.fixture(scope="module")
 def held() -> xr.DataTree:
-    case = few(mesh_positions=2, edge_contact=False)
+    case = small(compliance="shell", mesh_positions=2, edge_contact=False)
     return easeoff.analyze(case, torques=np.linspace(50.0, 230.0, 9).tolist(), supports="gearbox-nasa-12x36")
 
 

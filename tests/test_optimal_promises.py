@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from runs import small
 
 import easeoff
 from easeoff import Case, optimize
@@ -31,9 +32,7 @@ OBJECTIVES = ("peak_to_peak", "max_pressure")
 
 @cache
 def coarse_case() -> Case:
-    case = easeoff.read_case("nasa-12x36")
-    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    return case.model_copy(update={"contact": case.contact.model_copy(update={**coarse, "torques": (TORQUE,)})})
+    return small(mesh_positions=4, torques=(TORQUE,))
 
 
 def searched(minimize: tuple[str, ...], **options: Any) -> xr.DataTree:

@@ -15,9 +15,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 from numpy.typing import NDArray
 from pages import drawn_pages, drawn_result
-from runs import read_only
+from runs import read_only, small
 from scipy.interpolate import RegularGridInterpolator
-from tooth_models import few
 
 from easeoff import InputError, analyze
 from easeoff.contact import Status
@@ -54,7 +53,7 @@ Array = NDArray[Any]
 
 @pytest.fixture(scope="module")
 def trees() -> dict[str, xr.DataTree]:
-    case = few(mesh_positions=8, segments_per_line=15, lengthwise_nodes=21, profile_nodes=15)
+    case = small(compliance="shell", mesh_positions=8, segments_per_line=15, lengthwise_nodes=21, profile_nodes=15)
     return {flank: read_only(analyze(case, flank=flank, torques=[50.0, 300.0])) for flank in ("drive", "coast")}
 
 
@@ -337,7 +336,7 @@ def test_an_older_result_has_the_envelope_of_its_curves(tree: xr.DataTree) -> No
 
 def test_a_pair_is_drawn_until_the_next_one_carries() -> None:
     """On an edge the error rises steeply between two mesh positions, until the next pair carries."""
-    case = few("fm-11x41", mesh_positions=16, lengthwise_nodes=21, profile_nodes=15)
+    case = small("fm-11x41", "shell", mesh_positions=16, lengthwise_nodes=21, profile_nodes=15)
     state = CaseInMesh.of(case, misalignment=Misalignment(0.05, -0.03))
     unloaded = state.cycle.unloaded()
     lowest = unloaded_curves(unloaded)[2]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from plates import on_plates
+from runs import small
 
 import easeoff
 from easeoff.cases import shipped_cases
@@ -22,7 +22,7 @@ from easeoff.study.report.summary.result_summary import doubts
 
 @cache
 def plain() -> xr.DataTree:
-    return easeoff.analyze(on_plates("nasa-12x36", mesh_positions=MESH_POSITION_MINIMUM), torques=[50.0, 100.0])
+    return easeoff.analyze(small("nasa-12x36", "shell", mesh_positions=MESH_POSITION_MINIMUM), torques=[50.0, 100.0])
 
 
 def planted(places: dict[tuple[int, int], float]) -> xr.DataTree:
@@ -98,7 +98,7 @@ def test_shipped_cases_have_none(name: str, flank: Any) -> None:
 
 def test_a_misaligned_pair_has_one_where_a_contact_line_ends_unless_edges_touch() -> None:
     positions = easeoff.read_case("fm-11x41").contact.mesh_positions
-    case = on_plates("fm-11x41", mesh_positions=positions, lengthwise_nodes=21, profile_nodes=15)
+    case = small("fm-11x41", "shell", mesh_positions=positions, lengthwise_nodes=21, profile_nodes=15)
 
     def notes(edge_contact: bool) -> list[str]:
         misalignment = Misalignment(offset=-0.25, pinion_axial=0.3)

@@ -17,9 +17,8 @@ from browser import Browser, chromium
 from matplotlib.image import imread
 from numpy.typing import NDArray
 from report_content import coarse, content, unpacked
-from runs import call, read_only
+from runs import call, read_only, small
 from scipy.interpolate import RegularGridInterpolator
-from tooth_models import few
 
 from easeoff import InputError, analyze, write_result
 from easeoff.cases import Deflections, LoadCase
@@ -204,7 +203,7 @@ def test_the_first_numbers_are_the_key_numbers_and_the_power_at_the_speed_of_the
 def test_names_in_the_tables_of_the_case_name_what_the_key_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each shares a word with its key, is alone in its table, and is what the summary sheet says."""
     monkeypatch.setattr(sheet_module, "case_warnings", lambda _: (None, ()))  # which has no part of the tables
-    case = few("fh-design-a")
+    case = small("fh-design-a", "shell")
     sheet = {row[1]: row[0] for table in summary_sheet(case).tables.values() for row in table}
     for table in case_tables(case):
         rows = [(str(name), str(key).rpartition(".")[2]) for name, _, key, *_ in table["rows"] if key]
@@ -231,7 +230,7 @@ def test_stiffness_and_error_along_the_normal_are_those_of_a_rigid_lever(drive: 
 
 def test_a_misalignment_over_the_torque_is_told() -> None:
     axle = Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    tree = analyze(few("fm-11x41"), torques=[100.0], misalignment=axle)
+    tree = analyze(small("fm-11x41", "shell"), torques=[100.0], misalignment=axle)
     rows = content(report_page({"axle": tree}))["results"][0]["misalignment"]
     assert [row[0] for row in rows] == ["0", "100"]
     assert [float(row[1]) for row in rows] == pytest.approx([0.0, 0.025])
@@ -304,7 +303,7 @@ def test_the_file_is_small_whole_and_alone(drive: xr.DataTree, coast: xr.DataTre
 
 def test_a_result_of_load_cases_counts_as_those_of_all(tmp_path: Path) -> None:
     rows = [LoadCase(name="climb", torque=300.0), LoadCase(name="overrun", torque=50.0, flank="coast")]
-    write_report(analyze_load_cases(few("fm-11x41"), rows), tmp_path / "report.html")
+    write_report(analyze_load_cases(small("fm-11x41", "shell"), rows), tmp_path / "report.html")
     found = content((tmp_path / "report.html").read_text(encoding="utf-8"))["results"]
     assert [(result["name"], result["flank"]) for result in found] == [("climb", "drive"), ("overrun", "coast")]
 

@@ -22,8 +22,7 @@ from report_content import (
     unpacked,
     worn_flanks,
 )
-from runs import call
-from tooth_models import few
+from runs import call, small
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
@@ -179,7 +178,7 @@ def test_deviations_on_the_page_are_those_that_were_given(deviated: str) -> None
         {"deviation": (("lengthwise", "profile"), 4.0 * t - 3.0 * h, {"units": "um"})},
         coords={"lengthwise": t[:, 0], "profile": h[0]},
     )
-    tree = analyze(few("fm-11x41"), torques=[100.0], deviations={"gear": given}, deviated=deviated)  # type: ignore[arg-type]
+    tree = analyze(small("fm-11x41", "shell"), torques=[100.0], deviations={"gear": given}, deviated=deviated)  # type: ignore[arg-type]
     fields = one(tree)["deviations"]
     assert list(fields) == ["gear"]
     raster = unpacked(fields["gear"]["raster"])
@@ -248,7 +247,7 @@ def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch:
     assert RESULT_COUNT_LIMIT == 6
     monkeypatch.setattr(given_results, "RESULT_COUNT_LIMIT", 2)
     rows = [LoadCase(name=f"case {n}", torque=40.0 * n, share=1.0) for n in (1, 2, 3)]
-    tree = analyze_load_cases(few("fm-11x41"), rows)
+    tree = analyze_load_cases(small("fm-11x41", "shell"), rows)
     given = GivenResults.of({"duty": tree})
     assert list(given.results) == [row.name for row in rows[1:]]
     assert given.notes == [

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from plates import on_plates
-from runs import call
+from runs import call, small
 
 import easeoff
 from easeoff import GeometryError
@@ -23,7 +22,7 @@ NOISE = 3.0  # um
 @cache
 def small_case() -> Case:
     """With as many nodes as show the noise."""
-    return on_plates("fm-11x41", lengthwise_nodes=31, profile_nodes=21)
+    return small("fm-11x41", "shell", lengthwise_nodes=31, profile_nodes=21)
 
 
 @cache

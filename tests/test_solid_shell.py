@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tooth_models import COARSE, few, with_teeth
+from runs import small
+from tooth_models import COARSE, with_teeth
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -201,7 +202,7 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     """Certified contact near that of the shell, without root stress."""
     levels = []
     for model in ("shell", "solid_shell"):
-        tree = easeoff.analyze(few("fm-11x41", model), torques=[300.0])
+        tree = easeoff.analyze(small("fm-11x41", model), torques=[300.0])
         assert "root_stress" not in tree.children
         loaded = tree["loaded"].to_dataset()
         assert np.all(loaded["status"] == 0)
@@ -252,7 +253,7 @@ def test_a_solid_shell_too_large_for_a_full_matrix_is_refused() -> None:
 
 
 def test_root_stress_wants_finite_elements() -> None:
-    state = CaseInMesh.of(few("fm-11x41", "solid_shell"))
+    state = CaseInMesh.of(small("fm-11x41", "solid_shell"))
     assert state.teeth is not None
     loaded, cases = state.cycle.loaded([200.0])
     with pytest.raises(InputError, match='model = "fe"'):
@@ -261,7 +262,7 @@ def test_root_stress_wants_finite_elements() -> None:
 
 @pytest.mark.parametrize(("model", "teeth"), [("solid_shell", "solid shell"), ("shell", None)])
 def test_every_stage_is_named_before_it_begins(model: Any, teeth: str | None) -> None:
-    case = few("fm-11x41", model)
+    case = small("fm-11x41", model)
     said: list[str] = []
     easeoff.analyze(case, torques=[100.0], stage=said.append, progress=lambda: said.append("step"))
     named = [] if teeth is None else [f"{teeth} of the pinion", f"{teeth} of the gear"]

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import read_only
-from tooth_models import few
+from runs import read_only, small
 
 import easeoff
 from easeoff.cases import Case, with_supports
@@ -25,7 +24,7 @@ GROUPS = ["flanks", "ease_off", "teeth", "unloaded", "light_load", "misalignment
 
 
 def coarse() -> Case:
-    return few("fm-11x41", edge_contact=False)
+    return small("fm-11x41", "shell", edge_contact=False)
 
 
 def on_supports() -> Case:

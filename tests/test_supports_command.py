@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call
-from tooth_models import few
+from runs import call, small
 
 from easeoff import analyze, read_result
 from easeoff.cases import Case, parse_case, read_supports, with_supports, write_case
@@ -21,7 +20,7 @@ AXLE = "axle-fm-11x41"
 
 @pytest.fixture(scope="module")
 def coarse() -> Case:
-    case = few("fm-11x41", torques=(250.0,), edge_contact=False)
+    case = small("fm-11x41", "shell", torques=(250.0,), edge_contact=False)
     return case.model_copy(update={"misalignment": type(case.misalignment)()})
 
 

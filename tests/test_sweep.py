@@ -23,7 +23,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from runs import call, read_only, small
 from sweeps import CASE, RADIAL, SETTING, analyse_points_once, case_file
-from tooth_models import few
 
 import easeoff
 from easeoff import InputError
@@ -358,8 +357,8 @@ def test_sweep_names_what_every_point_departs_by() -> None:
     """Deviations, modification and contact on lines alone stand in the file and so on its pictures."""
     given = {"bias": -3.0, "lengthwise_crowning": 10.0}
     dataset = sweep(
-        few("fm-11x41"), {"E": [0.0], "modification.bias": [1.0]}, torques=[100.0], workers=1, edge_contact=False,
-        deviations={"gear": "fm-11x41-worn-gear"}, modification=Modification(given),
+        small("fm-11x41", "shell"), {"E": [0.0], "modification.bias": [1.0]}, torques=[100.0], workers=1,
+        edge_contact=False, deviations={"gear": "fm-11x41-worn-gear"}, modification=Modification(given),
     )  # fmt: skip
     words = " ".join(small_print(dataset.attrs))
     assert "lines only" in words

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff import InputError
@@ -20,7 +20,7 @@ from easeoff.study.sweep import read_sweep, sensitivities
 
 @pytest.fixture(scope="module")
 def found() -> xr.Dataset:
-    return easeoff.sweep(few(), {"E": [-0.05, 0.05], "P": [0.0, 0.02]}, torques=[100.0], workers=1)
+    return easeoff.sweep(small(compliance="shell"), {"E": [-0.05, 0.05], "P": [0.0, 0.02]}, torques=[100.0], workers=1)
 
 
 def test_the_summary_is_that_of_show(found: xr.Dataset) -> None:
@@ -70,7 +70,7 @@ def test_tables_hold_every_number_at_every_point(found: xr.Dataset) -> None:
 
 
 def test_samples_are_columns_of_the_table_of_points() -> None:
-    drawn = easeoff.sweep(few(), {"E": "normal(0, 0.01)"}, samples=2, torques=[100.0], workers=1)
+    drawn = easeoff.sweep(small(compliance="shell"), {"E": "normal(0, 0.01)"}, samples=2, torques=[100.0], workers=1)
     points = drawn.easeoff.summary().tables["points"]
     assert points.index.names == ["sample", "torque [N m]"]
     assert points["E [mm]"].tolist() == drawn["E"].values.tolist()

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from case_schema import schema_made_once
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from netCDF4 import Dataset
@@ -217,8 +216,7 @@ def test_mistakes_in_a_case_file_show_what_to_write(old: str, new: str, words: s
     text = case_text("nasa-12x36")
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
-    with schema_made_once():
-        said = call("run", path, "-o", tmp_path / "x.nc")
+    said = call("run", path, "-o", tmp_path / "x.nc")
     assert said.exit_code == 2
     assert words in said.output
     assert not (tmp_path / "x.nc").exists()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tooth_models import few
+from runs import small
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -27,8 +27,9 @@ NODES = (21, 15)
 @cache
 def small_case(mesh_positions: int = 8) -> Case:
     lengthwise, profile = NODES
-    return few(
+    return small(
         "fm-11x41",
+        "shell",
         mesh_positions=mesh_positions,
         segments_per_line=SEGMENTS,
         lengthwise_nodes=lengthwise,

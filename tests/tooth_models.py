@@ -7,9 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from runs import SMALL
 
-from easeoff.cases import Case, read_case
+from easeoff.cases import Case
 from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import STEEL, ElasticModel
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
@@ -28,12 +27,6 @@ def with_teeth(case: Case, model: str = "shell", **keys: Any) -> Case:
     """The same case with teeth of a model, coarse ones, and other keys of [compliance]."""
     table = ComplianceTable.model_validate({"model": model, **KEYS[model], **keys})
     return case.model_copy(update={"compliance": table})
-
-
-def few(name: str = "nasa-12x36", model: str = "shell", **contact: Any) -> Case:
-    """A shipped case with such teeth, few mesh positions, segments and nodes; other keys of [contact] by name."""
-    case = read_case(name)
-    return with_teeth(case.model_copy(update={"contact": case.contact.model_copy(update=SMALL | contact)}), model)
 
 
 def coarse_solid_shells(pair: GearPair, *, neighbours: bool = False) -> ElasticModel:
