@@ -28,6 +28,20 @@ def call(*arguments: object) -> Result:
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
+def output_of(*arguments: object) -> str:
+    """What a command says that does its work."""
+    found = call(*arguments)
+    assert found.exit_code == 0, (found.output, found.exception)
+    return found.output
+
+
+def refusal_of(*arguments: object) -> str:
+    """What a command says that refuses its words or files."""
+    found = call(*arguments)
+    assert found.exit_code == 2, (found.output, found.exception)
+    return found.output
+
+
 def small(name: str = "nasa-12x36", compliance: str | None = None, **contact: Any) -> Case:
     """A shipped case with few mesh positions, segments and nodes; other keys of [contact] by name.
 

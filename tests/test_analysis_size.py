@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from runs import call, refusal_of
 
 import easeoff
 from easeoff import InputError
@@ -21,7 +21,6 @@ from easeoff.core.processes.memory import MEMORY_VARIABLE
 from easeoff.friction.ehl import LubricatedContact, Oil, rough_passage
 from easeoff.geometry.pair import gear_pair as geometry
 from easeoff.study import WearLaw, wear
-from easeoff.study.cli import main
 
 MEASURE = """
 import json, re, sys
@@ -122,9 +121,8 @@ def test_commands_refuse_it_and_leave_nothing(command: str, tmp_path: Path, monk
     case = tmp_path / "case.toml"
     case.write_text(text)
     torques = ",".join(str(i) for i in range(1, 301))
-    refused = CliRunner().invoke(main, [command, str(case), "--torque", torques, "-o", str(tmp_path / "out.nc")])
-    assert refused.exit_code == 2
-    assert "300 torques x 2000 mesh_positions x 31 segments_per_line: must be smaller" in refused.output
+    said = refusal_of(command, case, "--torque", torques, "-o", tmp_path / "out.nc")
+    assert "300 torques x 2000 mesh_positions x 31 segments_per_line: must be smaller" in said
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
 
 
@@ -142,9 +140,9 @@ def test_a_long_analysis_says_before_it_begins_what_it_takes(tmp_path: Path, mon
 
     monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", stop)
     torques = ",".join(str(i) for i in range(1, 3001))
-    said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", torques, "-o", str(tmp_path / "out.nc")])
+    said = call("run", "nasa-12x36", "--torque", torques, "-o", tmp_path / "out.nc")
     assert said.output.splitlines()[-2:] == ["96000 contact problems: about 3 min", "Error: begun"]
-    said = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
+    said = call("run", "nasa-12x36", "-o", tmp_path / "out.nc")
     assert said.output.splitlines() == ["Error: begun"]
 
 
@@ -155,7 +153,7 @@ def test_fine_teeth_say_what_they_take(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", stop)
     case = tmp_path / "case.toml"
     case.write_text(easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
-    said = CliRunner().invoke(main, ["run", str(case), "-o", str(tmp_path / "out.nc")])
+    said = call("run", case, "-o", tmp_path / "out.nc")
     assert said.output.splitlines()[0] == (
         "elastic teeth with fineness = 2: about 110 s, unless they are kept from an earlier run"
     )
@@ -187,9 +185,8 @@ def test_files_too_large_for_the_memory_are_refused(
 ) -> None:
     monkeypatch.setenv(MEMORY_VARIABLE, "0.1")
     monkeypatch.chdir(tmp_path)
-    refused = CliRunner().invoke(main, ["export", "nasa-12x36", "--member", "gear", *options])
-    assert refused.exit_code == 2
-    assert size in " ".join(refused.output.split())
+    said = refusal_of("export", "nasa-12x36", "--member", "gear", *options)
+    assert size in " ".join(said.split())
     assert not list(tmp_path.iterdir())
 
 
@@ -208,7 +205,6 @@ def test_memory_that_runs_out_all_the_same_is_one_message(
         raise MemoryError(reason)
 
     monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", fail)
-    failed = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
-    assert failed.exit_code == 2
-    assert f"Error: there is not enough memory {said} the numbers" in failed.output
+    failed = refusal_of("run", "nasa-12x36", "-o", tmp_path / "out.nc")
+    assert f"Error: there is not enough memory {said} the numbers" in failed
     assert not list(tmp_path.iterdir())

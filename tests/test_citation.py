@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 import yaml
-from click.testing import CliRunner
 from jsonschema import Draft7Validator
-from runs import small
+from runs import output_of, refusal_of, small
 
 import easeoff
 from easeoff.cases.writing import case_toml
@@ -22,7 +21,6 @@ from easeoff.contact.problem.exchange.problem_file import read_attributes, read_
 from easeoff.friction import COEFFICIENTS, FrictionModel
 from easeoff.friction.oil_film.film_thickness import FILMS
 from easeoff.friction.oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
-from easeoff.study.cli import main
 from easeoff.study.compare.comparison_table import comparison_table
 from easeoff.study.report.citation.citation_text import citation
 from easeoff.study.report.citation.published_work import WORKS, PublishedWork, package
@@ -139,12 +137,9 @@ def test_attributes_of_any_kind_and_length_are_taken() -> None:
 
 
 def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None:
-    runner = CliRunner()
-    assert "The easeoff developers" in runner.invoke(main, ["cite"]).output
-    assert list(entries(runner.invoke(main, ["cite", "--bibtex"]).output)) == ["easeoff", "kolivand_2009"]
-    wrong = runner.invoke(main, ["cite", str(tmp_path / "x.nc")])
-    assert wrong.exit_code == 2
-    assert "there is no such file" in wrong.output
+    assert "The easeoff developers" in output_of("cite")
+    assert list(entries(output_of("cite", "--bibtex"))) == ["easeoff", "kolivand_2009"]
+    assert "there is no such file" in refusal_of("cite", tmp_path / "x.nc")
 
 
 def test_work_without_author_is_named_by_its_title() -> None:
@@ -159,12 +154,12 @@ def test_library_file_and_comparison_name_what_they_are_of(tmp_path: Path) -> No
         "checksum": "ab12",
     }
     write_problems([problem], tmp_path / "tiny.nc", {"name": ["two"]}, about)
-    said = CliRunner().invoke(main, ["cite", str(tmp_path / "tiny.nc")], catch_exceptions=False).output
+    said = output_of("cite", tmp_path / "tiny.nc")
     assert "contact problems (version 7, part tiny): [1] library of this package, checksum of the content ab12" in said
     versions = json.dumps({"native": "0.1.0", "osqp": "1.1.3", "my_solver:fista": "unknown"})
     table = comparison_table([], 1e-5, {"solver_versions": versions})
     table.to_netcdf(tmp_path / "results.nc", engine="netcdf4")
-    said = CliRunner().invoke(main, ["cite", str(tmp_path / "results.nc")], catch_exceptions=False).output
+    said = output_of("cite", tmp_path / "results.nc")
     assert "solver (osqp 1.1.3): [1]" in said
     assert "[1] B. Stellato et al.: OSQP. 2020, doi:10.1007/s12532-020-00179-2" in said
     assert "solver (my_solver:fista unknown): no published source" in said
@@ -182,25 +177,22 @@ def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
     """File, listing, exports and citation give the same names and the same pair."""
     case = tmp_path / "pair.toml"
     case.write_text(case_toml(small("nasa-12x36", "shell")), encoding="utf-8")
-    runner, file = CliRunner(), tmp_path / "problems.nc"
-    arguments = ["problems", str(case), "--torque", "150", "--misalignment", "E=0.05", "-o", str(file)]
-    assert runner.invoke(main, arguments, catch_exceptions=False).exit_code == 0
+    file, again = tmp_path / "problems.nc", tmp_path / "again.nc"
+    output_of("problems", case, "--torque", "150", "--misalignment", "E=0.05", "-o", file)
     names = [f"pair-drive-150-{position}" for position in range(3)]
     assert read_labels(file)["name"].tolist() == names
     about = read_attributes(file)
     assert (about["case_name"], about["flank"], about["compliance_model"]) == ("pair", "drive", "shell")
     assert about["easeoff_version"] == package().fields["note"].removeprefix("version ")
-    said = runner.invoke(main, ["show", str(file)], catch_exceptions=False).output
+    said = output_of("show", file)
     assert "3 contact problems of" in said
     assert "E 0.05 mm" in said
     assert f"{names[0]} to {names[-1]}" in said
-    runner.invoke(main, ["convert", str(file), "-o", str(tmp_path / "qps"), "--format", "qps"], catch_exceptions=False)
+    output_of("convert", file, "-o", tmp_path / "qps", "--format", "qps")
     for name in names:
         text = (tmp_path / "qps" / f"{name}.qps").read_text(encoding="ascii")
         assert f"NAME {name}\n" in text
         assert f"* Problem: {name}\n" in text
-    again = tmp_path / "again.nc"
-    runner.invoke(main, ["convert", str(file), "-o", str(again)], catch_exceptions=False)
+    output_of("convert", file, "-o", again)
     assert read_attributes(again) == about
-    said = runner.invoke(main, ["cite", str(again)], catch_exceptions=False).output
-    assert "pair, by its title (nasa-12x36)" in said
+    assert "pair, by its title (nasa-12x36)" in output_of("cite", again)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from runs import call, read_only, small_text
+from runs import call, output_of, read_only, refusal_of, small_text
 
 import easeoff
 from easeoff import InputError
@@ -49,14 +49,12 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def result(case: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result of the small case."""
     path = tmp_path_factory.mktemp("result") / "small.nc"
-    assert call("run", case, "-o", path).exit_code == 0
+    output_of("run", case, "-o", path)
     return path
 
 
 def test_cases_lists_names_and_titles() -> None:
-    found = call("cases")
-    assert found.exit_code == 0
-    assert "nasa-12x36" in found.output
+    assert "nasa-12x36" in output_of("cases")
 
 
 def test_cases_lists_everything_shipped_by_kind_and_how_it_is_given() -> None:
@@ -86,7 +84,7 @@ def foreign_file(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def test_edges_touch_if_asked_and_the_summary_says_what_they_carry(case: Path, tmp_path: Path) -> None:
     for word, touch in (("--edge-contact", 1), ("--lines-only", 0)):
         out = tmp_path / f"{touch}.nc"
-        assert call("run", case, "-o", out, "--torque", "900", word).exit_code == 0
+        output_of("run", case, "-o", out, "--torque", "900", word)
         tree = easeoff.read_result(out)
         assert tree.attrs["edge_contact"] == touch
         assert (float(tree["loaded/edge_share"].max()) > 0.01) == bool(touch)
@@ -95,9 +93,8 @@ def test_edges_touch_if_asked_and_the_summary_says_what_they_carry(case: Path, t
 
 def test_run_writes_a_result_and_says_so_without_progress(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "folder" / "out.nc"
-    found = call("run", case, "-o", out, "--torque", "100,200", "--misalignment", "E=0.1,P=-0.05,Sigma=0.1")
-    assert found.exit_code == 0, found.output
-    wrote, *notes, following = found.output.splitlines()
+    said = output_of("run", case, "-o", out, "--torque", "100,200", "--misalignment", "E=0.1,P=-0.05,Sigma=0.1")
+    wrote, *notes, following = said.splitlines()
     assert all("tooth edges" in note or "the end of a contact line" in note for note in notes)
     assert wrote.startswith(f"wrote {out}: 6 of 6 mesh positions certified at 100, 200 N m; greatest pressure ")
     assert following == f"next: easeoff show {out}, or easeoff plot {out} FOLDER"
@@ -125,7 +122,7 @@ def test_run_prints_the_notes_of_the_summary(case: Path, tmp_path: Path) -> None
 def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, tree: xr.DataTree) -> None:
     out = tmp_path / "problems.nc"
     out.write_text("what was there")
-    assert call("problems", case, "-o", out, "--torque", "150").exit_code == 0
+    output_of("problems", case, "-o", out, "--torque", "150")
     problems, labels = read_problems(out), read_labels(out)
     assert len(problems) == 3
     assert labels["pinion_torque"].tolist() == [150.0] * 3
@@ -293,19 +290,18 @@ def test_a_result_with_the_longest_name_is_written_over_an_old_one_and_shown(
     case: Path, result: Path, tmp_path: Path
 ) -> None:
     out = Path(shutil.copy(result, tmp_path / (252 * "x" + ".nc")))
-    assert call("run", case, "-o", out, "--torque", "50").exit_code == 0
+    output_of("run", case, "-o", out, "--torque", "50")
     assert out.read_bytes() != result.read_bytes()
-    found = call("show", out)
-    assert found.exit_code == 0
+    said = output_of("show", out)
     for word in ("NASA 12x36", "peak to peak", "certified", "3 of 3", "drive"):
-        assert word in found.output
+        assert word in said
     assert [path.name for path in tmp_path.iterdir()] == [out.name]
 
 
 def test_a_name_of_a_case_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for _ in range(2):
-        assert call("convert", "nasa-12x36", "-o", "nasa-12x36.toml").exit_code == 0
+        output_of("convert", "nasa-12x36", "-o", "nasa-12x36.toml")
 
 
 def test_python_takes_one_torque_as_a_number_too_and_its_result_survives_a_file(case: Path, tmp_path: Path) -> None:
@@ -324,17 +320,15 @@ def test_python_refuses_torques_that_are_none(case: Path, torques: object, words
 
 
 def test_convert_goes_to_rexs_and_back_and_says_what_is_lost(tmp_path: Path) -> None:
-    there = call("convert", "nasa-12x36", "-o", str(tmp_path / "new" / "nasa.rexs"))
-    assert there.exit_code == 0, there.output
-    assert there.output.endswith(f"wrote {tmp_path / 'new' / 'nasa.rexs'}\n")
-    assert "contact: left out" in there.output
+    said = output_of("convert", "nasa-12x36", "-o", str(tmp_path / "new" / "nasa.rexs"))
+    assert said.endswith(f"wrote {tmp_path / 'new' / 'nasa.rexs'}\n")
+    assert "contact: left out" in said
     back = call("convert", str(tmp_path / "new" / "nasa.rexs"), "-o", str(tmp_path / "nasa.toml"))
     assert back.output == f"wrote {tmp_path / 'nasa.toml'}\n"
     case, shipped = easeoff.read_case(tmp_path / "nasa.toml"), easeoff.read_case("nasa-12x36")
     assert (case.pinion, case.gear) == (shipped.pinion, shipped.gear)
     assert "nasa.rexs" in case.text.splitlines()[0]
-    again = call("convert", str(tmp_path / "nasa.toml"), "-o", str(tmp_path / "again.xml"))
-    assert again.exit_code == 0, again.output
+    output_of("convert", str(tmp_path / "nasa.toml"), "-o", str(tmp_path / "again.xml"))
     assert (tmp_path / "again.xml").is_file()
 
 
@@ -342,10 +336,9 @@ def test_convert_reads_session_scripts_and_keeps_the_terminal_safe(tmp_path: Pat
     from test_session_script import MACHINES, script
 
     (tmp_path / "pair.ses").write_text(script("LEFT", MACHINES) + "PAINT \x1b[2J RED\n", encoding="utf-8")
-    said = call("convert", str(tmp_path / "pair.ses"), "-o", str(tmp_path / "pair.toml"))
-    assert said.exit_code == 0, said.output
-    assert "PAINT ?[2J RED" in said.output
-    assert "\x1b" not in said.output
+    said = output_of("convert", str(tmp_path / "pair.ses"), "-o", str(tmp_path / "pair.toml"))
+    assert "PAINT ?[2J RED" in said
+    assert "\x1b" not in said
     assert "# not understood: line" in (tmp_path / "pair.toml").read_text(encoding="utf-8")
     case = easeoff.read_case(tmp_path / "pair.toml")
     assert case.pinion.number_of_teeth == 12
@@ -354,9 +347,7 @@ def test_convert_reads_session_scripts_and_keeps_the_terminal_safe(tmp_path: Pat
 def test_a_blank_without_a_tooth_is_the_users_mistake(case: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken.toml"
     broken.write_text(case.read_text().replace("radial_distance = 74.87", "radial_distance = 374.87"))
-    found = call("run", broken, "-o", tmp_path / "x.nc")
-    assert found.exit_code == 2
-    assert "no tooth in this blank" in found.output
+    assert "no tooth in this blank" in refusal_of("run", broken, "-o", tmp_path / "x.nc")
     assert not (tmp_path / "x.nc").exists()
 
 

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from numpy.typing import NDArray
+from runs import output_of, refusal_of
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import GearPair, Member, tooth_angle
 from easeoff.geometry.formats import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
-from easeoff.study.cli import main
 
 INCH = 25.4
 NO_MARGINS = EdgeMargins(0.0, 0.0, 0.0, 0.0)
@@ -257,9 +256,8 @@ def test_other_files_are_refused(tmp_path: Path, gear_points: xr.Dataset) -> Non
 def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> None:
     path = tmp_path / "gear.csv"
     options = ["--member", "gear", "--flank", "convex", "--rows", "3", "--columns", "4", "--margins", "root=1,heel=2"]
-    done = CliRunner().invoke(main, ["export", "nasa-12x36", "-o", str(path), *options])
-    assert done.exit_code == 0, done.output
-    assert done.output == f"wrote {path}: 3 x 4 points of the gear, convex flank\n"
+    said = output_of("export", "nasa-12x36", "-o", path, *options)
+    assert said == f"wrote {path}: 3 x 4 points of the gear, convex flank\n"
     found = read_cmm_points(path)
     expected = cmm_points(pair.gear, 3, 4, EdgeMargins(root=1.0, heel=2.0))
     np.testing.assert_array_equal(found["position"].values, expected["position"].values)
@@ -285,9 +283,7 @@ def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> 
 )
 def test_mistakes_give_one_message_and_no_file(arguments: list[str], words: str, tmp_path: Path) -> None:
     name, *options = arguments
-    done = CliRunner().invoke(main, ["export", "nasa-12x36", "-o", str(tmp_path / name), *options])
-    assert done.exit_code == 2, done.output
-    assert words in done.output
+    assert words in refusal_of("export", "nasa-12x36", "-o", tmp_path / name, *options)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -298,6 +294,5 @@ def test_flank_a_case_does_not_describe_is_refused(tmp_path: Path) -> None:
     start, end = text.index("[gear.concave.machine]"), text.index("[gear.convex.machine]")
     (tmp_path / "one.toml").write_text(text[:start] + text[end:])
     options = ["-o", str(tmp_path / "x.csv"), "--member", "gear", "--flank", "concave"]
-    done = CliRunner().invoke(main, ["export", str(tmp_path / "one.toml"), *options])
-    assert done.exit_code == 2
-    assert "flank = 'concave': must be convex, the only flank of the gear" in done.output
+    said = refusal_of("export", tmp_path / "one.toml", *options)
+    assert "flank = 'concave': must be convex, the only flank of the gear" in said

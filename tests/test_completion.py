@@ -8,10 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from runs import call, refusal_of
 
 from easeoff.cases import shipped_designs
-from easeoff.study.cli import main
 
 BASH = shutil.which("bash")
 #: The script completes by the name of the program; here that is a file which runs the commands of this checkout.
@@ -61,7 +60,7 @@ def test_bash_completes_commands_options_and_names(tmp_path: Path, monkeypatch: 
     ("shell", "mark"), [("bash", "complete -o"), ("zsh", "#compdef easeoff"), ("fish", "complete ")]
 )
 def test_every_shell_has_its_script(shell: str, mark: str) -> None:
-    made = CliRunner().invoke(main, ["completion", shell])
+    made = call("completion", shell)
     assert made.exit_code == 0
     assert mark in made.stdout
     assert f"_EASEOFF_COMPLETE={shell}_complete" in made.stdout
@@ -71,11 +70,11 @@ def test_every_shell_has_its_script(shell: str, mark: str) -> None:
 
 
 def test_another_shell_is_a_mistake() -> None:
-    assert CliRunner().invoke(main, ["completion", "tcsh"]).exit_code == 2
+    refusal_of("completion", "tcsh")
 
 
 def test_help_has_the_command_of_each_shell_on_a_line_of_its_own() -> None:
-    words = CliRunner().invoke(main, ["completion", "--help"]).output
+    words = call("completion", "--help").output
     assert "\\b" not in words
     lines = [line.split() for line in words.splitlines()]
     for shell in ("bash", "zsh", "fish"):

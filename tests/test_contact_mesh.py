@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import call, read_only, small
+from runs import output_of, read_only, refusal_of, small
 from scipy.spatial import cKDTree
 
 import easeoff
@@ -173,18 +173,15 @@ def test_the_command_tells_results_from_cases(tree: xr.DataTree, tmp_path: Path)
     result = tmp_path / "x.nc"
     easeoff.write_result(tree, result)
 
-    done = call(
+    done = output_of(
         "export", result, "-o", tmp_path / "x.vtu", "--mesh-position", "0.5", "--torque", "60", "--nodes", "31x15"
     )
-    assert done.exit_code == 0, done.output
-    assert "tooth pairs in contact at 60 N m, mesh position 0.5" in done.output
+    assert "tooth pairs in contact at 60 N m, mesh position 0.5" in done
     assert np.unique(Written(tmp_path / "x.vtu").cells["pair"]).size >= 2
     for words, said in (
         ((result, "-o", tmp_path / "y.vtu", "--member", "gear"), "--member: must go with a CASE"),
         (("nasa-12x36", "-o", tmp_path / "y.stl", "--mesh-position", "0"), "--mesh-position: must go with a RESULT"),
         ((tmp_path / "no.nc", "-o", tmp_path / "y.vtu"), "there is no such file"),
     ):
-        refused = call("export", *words)
-        assert refused.exit_code == 2
-        assert said in refused.output
+        assert said in refusal_of("export", *words)
     assert not list(tmp_path.glob("y.*"))

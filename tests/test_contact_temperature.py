@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import call, small
+from runs import output_of, small
 from scipy.special import ellipe, ellipk, j1
 
 import easeoff
@@ -368,8 +368,7 @@ def test_keys_of_a_case(tmp_path: Path) -> None:
     read = easeoff.read_case(tmp_path / "case.toml")
     assert read.friction is not None
     assert (read.friction.bulk_temperature, read.friction.tooth_conductivity) == (70.0, (46.0, 20.0))
-    done = call("run", tmp_path / "case.toml", "-o", tmp_path / "a.nc", "--torque", 100)
-    assert done.exit_code == 0, done.output
+    output_of("run", tmp_path / "case.toml", "-o", tmp_path / "a.nc", "--torque", 100)
     found = easeoff.read_result(tmp_path / "a.nc")["friction"].to_dataset()
     assert float(found["bulk_temperature"][0]) == 70.0
     assert list(found.attrs["tooth_conductivity"]) == [46.0, 20.0]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from report_content import content
-from runs import call, small
+from runs import output_of, refusal_of, small
 
 import easeoff
 from easeoff import GeometryError, InputError, plot
@@ -668,11 +668,10 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(
     monkeypatch.setattr(FigureCanvasAgg, "print_png", lambda _, path, **__: Path(path).touch())
     given = [word for file in matrices.values() for word in ("--deviation", f"gear={file}")]
     output, folder = tmp_path / "corrected.toml", tmp_path / "pictures"
-    done = call("correct", "fm-11x41", *given, "-o", output, "--plots", folder)
-    assert done.exit_code == 0, done.output
-    assert "gear, convex and concave flanks, one set-up" in done.output
+    said = output_of("correct", "fm-11x41", *given, "-o", output, "--plots", folder)
+    assert "gear, convex and concave flanks, one set-up" in said
     for word in ("by derivatives", "cut anew", "sum of squares", "the root moves by", "after the correction"):
-        assert word in done.output
+        assert word in said
     assert [path.name for path in folder.iterdir()] == ["fm-11x41-gear-convex-concave-topography.png"]
     corrected = read_case(output)
     errors: dict[Side, dict[str, float]] = dict.fromkeys(SIDES, FORMATE)
@@ -687,16 +686,10 @@ def test_the_command_writes_the_corrected_case_and_the_topographies(
     assert "Warning" not in output.read_text(encoding="utf-8").partition("[")[0]
     # The file is sealed: it is replaced while nobody has edited it.
     given += ["--free", "machine_root_angle", "--set-up"]
-    done = call("correct", "fm-11x41", *given, "shared", "-o", output)
-    assert done.exit_code == 0
-    assert "one set-up" in done.output
+    assert "one set-up" in output_of("correct", "fm-11x41", *given, "shared", "-o", output)
     output.write_text(output.read_text(encoding="utf-8").replace("11x41", "mine"), encoding="utf-8")
-    again = call("correct", "fm-11x41", *given, "shared", "-o", output)
-    assert again.exit_code == 2
-    assert "was edited after easeoff wrote it" in again.output
-    done = call("correct", "fm-11x41", *given, "own")
-    assert done.exit_code == 0
-    assert "one set-up" not in done.output
+    assert "was edited after easeoff wrote it" in refusal_of("correct", "fm-11x41", *given, "shared", "-o", output)
+    assert "one set-up" not in output_of("correct", "fm-11x41", *given, "own")
 
 
 @pytest.mark.parametrize(("size", "more"), [(0.0, ["--plots", "."]), (1e-7, [])])
@@ -706,10 +699,9 @@ def test_the_command_tells_that_there_is_nothing_to_correct(
     monkeypatch.chdir(tmp_path)
     matrix, output = tmp_path / "perfect.txt", tmp_path / "same.toml"
     matrix.write_text(written(np.full((5, 9), size), "convex").replace("0.0000", f"{size:g}"), encoding="utf-8")
-    done = call("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output, *more)
-    assert done.exit_code == 0, done.output
-    assert "Note: nothing to correct" in done.output
-    assert "hardly pay" not in done.output
+    said = output_of("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output, *more)
+    assert "Note: nothing to correct" in said
+    assert "hardly pay" not in said
     assert read_case(output).gear == read_case("fm-11x41").gear
     assert read_case(output).corrected_flanks == ()
     assert "Nothing to correct, gear: convex" in output.read_text(encoding="utf-8").partition("[")[0]
@@ -761,10 +753,9 @@ def test_mistakes_on_the_command_line_are_told_and_leave_no_file(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     own = [] if "-o" in words or "--force" in words else ["-o", "corrected.toml"]
-    done = call("correct", "fm-11x41", "--deviation", "gear=fm-11x41-worn-gear", *words, *own)
-    assert done.exit_code == 2
-    assert told in " ".join(done.output.split())
-    assert "Traceback" not in done.output
+    said = refusal_of("correct", "fm-11x41", "--deviation", "gear=fm-11x41-worn-gear", *words, *own)
+    assert told in " ".join(said.split())
+    assert "Traceback" not in said
     assert list(tmp_path.iterdir()) == []
 
 
@@ -773,9 +764,8 @@ def test_the_corrected_file_warns_of_a_root_that_moves_far(tmp_path: Path) -> No
     values = GlobalErrors(lengthwise_crowning=10.0)(*np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 5)))
     matrix, output = tmp_path / "crowned.txt", tmp_path / "corrected.toml"
     matrix.write_text(written(values, side(seen.loaded)), encoding="utf-8")
-    done = call("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output)
-    assert done.exit_code == 0, done.output
-    assert "Warning: the root of the convex flank moves by" in done.output
+    said = output_of("correct", "fm-11x41", "--deviation", f"gear={matrix}", "-o", output)
+    assert "Warning: the root of the convex flank moves by" in said
     comment = [line for line in output.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
     assert any("Warning, gear: the root of the convex flank" in line for line in comment)
     assert read_case(output).gear.number_of_teeth == 41
@@ -785,9 +775,8 @@ def test_the_case_that_is_read_is_not_overwritten(matrices: dict[Side, Path], tm
     own = tmp_path / "mine.toml"
     write_case(read_case("fm-11x41"), own)
     text = own.read_text(encoding="utf-8")
-    done = call("correct", own, "--deviation", f"gear={matrices['convex']}", "-o", own, "--force")
-    assert done.exit_code == 2
-    assert "is the file that is read" in done.output
+    said = refusal_of("correct", own, "--deviation", f"gear={matrices['convex']}", "-o", own, "--force")
+    assert "is the file that is read" in said
     assert own.read_text(encoding="utf-8") == text
 
 

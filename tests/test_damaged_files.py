@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from netCDF4 import Dataset
-from runs import call, small_text
+from runs import output_of, refusal_of, small_text
 
 import easeoff
 from easeoff import InputError, read_result
@@ -42,12 +42,11 @@ MESSAGE_LENGTH_LIMIT = 4000
 
 def refused(*arguments: object) -> str:
     """The one message with which the command line refuses a mistake."""
-    found = call(*arguments)
-    assert found.exit_code == 2, (found.output, found.exception)
-    assert found.output.count("Error:") == 1
-    assert len(found.output) < MESSAGE_LENGTH_LIMIT
-    assert not any(character in found.output for character in ESCAPE if not character.isprintable())
-    return found.output
+    said = refusal_of(*arguments)
+    assert said.count("Error:") == 1
+    assert len(said) < MESSAGE_LENGTH_LIMIT
+    assert not any(character in said for character in ESCAPE if not character.isprintable())
+    return said
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +59,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ["wear", "wear.nc", "--torque", "50", "--revolutions", "1e4"],
         ["problems", "problems.nc", "--torque", "50"],
     ):
-        made = call(command, folder / "case.toml", "-o", folder / name, *words)
-        assert made.exit_code == 0, made.output
+        output_of(command, folder / "case.toml", "-o", folder / name, *words)
     return folder
 
 
@@ -169,9 +167,8 @@ def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: 
         file.title = f"{ESCAPE} $x$"
         file.flank = f"drive{ESCAPE}"
     for words in (["show", result], *([["plot", result, tmp_path / "pictures"]] if drawn else [])):
-        found = call(*words)
-        assert found.exit_code == 0, (found.output, found.exception)
-        assert not set(ESCAPE) & {c for c in found.output if not c.isprintable()}
+        found = output_of(*words)
+        assert not set(ESCAPE) & {c for c in found if not c.isprintable()}
     assert message("Größe µ — ∅") == "Größe µ — ∅"
 
 
@@ -495,7 +492,7 @@ def test_measurements_of_a_comparison_that_are_none_are_made_anew(tmp_path: Path
     problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
     write_problems([problem], tmp_path / "p.nc")
     words = ["compare", tmp_path / "p.nc", "-o", tmp_path / "c", "--solvers", "native", "--repetitions", "1"]
-    assert call(*words).exit_code == 0
+    output_of(*words)
     (measured,) = (tmp_path / "c").glob("*.jsonl")
     text = measured.read_text(encoding="utf-8")
     for old, new in (
@@ -505,8 +502,7 @@ def test_measurements_of_a_comparison_that_are_none_are_made_anew(tmp_path: Path
     ):
         assert old in text
         measured.write_text(text.replace(old, new), encoding="utf-8")
-        again = call(*words)
-        assert again.exit_code == 0, (again.output, again.exception)
+        output_of(*words)
 
 
 def test_arrays_that_unpack_hugely_or_are_damaged_are_refused(tmp_path: Path) -> None:
@@ -649,5 +645,4 @@ def test_with_the_word_it_is_opened(tmp_path: Path) -> None:
     table = read_case(case, allow_outside=True).friction
     assert table is not None
     assert table.operation().lubricant.name == "mine"
-    made = call("export", case, "-o", tmp_path / "o.csv", "--allow-outside")
-    assert made.exit_code == 0, made.output
+    output_of("export", case, "-o", tmp_path / "o.csv", "--allow-outside")

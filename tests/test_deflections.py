@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, read_only, small
+from runs import output_of, read_only, refusal_of, small
 
 import easeoff
 from easeoff.cases import Case, Deflections, LoadCase, case_text, case_toml, parse_case, read_deflections
@@ -438,8 +438,7 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
     Path("axle.csv").write_text(TABLE)
     Path("case.toml").write_text(case_toml(case))
     given = ["case.toml", "--misalignment", "axle.csv", "--torque", "100,300"]
-    done = call("problems", *given, "-o", "problems.nc")
-    assert done.exit_code == 0, done.output
+    output_of("problems", *given, "-o", "problems.nc")
     problems = read_problems("problems.nc")
     for torque, number in ((100.0, 0), (300.0, 1)):
         state = CaseInMesh.of(case, misalignment=read_deflections("axle.csv").at(torque))
@@ -447,10 +446,7 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
             exported = problems[2 * own.mesh_position + number]
             np.testing.assert_array_equal(exported.separation, own.problem.separation)
             assert exported.torque == own.problem.torque
-    done = call("run", *given[:3], "--torque", "100,400", "-o", "axle.nc")
-    assert done.exit_code == 0, done.output
-    assert "at 400 N m E, P, G and Sigma were extrapolated" in done.output
+    said = output_of("run", *given[:3], "--torque", "100,400", "-o", "axle.nc")
+    assert "at 400 N m E, P, G and Sigma were extrapolated" in said
     for wrong, message in (("exle.csv", "there is no file of this name"), ("case.toml", "is no column")):
-        done = call("run", "case.toml", "--misalignment", wrong, "-o", "axle.nc")
-        assert done.exit_code == 2
-        assert message in done.output
+        assert message in refusal_of("run", "case.toml", "--misalignment", wrong, "-o", "axle.nc")

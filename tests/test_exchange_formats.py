@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import qpsolvers
 import scipy.io
-from runs import call
+from runs import output_of, refusal_of
 from scipy.sparse import csc_array, csr_array
 
 from easeoff import InputError
@@ -451,9 +451,7 @@ def test_command_converts_a_file_of_problems(tmp_path: Path, format: str) -> Non
     given, source = labelled_set(), tmp_path / "problems.nc"
     export_problems(given, source)
     target = tmp_path / ("problems.mat" if format == "mat" else "folder")
-    out = call("convert", source, "-o", target, "--format", format)
-    assert out.exit_code == 0, out.output
-    assert "2 contact problems" in out.output
+    assert "2 contact problems" in output_of("convert", source, "-o", target, "--format", format)
     if format == "qpbenchmark":
         assert sorted(path.name for path in (target / "data").iterdir()) == ["bed_of_x_y.npz", "springs.npz"]
         return
@@ -463,8 +461,7 @@ def test_command_converts_a_file_of_problems(tmp_path: Path, format: str) -> Non
         if format == "npz":
             assert problem.identical(given.problems[i])
         assert solve(problem).elastic_rotation == pytest.approx(solve(given.problems[i]).elastic_rotation, rel=1e-13)
-    back = call("convert", target, "-o", tmp_path / "back.nc")
-    assert back.exit_code == 0, back.output
+    output_of("convert", target, "-o", tmp_path / "back.nc")
     assert [p.identical(given.problems[i]) for i, p in zip(order, read_problems(tmp_path / "back.nc"), strict=True)]
 
 
@@ -478,9 +475,8 @@ def test_mistakes_of_the_command_are_told(tmp_path: Path) -> None:
         (["nasa-12x36", "-o", "case.toml", "--format", "qps"], "must be that of contact problems"),
     ):
         given = [str(tmp_path / w) if i in (0, 2) and "nasa" not in w else w for i, w in enumerate(words)]
-        out = call("convert", *given)
-        assert out.exit_code == 2, (words, out.output)
-        assert message in " ".join(out.output.split()), out.output
+        said = refusal_of("convert", *given)
+        assert message in " ".join(said.split()), said
     assert [path.name for path in tmp_path.iterdir()] == ["problems.nc"]
 
 

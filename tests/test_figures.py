@@ -17,7 +17,7 @@ from matplotlib.image import imread
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from pages import drawn_pages, drawn_result
-from runs import call, small
+from runs import output_of, refusal_of, small
 
 import easeoff
 from easeoff import InputError, plot
@@ -336,12 +336,10 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"picture = 'curvs': must be one of curves, .*did you mean 'curves'"):
         plot.sweep(found, "curvs")
     assert file_prefix(found) == "nasa-12x36"
-    done = call("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
-    assert done.exit_code == 0, done.output
+    output_of("plot", tmp_path / "sweep.nc", "-o", tmp_path / "p", "--flank", "coast", "--pictures", "sweep_curves")
     history = wear(small(compliance="shell"), WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
     history.to_netcdf(tmp_path / "wear.nc", engine="netcdf4")
-    done = call("plot", tmp_path / "wear.nc", tmp_path / "p", "--format", "pdf")
-    assert done.exit_code == 0, done.output
+    output_of("plot", tmp_path / "wear.nc", tmp_path / "p", "--format", "pdf")
     assert {path.name for path in (tmp_path / "p").iterdir()} == {
         "nasa-12x36-coast-sweep_curves.png",
         "nasa-12x36-drive-wear.pdf",
@@ -349,9 +347,7 @@ def test_sweeps_and_wear_are_drawn_from_their_files(tmp_path: Path) -> None:
     depth = plot.wear(history, parts="largest_depth").axes[0].lines
     np.testing.assert_array_equal(depth[0].get_ydata(), history["largest_depth"].sel(member="pinion").values)
     history.isel(member=[0, 0]).to_netcdf(tmp_path / "bad.nc", engine="netcdf4")
-    refused = call("plot", tmp_path / "bad.nc", tmp_path / "p")
-    assert refused.exit_code == 2
-    assert "bad.nc is damaged, changed by hand" in refused.output
+    assert "bad.nc is damaged, changed by hand" in refusal_of("plot", tmp_path / "bad.nc", tmp_path / "p")
 
 
 @pytest.mark.thorough
@@ -365,9 +361,7 @@ def test_prints_of_a_check_come_on_axes_of_ones_own(tmp_path: Path) -> None:
         plot.vh_check(found, parts="places", axes=axes)
     for number, broken in enumerate((found.drop_vars("v"), found.assign(in_plane=found["in_plane"] * np.nan))):
         broken.to_netcdf(tmp_path / f"{number}.nc", engine="netcdf4")
-        refused = call("plot", tmp_path / f"{number}.nc", tmp_path / "p")
-        assert refused.exit_code == 2
-        assert "is damaged, changed by hand" in refused.output
+        assert "is damaged, changed by hand" in refusal_of("plot", tmp_path / f"{number}.nc", tmp_path / "p")
 
 
 # --- files
@@ -409,10 +403,9 @@ def test_the_mark_of_a_result_is_that_of_what_was_analysed(tree: xr.DataTree, re
 
 def test_the_command_chooses(tree: xr.DataTree, result: Path, tmp_path: Path) -> None:
     words = ["--pictures", "load_sharing, transmission_error", "--torque", "100", "--dpi", "40"]
-    done = call("plot", result, "-o", tmp_path / "p", *words)
-    assert done.exit_code == 0, done.output
+    said = output_of("plot", result, "-o", tmp_path / "p", *words)
     names = [f"nasa-12x36-drive-{name}.png" for name in ("load_sharing", "transmission_error")]
-    assert done.output.splitlines() == [f"wrote {tmp_path / 'p' / name}" for name in names]
+    assert said.splitlines() == [f"wrote {tmp_path / 'p' / name}" for name in names]
     whole = plot.load_sharing(tree, torque=100.0)
     height, width = imread(tmp_path / "p" / names[0]).shape[:2]
     assert (width, height) == tuple(int(40 * inches) for inches in whole.get_size_inches())
@@ -441,9 +434,8 @@ def test_wrong_choices_are_refused_before_anything_is_written(
     tree: xr.DataTree, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], said: list[str]
 ) -> None:
     monkeypatch.setattr(drawn_file, "read_drawn", lambda _: tree)
-    done = call("plot", "out.nc", "-o", tmp_path / "p", *(word.format(tmp=tmp_path) for word in words))
-    assert done.exit_code == 2, done.output
-    assert all(part in done.output for part in said)
+    done = refusal_of("plot", "out.nc", "-o", tmp_path / "p", *(word.format(tmp=tmp_path) for word in words))
+    assert all(part in done for part in said)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call
 
 from easeoff import InputError
 from easeoff.core.processes import forked_process
 from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
 from easeoff.core.reading import netcdf_file
-from easeoff.study.cli import main
 
 
 def refuse() -> None:
@@ -73,6 +72,6 @@ def test_a_file_on_which_the_library_ends_is_read_once(tmp_path: Path, monkeypat
     monkeypatch.setattr(netcdf_file, "in_forked_process", ended)
     for command, *words in (["show"], ["plot", str(tmp_path / "pictures")], ["report", "-o", str(tmp_path / "r.html")]):
         read.clear()
-        found = CliRunner().invoke(main, [command, str(path), *words])
+        found = call(command, path, *words)
         assert (found.exit_code, len(read)) == (2, 1)
         assert "or it is damaged: the library that reads it comes to no end" in " ".join(found.output.split())

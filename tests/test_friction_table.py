@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, read_only, small_text
+from runs import output_of, read_only, small_text
 
 import easeoff
 from easeoff import InputError
@@ -42,8 +42,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def result(file: Path, *options: str) -> xr.DataTree:
     """What the command makes of the case."""
     out = file.parent / "out.nc"
-    made = call("run", file, "-o", out, "--torque", "200", *options)
-    assert made.exit_code == 0, made.output
+    output_of("run", file, "-o", out, "--torque", "200", *options)
     return easeoff.read_result(out)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, small
+from runs import call, output_of, refusal_of, small
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -132,9 +132,8 @@ def test_a_result_is_read_as_it_was_written(tmp_path: Path, tree: xr.DataTree) -
 def test_a_result_is_shown_unless_it_lacks_a_load_case(tmp_path: Path, plain: xr.DataTree) -> None:
     file = tmp_path / "duty.nc"
     easeoff.write_result(plain, file)
-    shown = call("show", file)
-    assert shown.exit_code == 0
-    assert shown.output.strip() == str(plain.easeoff.summary()).strip()
+    said = output_of("show", file)
+    assert said.strip() == str(plain.easeoff.summary()).strip()
     lacking = plain.copy()
     del lacking["results"]["1"]
     easeoff.write_result(lacking, file)
@@ -166,16 +165,13 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
     rows = (LoadCase(name="cruise", torque=100.0), LoadCase(name="climb", torque=300.0, E=0.05))
     write_case(case.model_copy(update={"load_cases": rows}), own)
     plots = tmp_path / "plots"
-    done = call("run", own, "--load-cases", table, "-o", file, "--plots", plots)
-    assert done.exit_code == 0, done.output
-    assert "mean over time: power loss" in done.output
+    assert "mean over time: power loss" in output_of("run", own, "--load-cases", table, "-o", file, "--plots", plots)
     assert (plots / "case-load_cases.png").stat().st_size > 10_000
     assert (plots / "climb" / "case-drive-efficiency.png").exists()
     pressure = numbers(easeoff.read_result(file))["max_pressure"]
     plain = call("run", own, "--torque", "100", "-o", tmp_path / "plain.nc")
     assert "has 2 load cases: --load-cases case analyses them" in plain.output
-    without = call("run", own, "--load-cases", "case", "-o", file)
-    assert without.exit_code == 0, without.output
+    output_of("run", own, "--load-cases", "case", "-o", file)
     xr.testing.assert_allclose(numbers(easeoff.read_result(file))["max_pressure"], pressure)
 
 
@@ -191,12 +187,9 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
 def test_options_that_load_cases_have_themselves_are_refused(tmp_path: Path, words: list[str], said: str) -> None:
     table = tmp_path / "duty.csv"
     table.write_text("torque\n100\n")
-    done = call("run", "nasa-12x36", "--load-cases", table, "-o", tmp_path / "out.nc", *words)
-    assert done.exit_code == 2
-    assert said in done.output
+    assert said in refusal_of("run", "nasa-12x36", "--load-cases", table, "-o", tmp_path / "out.nc", *words)
 
 
 def test_a_case_without_load_cases_is_refused(tmp_path: Path) -> None:
-    done = call("run", "nasa-12x36", "--load-cases", "case", "-o", tmp_path / "out.nc")
-    assert done.exit_code == 2
-    assert "the case has no tables [[load_cases]]" in done.output
+    said = refusal_of("run", "nasa-12x36", "--load-cases", "case", "-o", tmp_path / "out.nc")
+    assert "the case has no tables [[load_cases]]" in said

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from runs import output_of, refusal_of
 
 from easeoff import InputError
 from easeoff.friction import Lubricant, available_lubricants, data_sheet_lubricant, lubricant, write_lubricant
-from easeoff.study.cli import main
 
 SHIPPED = available_lubricants()
 
@@ -289,14 +288,10 @@ def test_the_command_makes_an_oil_that_an_analysis_takes(tmp_path: Path) -> None
     numbers = ["--viscosity-40", "220", "--viscosity-100", "19", "--density", "895"]
     path = tmp_path / "vg220.toml"
     refusals = [(["--base-oil", "olive", "-o", str(path)], "olive"), (["--base-oil", "pao", "-o", "x.nc"], ".toml")]
-    made = CliRunner().invoke(main, ["oil", *numbers, "--base-oil", "mineral", "-o", str(path)])
-    assert made.exit_code == 0, made.output
-    assert "100 degC: 15.89 mPa s" in made.output
+    assert "100 degC: 15.89 mPa s" in output_of("oil", *numbers, "--base-oil", "mineral", "-o", path)
     assert lubricant(path).at(70.0).viscosity == pytest.approx(0.0443, rel=1e-3)
     for wrong, message in refusals:
-        refused = CliRunner().invoke(main, ["oil", *numbers, *wrong])
-        assert refused.exit_code == 2
-        assert message in refused.output
+        assert message in refusal_of("oil", *numbers, *wrong)
 
 
 def test_options_that_do_not_exist() -> None:

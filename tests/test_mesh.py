@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from mesh_reader import read_mesh
 from numpy.typing import NDArray
+from runs import output_of
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
@@ -18,7 +18,6 @@ from easeoff.geometry import GearPair, tooth_angle, tooth_patches
 from easeoff.geometry.formats import write_mesh
 from easeoff.geometry.formats.patches import merged, oriented
 from easeoff.geometry.tooth.tooth_flanks import placed_flanks
-from easeoff.study.cli import main
 
 Array = NDArray[Any]
 
@@ -222,12 +221,10 @@ def test_flanks_look_out_of_the_tooth(pair: GearPair, name: str, tmp_path: Path)
 
 
 def test_flanks_of_the_whole_member_turn_by_its_pitch(pair: GearPair, tmp_path: Path) -> None:
-    done = CliRunner().invoke(
-        main,
-        ["export", "fm-11x41", "-o", str(tmp_path / "x.vtu"), "--teeth", "all", "--nodes", "9x7", "--flank", "convex"],
+    said = output_of(
+        "export", "fm-11x41", "-o", tmp_path / "x.vtu", "--teeth", "all", "--nodes", "9x7", "--flank", "convex"
     )
-    assert done.exit_code == 0, done.output
-    assert "11 of 11 teeth of the pinion: convex_flank, convex_fillet, convex_root_land" in done.output
+    assert "11 of 11 teeth of the pinion: convex_flank, convex_fillet, convex_root_land" in said
     found = read_mesh(tmp_path / "x.vtu")
     first = tooth_patches(pair, "pinion", (9, 7))["convex_flank"].reshape(-1, 3)
     chosen = found.data["convex_flank"] == 1

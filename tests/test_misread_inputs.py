@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from runs import call, refusal_of
 
 from easeoff import InputError
 from easeoff.cases import Design, designed_blanks, gear_pair, read_case, read_design, read_load_cases
 from easeoff.cases.conversion import blank_design
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly
-from easeoff.study.cli import main
 from easeoff.study.design.design_advice import (
     cutter_radius_advice,
     limit_pressure_angle_advice,
@@ -26,10 +25,6 @@ from easeoff.study.design.design_advice import (
 from easeoff.verification.yardsticks.flank_rows import flank_rows
 from easeoff.verification.yardsticks.row_meaning import closing
 from easeoff.verification.yardsticks.verification_row import VerificationRow
-
-
-def call(*words: object) -> Any:
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def changed(name: str, table: str, **values: Any) -> Design:
@@ -60,10 +55,9 @@ def test_exchanged_teeth_are_told_by_the_keys_of_the_file() -> None:
 
 @pytest.mark.parametrize("command", ["run", "verify", "problems"])
 def test_a_negative_torque_points_to_the_coast_flanks(command: str, tmp_path: Path) -> None:
-    done = call(command, "nasa-12x36", "--torque", "-300", "-o", tmp_path / "x.nc")
-    assert done.exit_code == 2
-    assert "-300: must be greater than 0" in done.output
-    assert "--flank coast" in done.output
+    said = refusal_of(command, "nasa-12x36", "--torque", "-300", "-o", tmp_path / "x.nc")
+    assert "-300: must be greater than 0" in said
+    assert "--flank coast" in said
     assert "--flank" not in call(command, "nasa-12x36", "--torque", "0", "-o", tmp_path / "x.nc").output
     assert list(tmp_path.iterdir()) == []
 
@@ -82,11 +76,8 @@ def test_a_negative_torque_of_a_load_case_points_to_its_flank(tmp_path: Path) ->
 def test_a_flank_beside_load_cases_that_name_theirs_is_refused(tmp_path: Path) -> None:
     table, output = tmp_path / "duty.csv", tmp_path / "x.nc"
     table.write_text("torque,flank\n100,\n200,drive\n", encoding="utf-8")
-    done = call("run", "nasa-12x36", "-o", output, "--load-cases", table, "--flank", "coast")
-    assert done.exit_code == 2
-    assert "--flank: must not go with load cases that name their flank, as number 2 does" in " ".join(
-        done.output.split()
-    )
+    said = refusal_of("run", "nasa-12x36", "-o", output, "--load-cases", table, "--flank", "coast")
+    assert "--flank: must not go with load cases that name their flank, as number 2 does" in " ".join(said.split())
     assert not output.exists()
 
 
@@ -94,9 +85,8 @@ def test_a_flank_beside_load_cases_that_name_theirs_is_refused(tmp_path: Path) -
 def test_a_marking_thickness_in_mm_is_told(thickness: str, told: bool, tmp_path: Path) -> None:
     """The hint comes with the options: before the case, which there is not, is read."""
     for command in ("run", "vh"):
-        done = call(command, "no-such-case", "--marking", thickness, "-o", tmp_path / "x.nc")
-        assert done.exit_code == 2
-        assert ("um are meant, not mm?" in done.output) == told
+        said = refusal_of(command, "no-such-case", "--marking", thickness, "-o", tmp_path / "x.nc")
+        assert ("um are meant, not mm?" in said) == told
 
 
 def test_a_crowning_in_mm_is_told_by_its_key() -> None:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from runs import call, small_text
+from runs import output_of, refusal_of, small_text
 
 import easeoff
 from easeoff import InputError
@@ -75,13 +75,11 @@ def test_an_oil_that_is_not_there_is_named_with_the_place_where_it_was_looked_fo
 def test_the_same_from_the_command_line_whose_own_paths_start_from_the_working_folder(case: Path) -> None:
     Path("other.toml").write_text(OWN, encoding="utf-8")
     for options, oil in (([], "mine"), (["--oil", "other.toml"], "other")):
-        made = call("run", "../here/case.toml", "-o", "out.nc", *options)
-        assert made.exit_code == 0, made.output
+        output_of("run", "../here/case.toml", "-o", "out.nc", *options)
         assert easeoff.read_result("out.nc")["friction"].attrs["oil"] == oil
-    failed = call("run", "../here/case.toml", "-o", "no.nc", "--oil", "oils/mine.toml")
-    assert failed.exit_code == 2
-    assert str(Path("oils", "mine.toml").absolute()) in failed.output
-    assert "starts from the working folder" in failed.output
+    said = refusal_of("run", "../here/case.toml", "-o", "no.nc", "--oil", "oils/mine.toml")
+    assert str(Path("oils", "mine.toml").absolute()) in said
+    assert "starts from the working folder" in said
 
 
 def test_the_text_in_a_result_is_read_with_the_folder_or_refused_with_a_clear_message(case: Path) -> None:
@@ -123,9 +121,8 @@ def test_a_design_hands_its_oil_on(case: Path, monkeypatch: pytest.MonkeyPatch) 
     assert oil_of(read_design(design).friction) == "mine"
     assert oil_of(parse_design(text, folder=design.parent).friction) == "mine"
     monkeypatch.setattr(case_design, "checked_design", lambda _, designed: DesignReport(designed.blank, {}, ()))
-    made = call("design", "../here/design.toml", "-o", "made.toml")
-    assert made.exit_code == 0, made.output
-    assert "--allow-outside" in made.output.splitlines()[-1]
+    said = output_of("design", "../here/design.toml", "-o", "made.toml")
+    assert "--allow-outside" in said.splitlines()[-1]
     assert oil_of(read_case("made.toml", allow_outside=True).friction) == "mine"
 
 

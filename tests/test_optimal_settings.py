@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, small
+from runs import output_of, refusal_of, small
 from whole_differences import coarse
 
 import easeoff
@@ -338,9 +338,7 @@ def test_the_command_tells_mistakes_and_writes_nothing(
     arguments: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = call("optimize", "nasa-12x36", "-o", "out.nc", *arguments)
-    assert answer.exit_code == 2
-    assert said in answer.output
+    assert said in refusal_of("optimize", "nasa-12x36", "-o", "out.nc", *arguments)
     assert not list(tmp_path.iterdir())
 
 
@@ -349,12 +347,9 @@ def test_the_command_writes_result_and_case(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     write_case(coarse_case(), tmp_path / "case.toml", "coarse")
     arguments = ["optimize", "case.toml", "-o", "out.nc", "--minimize", "max_pressure", "--free", RADIAL]
-    answer = call(*arguments, "--steps", "2", "--case", "best.toml")
-    assert answer.exit_code == 0, answer.output
-    assert "worst ratio" in answer.output
+    assert "worst ratio" in output_of(*arguments, "--steps", "2", "--case", "best.toml")
     record = easeoff.read_result("out.nc")["optimal_settings"].to_dataset()
     best = easeoff.read_case("best.toml")
     assert best.pinion.concave is not None
     assert best.pinion.concave.machine.radial_distance == record["setting_value"].item()
-    answer = call(*arguments, "--steps", "1", "--resume", "out.nc")
-    assert answer.exit_code == 0, answer.output
+    output_of(*arguments, "--steps", "1", "--resume", "out.nc")

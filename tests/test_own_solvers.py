@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
-from click.testing import CliRunner
+from runs import output_of, refusal_of
 from scipy.sparse.linalg import aslinearoperator
 
 from easeoff import InputError, analyze, read_case, read_result
@@ -31,7 +31,6 @@ from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.study.cli import main
 from easeoff.verification import problems
 
 PROBLEM = next(iter(problems("realistic", 1)))
@@ -478,16 +477,13 @@ def test_comparison_takes_texts_and_names_of_entry_points(installed: Path, monke
 def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(installed)
     for name in ("mine", "a_solver_of_mine:declared"):
-        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", "100", "--solver", name, "-o", "out.nc"])
-        assert said.exit_code == 0, said.output
+        output_of("run", "nasa-12x36", "--torque", "100", "--solver", name, "-o", "out.nc")
         result = read_result("out.nc")
         assert result.attrs["solver"] == name
         assert (result["loaded/status"] == 0).all()
         Path("out.nc").unlink()
     for name in ("no_such_solver", "no_such_module_at_all:solve"):
-        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
-        assert said.exit_code == 2
-        assert name in said.output
+        assert name in refusal_of("run", "nasa-12x36", "--solver", name, "-o", "out.nc")
 
 
 @pytest.mark.parametrize(

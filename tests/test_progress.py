@@ -9,11 +9,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from runs import call
 
 from easeoff.cases import read_case, write_case
 from easeoff.core.compiled.compiled_use import COMPILING, compilation_told, tell_of_compilation
-from easeoff.study.cli import _show_waiting, main
+from easeoff.study.cli import _show_waiting
 from easeoff.study.cli.options.analysis_options import TOOTH_STAGES, show_stage
 from easeoff.study.cli.terminal import terminal_bar as progress
 from easeoff.study.cli.terminal.terminal_bar import SWITCH, ProgressLines, terminal_bar, working
@@ -167,7 +167,7 @@ def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
         ("wear", "small.toml", "--torque", "100", "--revolutions", "10", "-o", "w.nc"): "next: easeoff run small.toml",
     }
     for words_of, end in ends.items():
-        made = CliRunner().invoke(main, list(words_of))
+        made = call(*words_of)
         assert made.exit_code in (0, 1), made.output
         assert made.stdout.splitlines()[-1].startswith(end), made.output
 

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from pairs import by_the_dissertation
+from runs import output_of, refusal_of
 
 import easeoff
 from easeoff.study import measured_file, shipped_deviations
-from easeoff.study.cli import main
 
 GREATEST = {  # um of missing metal; Kolivand 2009, sections 4.5.1 and 4.5.2
     "fm-11x41-worn-pinion": 10.0,
@@ -128,10 +127,8 @@ def test_the_update_stands_up_to_the_surfaces_on_both_examples() -> None:
 
 
 def test_the_command_line_names_errors_and_corrections() -> None:
-    done = CliRunner().invoke(main, ["correct", "fh-12x41-45", "--deviation", "gear=fh-12x41-45-measured-gear"])
-    assert done.exit_code == 0, done.output
+    said = output_of("correct", "fh-12x41-45", "--deviation", "gear=fh-12x41-45-measured-gear")
     for word in ("twist", "pressure_angle", "machine_root_angle", "after the correction"):
-        assert word in done.output
-    missing = CliRunner().invoke(main, ["correct", "fh-12x41-45", "--deviation", "gear=nothing"])
-    assert missing.exit_code == 2
-    assert "the shipped ones are: fh-12x41-45-measured-gear" in missing.output
+        assert word in said
+    missing = refusal_of("correct", "fh-12x41-45", "--deviation", "gear=nothing")
+    assert "the shipped ones are: fh-12x41-45-measured-gear" in missing

@@ -17,7 +17,7 @@ from browser import Browser, chromium
 from matplotlib.image import imread
 from numpy.typing import NDArray
 from report_content import coarse, content, unpacked
-from runs import call, read_only, small
+from runs import call, output_of, read_only, small
 from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, write_result
@@ -327,9 +327,8 @@ def file(coast: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_command_names_results_by_their_files(file: Path, tmp_path: Path) -> None:
     output = tmp_path / "r.html"
     files = [shutil.copy(file, tmp_path / name) for name in ("before.nc", "after.nc")]
-    done = call("report", *files, "-o", output)
-    assert done.exit_code == 0, done.output
-    assert re.match(r"wrote .*r\.html: \d\.\d MB\nnext: ", done.output)
+    said = output_of("report", *files, "-o", output)
+    assert re.match(r"wrote .*r\.html: \d\.\d MB\nnext: ", said)
     assert [result["name"] for result in content(output.read_text(encoding="utf-8"))["results"]] == ["before", "after"]
 
 

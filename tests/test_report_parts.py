@@ -22,7 +22,7 @@ from report_content import (
     unpacked,
     worn_flanks,
 )
-from runs import call, small
+from runs import output_of, refusal_of, small
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
@@ -275,8 +275,7 @@ def test_the_command_takes_checks_and_wear_beside_results(
     write_vh_check(check, files[1])
     worn.to_netcdf(files[2], engine="netcdf4")
     output = tmp_path / "r.html"
-    done = call("report", *files, "-o", output)
-    assert done.exit_code == 0, done.output
+    output_of("report", *files, "-o", output)
     data = content(output.read_text(encoding="utf-8"))
     names = {key: [part["name"] for part in data[key]] for key in ("results", "checks", "wear")}
     assert names == {"results": ["axle"], "checks": ["vh"], "wear": ["wear"]}
@@ -295,9 +294,8 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
         report_page({"nothing": xr.Dataset({"other": 1.0})})
     path = tmp_path / "sweep.nc"
     xr.Dataset({"a": 1.0}, attrs={"sweep_schema_version": 1}).to_netcdf(path)
-    done = call("report", path, "-o", tmp_path / "r.html")
-    assert done.exit_code == 2
-    assert "is of 'easeoff sweep', which keeps numbers and no pictures" in done.stderr
+    said = refusal_of("report", path, "-o", tmp_path / "r.html")
+    assert "is of 'easeoff sweep', which keeps numbers and no pictures" in said
     assert not (tmp_path / "r.html").exists()
 
 

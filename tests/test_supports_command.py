@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, small
+from runs import call, output_of, refusal_of, small
 
 from easeoff import analyze, read_result
 from easeoff.cases import Case, parse_case, read_supports, with_supports, write_case
@@ -24,17 +24,11 @@ def coarse() -> Case:
     return case.model_copy(update={"misalignment": type(case.misalignment)()})
 
 
-def run(*arguments: object, code: int = 0) -> str:
-    outcome = call(*arguments)
-    assert outcome.exit_code == code, outcome.output
-    return outcome.output
-
-
 def test_supports_by_name_are_those_of_a_case_that_has_them(coarse: Case, tmp_path: Path) -> None:
     plain, own, found = tmp_path / "plain.toml", tmp_path / "own.toml", tmp_path / "found.nc"
     write_case(coarse, plain)
     write_case(with_supports(coarse, AXLE), own)
-    run("run", plain, "--supports", AXLE, "-o", found)
+    output_of("run", plain, "--supports", AXLE, "-o", found)
     named = read_result(found)
     assert parse_case(named.attrs["case"]).supports == read_supports(AXLE)
     tree = analyze(own)
@@ -49,8 +43,8 @@ def test_supports_by_name_are_those_of_a_case_that_has_them(coarse: Case, tmp_pa
 def test_problems_and_sweeps_take_supports(coarse: Case, tmp_path: Path) -> None:
     plain = tmp_path / "plain.toml"
     write_case(coarse, plain)
-    run("problems", plain, "-o", tmp_path / "rigid.nc")
-    run("problems", plain, "--supports", AXLE, "-o", tmp_path / "held.nc")
+    output_of("problems", plain, "-o", tmp_path / "rigid.nc")
+    output_of("problems", plain, "--supports", AXLE, "-o", tmp_path / "held.nc")
     rigid, held = (read_problems(tmp_path / f"{name}.nc")[0] for name in ("rigid", "held"))
     softest = [
         float(np.max(diagonal + (factor**2).sum(axis=1))) for diagonal, factor in (rigid.compliance, held.compliance)
@@ -59,7 +53,7 @@ def test_problems_and_sweeps_take_supports(coarse: Case, tmp_path: Path) -> None
     greatest = []
     for name, supports in (("rigid", []), ("held", ["--supports", AXLE])):
         out = tmp_path / f"{name}-sweep.nc"
-        run("sweep", plain, *supports, "--over", "torque=100,250", "--workers", 1, "-o", out)
+        output_of("sweep", plain, *supports, "--over", "torque=100,250", "--workers", 1, "-o", out)
         with xr.open_dataset(out, engine="netcdf4") as found:
             assert not found["status"].any()
             greatest.append(found["max_pressure"].values)
@@ -70,9 +64,9 @@ def test_a_mistake_in_supports_is_one_message(coarse: Case, tmp_path: Path) -> N
     plain, mine = tmp_path / "plain.toml", tmp_path / "mine.toml"
     write_case(coarse, plain)
     out = tmp_path / "out.nc"
-    assert "the shipped supports are: axle-fm-11x41" in run("run", plain, "--supports", "nothing", "-o", out, code=2)
+    assert "the shipped supports are: axle-fm-11x41" in refusal_of("run", plain, "--supports", "nothing", "-o", out)
     mine.write_text('easeoff_support = 1\ntitle = "x"\n[supports.pinion]\nreference = [0, 0, 0]\n')
-    message = run("run", plain, "--supports", mine, "-o", out, code=2)
+    message = refusal_of("run", plain, "--supports", mine, "-o", out)
     assert "supports.pinion: none given: give one of stiffness, compliance, or a shaft with bearings" in message
     assert not out.exists()
 
@@ -123,10 +117,10 @@ def test_studies_refuse_supports_that_are_not_there_and_do_not_overwrite_their_f
     plain, held = tmp_path / "plain.toml", tmp_path / "held.nc"
     write_case(coarse, plain)
     needed = ["--torque", 250, "--revolutions", 10] if command == "wear" else []
-    said = run(command, plain, *needed, "--supports", "axle-fm-11x4", "-o", tmp_path / "out.nc", code=2)
+    said = refusal_of(command, plain, *needed, "--supports", "axle-fm-11x4", "-o", tmp_path / "out.nc")
     assert "did you mean 'axle-fm-11x41'" in said
     held.write_text("easeoff_support = 1", encoding="utf-8")
-    said = run(command, plain, *needed, "--supports", held, "-o", held, code=2)
+    said = refusal_of(command, plain, *needed, "--supports", held, "-o", held)
     assert "is the file that is read" in said
 
 

@@ -21,7 +21,7 @@ import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from runs import call, read_only, small
+from runs import call, output_of, read_only, refusal_of, small
 from sweeps import CASE, RADIAL, SETTING, analyse_points_once, case_file
 
 import easeoff
@@ -371,9 +371,8 @@ def test_sweep_names_what_every_point_departs_by() -> None:
 def test_command_sweeps_shows_and_keeps_the_worst(case: str, tmp_path: Path) -> None:
     out = tmp_path / "sweep.nc"
     words = ["sweep", case, "--over", "E=-0.1:0.1:2", "--over", "torque=100,300", "-o", str(out), "--workers", "1"]
-    found = call(*words, "--keep", "worst=max_pressure:1")
-    assert found.exit_code == 0, found.output
-    lines = found.output.splitlines()
+    said = output_of(*words, "--keep", "worst=max_pressure:1")
+    lines = said.splitlines()
     assert lines[0] == f"wrote {out}: 4 of 4 points certified"
     dataset = read_sweep(out)
     worst = int(np.argmax(dataset["max_pressure"].max("torque").values))
@@ -383,10 +382,9 @@ def test_command_sweeps_shows_and_keeps_the_worst(case: str, tmp_path: Path) -> 
     assert tree.attrs["misalignment_offset_mm"] == e
     np.testing.assert_array_equal(tree["loaded/max_pressure"], dataset["max_pressure"].sel(E=e))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["sweep-points", "sweep.nc"]
-    shown = call("show", out)
-    assert shown.exit_code == 0
-    assert "E             2 values from -0.1 to 0.1 mm" in shown.output
-    assert "First-order sensitivities of max_pressure at 300 N m" in shown.output
+    shown = output_of("show", out)
+    assert "E             2 values from -0.1 to 0.1 mm" in shown
+    assert "First-order sensitivities of max_pressure at 300 N m" in shown
 
 
 @pytest.mark.usefixtures("points_once")
@@ -394,9 +392,7 @@ def test_a_kept_result_that_cannot_be_written_is_a_mistake(case: str, tmp_path: 
     """Here its folder is a file; the batches stay, from which the next run goes on."""
     (tmp_path / "sweep-points").touch()
     words = ["sweep", case, "-o", tmp_path / "sweep.nc", "--over", "E=0", "--torque", "100", "--workers", "1"]
-    found = call(*words, "--keep", "worst=max_pressure:1")
-    assert found.exit_code == 2, found.output
-    assert "000000.nc cannot be written" in found.output
+    assert "000000.nc cannot be written" in refusal_of(*words, "--keep", "worst=max_pressure:1")
     assert (tmp_path / "sweep.nc.batches").is_dir()
 
 
@@ -414,9 +410,7 @@ def test_a_kept_result_that_cannot_be_written_is_a_mistake(case: str, tmp_path: 
     ],
 )
 def test_mistakes_of_the_command_line_are_one_message(words: list[str], wanted: str, case: str, tmp_path: Path) -> None:
-    found = call("sweep", case, "-o", tmp_path / "x.nc", *words)
-    assert found.exit_code == 2
-    assert wanted in found.output
+    assert wanted in refusal_of("sweep", case, "-o", tmp_path / "x.nc", *words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -519,7 +513,7 @@ def test_sweep_killed_at_any_moment_resumes_to_the_bit(case: str, tmp_path: Path
     out, whole = tmp_path / "killed.nc", tmp_path / "whole.nc"
     words = ["sweep", case, "--over", "E=-0.1:0.1:12", "--torque", "100,300", "--workers", "1"]
     code = "import easeoff.study.sweep.parameter_sweep as p, easeoff.study.cli as c; p.BATCH_TIME = 0.0; c.main()"
-    assert call(*words, "-o", whole).exit_code == 0
+    output_of(*words, "-o", whole)
     kept = 0
     for attempt in range(40):
         store = tmp_path / "killed.nc.batches"
@@ -547,9 +541,9 @@ def test_pictures_are_those_of_what_is_swept(case: str, tmp_path: Path, monkeypa
     words = ["--over", "E=0,0.05", "--over", "torque=100,300", "--workers", "1", "--plots", folder]
     with monkeypatch.context() as patch:
         patch.setattr(written_pictures, "draw_picture", lambda *_, **__: FigureCanvasAgg(Figure()).figure)
-        assert call("sweep", case, "-o", out, *words).exit_code == 0
+        output_of("sweep", case, "-o", out, *words)
     assert sorted(path.stem.split("-")[-1] for path in folder.iterdir()) == ["sweep_map", "sweep_pattern"]
     dataset = read_sweep(out).isel(torque=0, drop=True).rename(E="sample").assign_coords(E=("sample", [0.0, 0.05]))
     write_sweep(dataset.drop_vars("sample").assign_attrs(swept='["E"]'), out)
-    assert call("plot", out, folder).exit_code == 0
+    output_of("plot", out, folder)
     assert sorted(path.stem.split("-")[-1] for path in folder.iterdir()) == ["sweep_histograms", "sweep_pattern"]

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import Result
-from runs import call
+from runs import call, output_of, refusal_of
 from sweeps import CASE, SETTING, analyse_points_once, case_file
 
 from easeoff import InputError, plot
@@ -50,9 +49,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "work"
 
 
-def swept(*words: str) -> Result:
-    """A sweep of the case of the folder into ``out.nc``."""
-    return call("sweep", "case.toml", "-o", "out.nc", "--torque", "100", "--workers", "1", *words)
+#: A sweep of the case of the folder into ``out.nc``.
+SWEEP = ("sweep", "case.toml", "-o", "out.nc", "--torque", "100", "--workers", "1")
 
 
 def names(folder: Path) -> list[str]:
@@ -78,13 +76,12 @@ def test_a_sweep_over_loads_alone_is_shown_and_drawn(
     values = found[reduced].values.ravel()
     assert percentiles(found, [0.0, 100.0], [reduced])[reduced].values.ravel().tolist() == [values.min(), values.max()]
     write_sweep(found, tmp_path / "out.nc")
-    shown = call("show", tmp_path / "out.nc")
-    assert shown.exit_code == 0, shown.output
-    assert f"\n{reduced}" in shown.output
+    said = output_of("show", tmp_path / "out.nc")
+    assert f"\n{reduced}" in said
     assert plot.pictures(found) == ("sweep_curves", "sweep_pattern")
     for picture in ("curves", "pattern"):
         plot.sweep(found, picture).draw_without_rendering()
-    assert name in shown.output
+    assert name in said
 
 
 @pytest.mark.parametrize(
@@ -113,17 +110,14 @@ def test_a_sweep_over_loads_alone_is_shown_and_drawn(
     ],
 )
 def test_a_mistake_shows_before_the_work_and_leaves_nothing(words: list[str], wanted: str, folder: Path) -> None:
-    found = swept(*words)
-    assert found.exit_code == 2, found.output
-    assert wanted in found.output
+    assert wanted in refusal_of(*SWEEP, *words)
     assert names(folder) == ["case.toml"]
 
 
 @pytest.mark.parametrize("command", ["run", "vh"])
 def test_pictures_have_another_name_than_the_file(command: str, folder: Path) -> None:
-    found = call(command, "case.toml", "-o", "out.nc", "--plots", "out.nc")
-    assert found.exit_code == 2
-    assert "--plots = 'out.nc': must be another name" in found.output
+    said = refusal_of(command, "case.toml", "-o", "out.nc", "--plots", "out.nc")
+    assert "--plots = 'out.nc': must be another name" in said
     assert names(folder) == ["case.toml"]
 
 
@@ -137,14 +131,13 @@ def test_a_scheduler_is_asked_before_the_work(folder: Path, monkeypatch: pytest.
     from easeoff.study.sweep import engine
 
     monkeypatch.setattr(engine, "CONNECTION_TIME_LIMIT", 0.2)
-    found = swept("--over", "E=0.1", "--scheduler", "tcp://127.0.0.1:1")
-    assert found.exit_code == 2
-    assert "must be the address of a dask scheduler that runs" in found.output
+    said = refusal_of(*SWEEP, "--over", "E=0.1", "--scheduler", "tcp://127.0.0.1:1")
+    assert "must be the address of a dask scheduler that runs" in said
     assert names(folder) == ["case.toml"]
 
 
 def test_without_a_number_there_are_no_pictures(folder: Path) -> None:
-    found = swept("--over", f"{SETTING}=10000", "--plots", "pictures", "--keep", "worst=max_pressure:1")
+    found = call(*SWEEP, "--over", f"{SETTING}=10000", "--plots", "pictures", "--keep", "worst=max_pressure:1")
     assert found.exit_code == 1, found.output
     assert "no point has numbers: there are no pictures" in found.output
     assert names(folder) == ["case.toml", "out.nc"]
@@ -154,16 +147,15 @@ def test_a_table_of_load_cases_opens_no_file_outside_its_folder(folder: Path) ->
     for head in ("torque,speed,oil", "torque,speed,deviation.gear"):
         Path("duty.csv").write_text(f"{head}\n100,500,../secret.toml\n", encoding="utf-8")
         words = ["sweep", "case.toml", "-o", "out.nc", "--load-cases", "duty.csv", "--workers", "1"]
-        found = call(*words)
-        assert found.exit_code == 2
-        assert SECRET not in found.output
-        assert "inside the folder of the table; if you trust the table, --allow-outside" in found.output
+        said = refusal_of(*words)
+        assert SECRET not in said
+        assert "inside the folder of the table; if you trust the table, --allow-outside" in said
         assert names(folder) == ["case.toml", "duty.csv"]
         assert "inside the folder" not in call(*words, "--allow-outside").output
         for left in folder.glob("out.nc*"):
             left.unlink()
     Path("duty.csv").write_text("torque,speed,oil\n100,500,75w90\n", encoding="utf-8")
-    assert call(*words).exit_code == 0
+    output_of(*words)
 
 
 def test_one_table_is_read_by_an_analysis_and_by_a_sweep(tmp_path: Path) -> None:
@@ -221,24 +213,20 @@ def test_points_in_one_batch_have_the_numbers_of_three(kept: tuple[Path, xr.Data
 @pytest.mark.usefixtures("points_once")
 def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -> None:
     words = ["--over", "E=0,0.04,0.08", "--store", "store"]
-    assert swept(*words).exit_code == 0
+    output_of(*SWEEP, *words)
     for name in ("batch-000001.npz", "batch-000002.npz"):
         (folder / "store" / name).unlink()
     (folder / "store" / "batch-000002.npz").mkdir()
     before = names(folder / "store")
-    found = swept(*words)
-    assert found.exit_code == 2
-    assert "batch-000002.npz is a folder: remove it" in found.output
+    assert "batch-000002.npz is a folder: remove it" in refusal_of(*SWEEP, *words)
     assert names(folder / "store") == before
-    assert swept(*words, "--fresh").exit_code == 0
+    output_of(*SWEEP, *words, "--fresh")
 
 
 def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path) -> None:
     (folder / "store").mkdir()
     (folder / "store" / "batches.jsonl").symlink_to("nowhere")
-    found = swept("--over", "E=0,0.04", "--store", "store")
-    assert found.exit_code == 2
-    assert "batches.jsonl is a link" in found.output
+    assert "batches.jsonl is a link" in refusal_of(*SWEEP, "--over", "E=0,0.04", "--store", "store")
     assert names(folder / "store") == ["batches.jsonl"]
 
 
@@ -251,10 +239,9 @@ def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monk
 
     with monkeypatch.context() as patch:
         patch.setattr(package, "write_sweep", full)
-        found = swept("--over", "E=0,0.04")
-    assert found.exit_code == 2
-    assert "the batches so far are kept in out.nc.batches; the same command goes on from them" in found.output
-    assert swept("--over", "E=0,0.04").exit_code == 0
+        said = refusal_of(*SWEEP, "--over", "E=0,0.04")
+    assert "the batches so far are kept in out.nc.batches; the same command goes on from them" in said
+    output_of(*SWEEP, "--over", "E=0,0.04")
     assert names(folder) == ["case.toml", "out.nc"]
 
 
@@ -314,7 +301,7 @@ CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
 
 def test_a_file_of_a_sweep_that_lacks_nothing_is_shown(whole: xr.Dataset, folder: Path) -> None:
     write_sweep(whole, "r.nc")
-    assert call("show", "r.nc").exit_code == 0
+    output_of("show", "r.nc")
     assert read_sweep("r.nc").identical(whole)
     assert names(folder) == ["case.toml", "r.nc"]
 
@@ -333,10 +320,9 @@ def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: x
 def test_every_reader_of_a_sweep_refuses_what_lacks_something(whole: xr.Dataset, folder: Path) -> None:
     write_sweep(CHANGES["no coordinate"](whole), "r.nc")
     for words in (["show", "r.nc"], ["plot", "r.nc", "pictures"]):
-        found = call(*words)
-        assert found.exit_code == 2, found.output
-        assert "r.nc is damaged, changed by hand or made by another version of easeoff" in found.output
-        assert "Traceback" not in found.output
+        said = refusal_of(*words)
+        assert "r.nc is damaged, changed by hand or made by another version of easeoff" in said
+        assert "Traceback" not in said
     with pytest.raises(InputError, match="is damaged"):
         read_sweep("r.nc")
     assert names(folder) == ["case.toml", "r.nc"]
@@ -356,6 +342,5 @@ def test_names_of_numbers_are_those_of_a_sweep(friction: bool) -> None:
 def test_a_path_that_begins_with_a_tilde_is_a_path(folder: Path) -> None:
     """And not one in the home folder, as a library takes it."""
     Path("~").mkdir()
-    found = call("run", "case.toml", "-o", "~/r.nc", "--torque", "100")
-    assert found.exit_code == 0, found.output
+    output_of("run", "case.toml", "-o", "~/r.nc", "--torque", "100")
     assert names(folder / "~") == ["r.nc"]

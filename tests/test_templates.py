@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from pydantic import BaseModel
+from runs import output_of, refusal_of
 
 import easeoff
 from easeoff.cases import (
@@ -30,7 +30,6 @@ from easeoff.cases.schema.template.template_text import inner_model, template_te
 from easeoff.core.errors import InputError
 from easeoff.friction.lubricants.lubricant import KEYS, lubricant
 from easeoff.study import design_case
-from easeoff.study.cli import main
 
 HEAD = re.compile(r"(#?)\[\[?([\w.]+)\]\]?(?: +# keys as in \[([\w.]+)\])?$")
 KEY = re.compile(r"(#?)(\w+) =(.*)")
@@ -208,19 +207,13 @@ def test_an_unknown_kind_or_name_is_a_mistake(kind: str, name: str | None) -> No
         template(kind, name)
 
 
-def call(*words: str | Path) -> tuple[int, str]:
-    made = CliRunner().invoke(main, [str(word) for word in words])
-    return made.exit_code, made.output
-
-
 @pytest.mark.thorough
 def test_what_is_written_is_used_as_the_command_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     ends = []
     for kind in TEMPLATE_KINDS:
         suffix = TEMPLATE_KINDS[kind].suffix
-        code, said = call("new", kind, "-o", f"my-{kind}{suffix}")
-        assert code == 0, said
+        said = output_of("new", kind, "-o", f"my-{kind}{suffix}")
         wrote, following = said.splitlines()
         assert wrote == f"wrote my-{kind}{suffix}"
         ends.append(following.removeprefix("next: easeoff ").split())
@@ -235,13 +228,11 @@ def test_what_is_written_is_used_as_the_command_says(tmp_path: Path, monkeypatch
     assert len(used) == len(ends) - 1  # of the design a case is made, which takes longer
     options = [word for words in used for word in words[4:] if "--load-cases" not in words]
     shared = ["--torque", "100", *options]
-    code, said = call("run", case, "-o", "out.nc", *(["1000" if word == "SPEED" else word for word in shared]))
-    assert code == 0, said
+    output_of("run", case, "-o", "out.nc", *(["1000" if word == "SPEED" else word for word in shared]))
     tree = easeoff.read_result("out.nc")
     assert "supports" in tree.children
     assert tree["friction"].attrs["oil"] == "my-oil"
-    code, said = call("run", case, "-o", "duty.nc", *used[-1][4:])
-    assert code == 0, said
+    output_of("run", case, "-o", "duty.nc", *used[-1][4:])
     found = easeoff.read_result("duty.nc")["load_cases"].to_dataset()
     assert found["load_case"].values.tolist() == ["cruise", "climb", "launch"]
 
@@ -263,21 +254,19 @@ def test_supports_hold_the_pair_that_they_are_of(tmp_path: Path) -> None:
 
 def test_an_edited_file_is_not_replaced_unless_forced(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    assert call("new", "case", "-o", path)[0] == 0
-    assert call("new", "case", "face-hobbed", "-o", path)[0] == 0
+    output_of("new", "case", "-o", path)
+    output_of("new", "case", "face-hobbed", "-o", path)
     edited = path.read_text(encoding="utf-8").replace("My pair", "Ours")
     path.write_text(edited, encoding="utf-8")
-    code, said = call("new", "case", "-o", path)
-    assert code == 2
+    said = refusal_of("new", "case", "-o", path)
     assert "was edited after easeoff wrote it" in said
     assert path.read_text(encoding="utf-8") == edited
-    assert call("new", "case", "-o", path, "--force")[0] == 0
+    output_of("new", "case", "-o", path, "--force")
     assert "Ours" not in path.read_text(encoding="utf-8")
 
 
 def test_a_name_with_another_suffix_is_a_mistake(tmp_path: Path) -> None:
     for kind, name in (("case", "mine.nc"), ("load-cases", "mine.toml")):
-        code, said = call("new", kind, "-o", tmp_path / name)
-        assert code == 2
+        said = refusal_of("new", kind, "-o", tmp_path / name)
         assert f"must be a name that ends in {TEMPLATE_KINDS[kind].suffix}" in said
         assert not (tmp_path / name).exists()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from runs import call, output_of, refusal_of
 from scipy.interpolate import RectBivariateSpline
 
 import easeoff
@@ -20,7 +20,6 @@ from easeoff.contact.evaluation.projection_plane import ProjectionPlane
 from easeoff.geometry import Misalignment, PairGeometry, pair_geometry
 from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.study import vh_check
-from easeoff.study.cli import main
 from easeoff.study.vh.vh_search import PatternSearch
 
 PLACES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
@@ -230,15 +229,12 @@ def test_wrong_arguments_are_refused(quick: Case, wrong: dict[str, float], said:
 def test_the_command_writes_table_file_and_picture(tmp_path: Path, quick: Case) -> None:
     case, file = tmp_path / "case.toml", tmp_path / "vh.nc"
     easeoff.cases.write_case(quick, case)
-    done = CliRunner().invoke(main, ["vh", str(case), "-o", str(file), "--plots", str(tmp_path), "--grid", "2x2"])
-    assert done.exit_code == 0, done.output
-    assert "toe to heel: total V" in done.output
+    said = output_of("vh", case, "-o", file, "--plots", tmp_path, "--grid", "2x2")
+    assert "toe to heel: total V" in said
     assert next(tmp_path.glob("*-drive-vh_check.png")).stat().st_size > 10_000
     with xr.open_dataset(file, engine="netcdf4") as stored:
-        assert f"{float(stored['h_over_v']):+.3f}" in done.output
-    short = CliRunner().invoke(main, ["vh", str(case), "-o", str(file), "--largest", "0.05"])
+        assert f"{float(stored['h_over_v']):+.3f}" in said
+    short = call("vh", case, "-o", file, "--largest", "0.05")
     assert short.exit_code == 1
     assert "toe: V or H would exceed the range" in short.output
-    wrong = CliRunner().invoke(main, ["vh", str(case), "-o", str(file), "--share", "0.6"])
-    assert wrong.exit_code == 2
-    assert "share = 0.6: must be" in wrong.output
+    assert "share = 0.6: must be" in refusal_of("vh", case, "-o", file, "--share", "0.6")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call
+from runs import call, output_of, refusal_of
 from test_wear import small_case
 
 import easeoff
@@ -112,11 +112,10 @@ def test_flanks_without_line_contact_do_not_wear() -> None:
 def test_the_command_line_wears_and_goes_on_from_what_it_left(file: Path, tmp_path: Path) -> None:
     out, again = tmp_path / "worn.nc", tmp_path / "again.nc"
     common = ["wear", file, "--torque", "100=0.5,200=0.5", "--revolutions", "2e6", "--largest-step", "5"]
-    done = call(*common, "--coefficient", "1e-12/2e-12", "-o", out)
-    assert done.exit_code == 0, done.output
-    assert "all revolutions done" in done.output
-    assert "peak to peak at 200 N m" in done.output
-    assert "contact on lines alone, without tooth edges" in done.output
+    said = output_of(*common, "--coefficient", "1e-12/2e-12", "-o", out)
+    assert "all revolutions done" in said
+    assert "peak to peak at 200 N m" in said
+    assert "contact on lines alone, without tooth edges" in said
     with xr.open_dataset(out, engine="netcdf4") as stored:
         first = stored.load()
     assert first["wear_depth"].attrs["units"] == "um"
@@ -125,8 +124,7 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(file: Path, tmp_pa
     history = wear(small_case(4), law, torque={100.0: 0.5, 200.0: 0.5})
     np.testing.assert_allclose(first["wear_depth"].values, history["wear_depth"].values, rtol=1e-9)
     worn = ["--deviation", f"pinion={out}", "--deviation", f"gear={out}"]
-    done = call(*common, *worn, "-o", again)
-    assert done.exit_code == 0, done.output
+    output_of(*common, *worn, "-o", again)
     with xr.open_dataset(again, engine="netcdf4") as stored:
         start = stored["deviation"].isel(step=0).values
     np.testing.assert_allclose(start, first["deviation"].isel(step=-1).values, rtol=0, atol=1e-6)
@@ -155,9 +153,8 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(file: Path, tmp_pa
 def test_mistakes_on_the_command_line_are_named(options: list[str], message: str, file: Path, tmp_path: Path) -> None:
     usual = {"--torque": "200", "--revolutions": "1e6", "-o": str(tmp_path / "worn.nc")}
     given = usual | dict(zip(options[::2], options[1::2], strict=True))
-    wrong = call("wear", file, *(part for pair in given.items() for part in pair))
-    assert wrong.exit_code == 2
-    assert message in " ".join(wrong.output.replace("│", " ").split())
+    said = refusal_of("wear", file, *(part for pair in given.items() for part in pair))
+    assert message in " ".join(said.replace("│", " ").split())
     assert not list(tmp_path.iterdir())
 
 
