@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff import InputError
-from easeoff.contact import ContactProblem, Material, Status, WeberLineContact, solve, solve_many
+from easeoff.contact import STEEL, ContactProblem, Material, Status, WeberLineContact, solve, solve_many
 from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.modal_basis import modal_basis
@@ -33,7 +33,6 @@ from easeoff.contact.solvers.problem_batch import plain_solutions
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
-STEEL = Material(206000.0, 0.3)
 
 pytestmark = pytest.mark.usefixtures("kernels_in_python")
 

@@ -1,4 +1,4 @@
-"""Surfaces that move through the contact: steady limits, conservation, amplitude reduction, mixed lubrication."""
+"""Surfaces that move through the contact: steady limits, conservation, mixed lubrication, waves and asperities."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from easeoff.friction.ehl import (
     Oil,
     State,
     Status,
+    asperity,
     film_dataset,
     generated_profile,
     measured_profile,
@@ -182,3 +183,107 @@ def test_passage_and_film_as_labelled_datasets() -> None:
 def test_bad_input_is_refused_by_name(make: object, word: str) -> None:
     with pytest.raises(InputError, match=word):
         make()  # type: ignore[operator]
+
+
+# Waves and single asperities on their way through the contact, beside published amplitudes
+
+
+def by_moes(load: float, viscous: float) -> LubricatedContact:
+    """A Newtonian contact in pure rolling with given groups M and L."""
+    modulus, radius, viscosity, coefficient = 2.2e11, 0.01, 0.04109, 2e-8
+    speed = 0.5 * (viscous / (coefficient * modulus)) ** 4
+    pressure = modulus * math.sqrt(load * math.sqrt(2.0 * speed) / (2.0 * math.pi))
+    oil = Oil(viscosity, coefficient, eyring_stress=math.inf)
+    return LubricatedContact(pressure, radius, speed * modulus * radius / viscosity, oil, 0.0, modulus)
+
+
+def amplitude_ratio(contact: LubricatedContact, wavelength: float, nodes: int, relative: float = 0.1) -> float:
+    """Amplitude of the film in the middle of the contact over that of the wave, in pure rolling."""
+    amplitude = relative * smooth_film(contact, nodes=nodes, span=SPAN).central_film
+    spacing = (SPAN[1] - SPAN[0]) / (nodes - 1)
+    period = wavelength / spacing
+    passage = rough_passage(
+        contact,
+        wave(amplitude, wavelength * contact.half_width),
+        steps=int(2.6 / spacing + 1.2 * period),
+        nodes=nodes,
+        span=SPAN,
+        order=2,
+        keep=1,
+    )
+    assert passage.certified_share == 1.0
+    middle = passage.film[-math.ceil(period) - 1 :, int(np.argmin(np.abs(passage.position)))]
+    return float(np.ptp(middle) / (2.0 * amplitude))
+
+
+def published(contact: LubricatedContact, wavelength: float) -> float:
+    """Amplitude ratio of waves in pure rolling, a function of one variable for all conditions.
+
+    Variable wavelength M^(3/4) / L^(1/2): Venner, Couhier, Lubrecht and Greenwood 1997,
+    DOI 10.1016/S0167-8922(08)70440-1; the fitted curve is that of the later papers of Lubrecht and Venner.
+    """
+    reach = wavelength * contact.moes_load**0.75 / contact.moes_viscosity**0.5
+    return float(1.0 / (1.0 + 0.125 * reach + 0.04 * reach**2))
+
+
+@pytest.mark.parametrize(("load", "viscous", "wavelength"), [(60, 8, 1.0), (20, 14, 1.0), (60, 8, 0.5)])
+@pytest.mark.quick(1)
+def test_amplitude_of_waves_is_reduced_as_published(load: float, viscous: float, wavelength: float) -> None:
+    contact = by_moes(load, viscous)
+    assert amplitude_ratio(contact, wavelength, 193) == pytest.approx(published(contact, wavelength), abs=0.035)
+
+
+@pytest.mark.thorough
+def test_reduction_does_not_depend_on_the_amplitude_and_long_waves_vanish() -> None:
+    contact = by_moes(60, 8)
+    small, large = (amplitude_ratio(contact, 1.0, 129, relative) for relative in (0.02, 0.3))
+    assert large == pytest.approx(small, rel=0.05)
+    assert amplitude_ratio(contact, 2.0, 129) < 0.5 * small
+
+
+def test_single_asperity_is_flattened_and_drags_its_film_along() -> None:
+    """In pure rolling the hump leaves the film where it was pressed: thinner at the hump, by less than its height."""
+    contact = by_moes(60, 8)
+    smooth = smooth_film(contact, nodes=129, span=SPAN)
+    height = 0.5 * smooth.central_film
+    width = 0.6 * contact.half_width
+    place = -2.9 * contact.half_width  # starts before the inlet
+    nodes = 129
+    steps = round(2.9 / (4.0 / (nodes - 1)))
+    passage = rough_passage(
+        contact, asperity(height, width, place), steps=steps, nodes=nodes, span=SPAN, ramp=0, order=2, keep=steps
+    )
+    assert (passage.status == Status.CERTIFIED).all()
+    film = passage.film[0]
+    middle = int(np.argmin(np.abs(passage.position)))
+    lowest = int(np.argmin(np.where(np.abs(passage.position) < 0.5 * contact.half_width, film, np.inf)))
+    assert abs(passage.position[lowest]) < 0.25 * contact.half_width
+    loss = smooth.film[middle] - film[middle]
+    assert 0.1 * height < loss < 0.95 * height
+    assert passage.pressure[0][middle] > 1.02 * smooth.pressure[middle]
+
+
+# Generated and measured profiles
+
+
+def test_generated_profile_has_the_height_and_the_correlation_asked_for() -> None:
+    profile = generated_profile(0.5e-6, 20e-6, 40e-3, seed=4)
+    assert profile.rms == pytest.approx(0.5e-6, rel=1e-12)
+    assert abs(profile.heights.mean()) < 1e-15
+    spectrum = np.abs(np.fft.rfft(profile.heights)) ** 2
+    correlation = np.fft.irfft(spectrum)[:100] / np.fft.irfft(spectrum)[0]
+    lag = profile.spacing * np.arange(100.0)
+    np.testing.assert_allclose(correlation, np.exp(-((lag / 20e-6) ** 2)), atol=1e-3)
+    np.testing.assert_array_equal(profile.heights, generated_profile(0.5e-6, 20e-6, 40e-3, seed=4).heights)
+    here = np.array([1e-3, 7e-3])
+    np.testing.assert_allclose(profile(here + profile.length), profile(here), rtol=1e-9)
+    assert profile.scaled(1e-6).rms == pytest.approx(1e-6)
+
+
+def test_measured_profile_is_the_trace_without_its_slope() -> None:
+    place = np.arange(400.0)
+    trace = 0.3e-6 * np.sin(2 * np.pi * place / 50) + 2e-9 * place + 5e-6
+    profile = measured_profile(trace, 1e-6)
+    np.testing.assert_allclose(profile(1e-6 * place), profile.heights[:400], atol=1e-18)
+    assert profile.rms == pytest.approx(0.3e-6 / np.sqrt(2), rel=0.02)
+    assert np.abs(np.diff(np.append(profile.heights, profile.heights[0]))).max() < 0.05e-6

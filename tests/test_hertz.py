@@ -9,10 +9,9 @@ import pytest
 from scipy.integrate import quad
 
 from easeoff import InputError
-from easeoff.contact import Material, WeberLineContact
+from easeoff.contact import STEEL, Material, WeberLineContact
 from easeoff.contact.compliance import FOOT_OF_NORMAL_CORRECTION
 
-STEEL = Material(206000.0, 0.3)
 BRONZE = Material(105000.0, 0.34)
 
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import (
+    STEEL,
     ContactProblem,
     ContactSolution,
     Differentiability,
     ElasticModel,
-    Material,
     MeshCycle,
     Status,
     WeberLineContact,
@@ -33,8 +33,6 @@ from easeoff.geometry import pair_geometry
 from easeoff.verification import problems
 
 Array = NDArray[np.float64]
-
-STEEL = Material(206000.0, 0.3)
 
 
 class Springs:

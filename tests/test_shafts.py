@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from easeoff.contact import Material
+from easeoff.contact import STEEL, Material
 from easeoff.contact.supports.shafts.beam import Beam
 from easeoff.contact.supports.shafts.bearing import Bearing, StiffnessCurve
 from easeoff.contact.supports.shafts.shaft import Shaft
@@ -21,7 +21,6 @@ from easeoff.geometry.pair.assembly import Assembly
 from easeoff.geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[np.float64]
-STEEL = Material(206000.0, 0.3)
 STEPPED = (
     ShaftSection(-20.0, 15.0, 50.0, 20.0),
     ShaftSection(15.0, 60.0, 42.0),

@@ -11,14 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 from easeoff import InputError
-from easeoff.contact import ElasticFoundation, Material, Shell, ToothDimensions
+from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDimensions
 from easeoff.contact.compliance.shell_kinematics import DisplacementAssumption, five_field
 from easeoff.contact.compliance.shell_stiffness import TrialFunctions, stiffness_matrix
 from easeoff.contact.compliance.trial_polynomials import PolynomialFamily, legendre, rooted_polynomials
 from easeoff.verification import monomials, thesis_kinematics
 
 FloatArray = NDArray[np.float64]
-STEEL = Material(206000.0, 0.3)
 RADIAL = (0.0, 0.0, 1.0)
 # trace length and radius; height, root thickness and tip thickness at toe and heel [mm]
 TABLE_TOOTH = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from easeoff import InputError
-from easeoff.contact import ContactProblem, Material, WeberLineContact, solve
+from easeoff.contact import STEEL, ContactProblem, Material, WeberLineContact, solve
 from easeoff.contact.compliance.pressed_strip import PressedStrip
 
-STEEL = Material(206000.0, 0.3)
 BRONZE = Material(105000.0, 0.34)
 RADIUS, DEEP = 40.0, 4000.0  # so deep that the logarithm is exact
 
