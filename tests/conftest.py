@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import gc
 import os
 import shutil
 import sys
@@ -73,21 +74,23 @@ def compiled_kernels() -> Iterator[None]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is left out: cases by ``quick(count)`` and ``ci(count)``, and of thorough items all but every fifth."""
-    for name, left_out in (("quick", pytest.mark.thorough), ("ci", pytest.mark.beyond_ci)):
-        cases = defaultdict(list)
-        for item in items:
-            mark = item.get_closest_marker(name)
-            if mark is not None:
-                cases[item.nodeid.partition("[")[0], *mark.args].append(item)
-        for (_, count), found in cases.items():
-            kept = {len(found) * k // count for k in range(count)}
-            for number, item in enumerate(found):
-                if number not in kept:
-                    item.add_marker(left_out)
-    thorough = [
-        item for item in items if item.get_closest_marker("thorough") and not item.get_closest_marker("beyond_ci")
-    ]
-    for number, item in enumerate(thorough):
+    """Mark what is left out: of the cases of ``quick(count)`` all but that many, of thorough items four in five."""
+    cases = defaultdict(list)
+    for item in items:
+        quick = item.get_closest_marker("quick")
+        if quick is not None:
+            cases[item.nodeid.partition("[")[0], *quick.args].append(item)
+    for (_, count), found in cases.items():
+        kept = {len(found) * k // count for k in range(count)}
+        for number, item in enumerate(found):
+            if number not in kept:
+                item.add_marker(pytest.mark.thorough)
+    for number, item in enumerate(item for item in items if item.get_closest_marker("thorough")):
         if number % CI_SHARE:
             item.add_marker(pytest.mark.beyond_ci)
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector pass over what lasts as long as the tests do."""
+    gc.collect()
+    gc.freeze()

@@ -25,7 +25,6 @@ ADVICE = ("method = ", "[pinion.limits]", "generation = ", "cutter_radius", "mor
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(12)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", EXTREMES)
 def test_extreme_design_is_cut_or_refused_with_advice(name: str, method: str) -> None:

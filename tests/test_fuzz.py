@@ -225,7 +225,6 @@ def test_a_cut_file_is_no_whole_one(bases: Bases, tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(0)
 def test_fixed_seeds_find_nothing() -> None:
     """Sixty inputs and a few of the other parts, but for disks that have to be mounted."""
     parts = ["inputs", "analyses", "kill", "fill", "together"]

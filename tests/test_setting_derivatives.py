@@ -105,7 +105,6 @@ def values_and_slopes(name: str) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(3)
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
 def test_loaded_contact_agrees_with_differences_for_all_settings(
@@ -123,7 +122,7 @@ def test_contact_on_lines_agrees_with_differences(name: str, monkeypatch: pytest
     check_rotations(cycle_of(name), torques_of(name), settings_of(geometry_of(name).pair)[::6], edges=False)
 
 
-@pytest.mark.parametrize(("name", "edges"), [("fm-11x41", False), ("nasa-12x36", True)])
+@pytest.mark.parametrize(("name", "edges"), [("fm-11x41", False), ("nasa-12x36", True), ("fh-12x41-45", True)])
 def test_loaded_contact_agrees_with_differences(name: str, edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
     check_rotations(coarse_cycle(name), torques_of(name), [PairSetting("pinion", "radial_distance")], edges=edges)
@@ -160,7 +159,6 @@ def check_rotations(
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(3)
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
 def test_numbers_agree_with_differences_for_settings_of_all_kinds(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -103,7 +104,9 @@ def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int, p
     points = np.random.default_rng(1).uniform(-0.01, 1.01, (2, 300)) * [[1.0], [2.0]]
     points[0, :31], points[1, 40:49] = nodes[0], nodes[1]
     points[:, 60], points[0, 61], points[1, 62] = np.nan, np.nan, np.nan
-    found = spline.evaluate(points, orders)
+    with patch.object(TensorSpline, "_compiled", autospec=True, side_effect=TensorSpline._compiled) as compiled:
+        found = spline.evaluate(points, orders)
+    compiled.assert_called_once()
     with without_compiled_code():
         wanted = spline.evaluate(points, orders)
     for mine, other in zip(found, wanted, strict=True):

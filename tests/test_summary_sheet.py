@@ -300,7 +300,6 @@ def test_sheet_reads_back_as_the_case(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(2)
 @pytest.mark.parametrize(
     ("name", "method"),
     [

@@ -363,7 +363,6 @@ def continuous_peak_to_peak(geometry: PairGeometry, samples: int) -> float:
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(1)
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41"])
 def test_peak_to_peak_is_that_between_samples_too(name: str, flank: FlankName) -> None:

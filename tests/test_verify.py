@@ -603,7 +603,6 @@ def test_command_refuses_mistakes(arguments: list[str]) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.ci(2)
 @pytest.mark.parametrize(("name", "flank"), [*itertools.product(shipped_cases(), ("drive", "coast"))])
 def test_shipped_cases_are_within_every_limit(name: str, flank: FlankName) -> None:
     found = verify(easeoff.read_case(name), flank=flank)
