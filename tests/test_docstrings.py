@@ -4,41 +4,100 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import linecache
+import pickle
 import pkgutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import wraps
+from inspect import signature
 from typing import Any
 
 import pytest
+import xarray as xr
 from runs import read_only
 
 import easeoff
+from easeoff.study.analysis.joined_analysis import Analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 
 #: All but the kernels, which are compiled as they are imported.
 FOUND = [found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff.")]
 MODULES = ["easeoff", *(name for name in FOUND if not name.endswith("_kernel"))]
+#: Functions that many examples begin with and whose result depends on nothing but their arguments.
+BEGINNINGS = (
+    "cases.conversion.gear_pair",
+    "geometry.pair.gear_pair.pair_geometry",
+    "study.analysis.case_analysis.analyze",
+    "study.analysis.contact_analysis.contact_analysis",
+    "study.design.optimal_modification.modify",
+    "study.deviations.case_correction.correct_case",
+    "study.flank_wear.wear_simulation.wear",
+    "study.load_cases.load_case_analysis.analyze_load_cases",
+    "study.sweep.parameter_sweep.sweep",
+    "study.vh.vh_check.vh_check",
+    "verification.flank_contact.flank_response.flank_response",
+    "verification.measuring.correction_loop.correction_loop",
+)
+
+
+class Shared:
+    """Results of functions by all that their arguments hold."""
+
+    def __init__(self) -> None:
+        self.results: dict[bytes, Any] = {}
+        self.own: dict[int, Any] = {}
+
+    def key(self, compute: Callable[..., Any], *arguments: Any, **keywords: Any) -> bytes:
+        """A text for the call; an argument that is itself a shared result counts by its identity."""
+        bound = signature(compute).bind(*arguments, **keywords)
+        bound.apply_defaults()
+        values = [id(value) if id(value) in self.own else value for value in bound.arguments.values()]
+        if any(isinstance(value, CaseInMesh) for value in values):
+            raise TypeError("a pair in mesh that is not shared is too large to look into")
+        return pickle.dumps((compute.__module__, compute.__qualname__, values))
+
+    def once(self, compute: Callable[..., Any]) -> Callable[..., Any]:
+        """The function, computing once what it is asked for several times."""
+
+        @wraps(compute)
+        def computed(*arguments: Any, **keywords: Any) -> Any:
+            try:
+                key = self.key(compute, *arguments, **keywords)
+            except (AttributeError, TypeError, pickle.PicklingError):  # wrong arguments, or those of no name or content
+                return compute(*arguments, **keywords)
+            if key not in self.results:
+                self.results[key] = result = compute(*arguments, **keywords)
+                self.own[id(result)] = result
+            return fresh(self.results[key])
+
+        return computed
+
+
+def fresh(result: Any) -> Any:
+    """What examples may change of a result anew, its numbers read-only; what is frozen as it is."""
+    if isinstance(result, Analysis):
+        return replace(result, groups={name: fresh(group) for name, group in result.groups.items()})
+    return read_only(result).copy(deep=False) if isinstance(result, xr.DataTree | xr.Dataset) else result
 
 
 @pytest.fixture(scope="module", autouse=True)
 def shared() -> Iterator[None]:
-    """Many examples begin with the same analysis, sweep or V-H check, which is computed once and read-only."""
-    found: dict[str, Any] = {}
-
-    def once(compute: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(compute)
-        def computed(*arguments: Any, **keywords: Any) -> Any:
-            given = f"{compute.__name__} {arguments} {keywords}"
-            if " object at 0x" in given:
-                return compute(*arguments, **keywords)
-            if given not in found:
-                found[given] = read_only(compute(*arguments, **keywords))
-            return found[given].copy(deep=False)
-
-        return computed
-
+    """Many examples begin alike: that is computed once, wherever it is called."""
+    modules = [importlib.import_module(name) for name in MODULES]
+    once = Shared().once
     with pytest.MonkeyPatch.context() as patch:
-        for package, name in ((easeoff, "analyze"), (easeoff, "sweep"), (easeoff.study, "vh_check")):
-            patch.setattr(package, name, once(getattr(package, name)), raising=False)
+        patch.setattr(CaseInMesh, "of", classmethod(once(CaseInMesh.of.__func__)))  # type: ignore[attr-defined]
+        patch.setattr(CaseInMesh, "misaligned", once(CaseInMesh.misaligned))
+        for path in BEGINNINGS:
+            place, _, name = path.rpartition(".")
+            compute = getattr(importlib.import_module(f"easeoff.{place}"), name)
+            replaced = once(compute)
+            for module in modules:
+                if name in getattr(module, "__all__", ()):
+                    getattr(module, name)  # imported on first use
+                if vars(module).get(name) is compute:
+                    patch.setattr(module, name, replaced)
         yield
 
 
@@ -47,6 +106,7 @@ def test_examples_work(folder: str) -> None:
     tried = 0
     for name in MODULES:
         if name.split(".")[1:2] == [folder] * bool(folder):
+            linecache.clearcache()  # before each docstring, doctest has a look at every file that is in it
             outcome = doctest.testmod(importlib.import_module(name))
             assert outcome.failed == 0, name
             tried += outcome.attempted

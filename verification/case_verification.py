@@ -135,8 +135,8 @@ def verify(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 4, "segments_per_line": 5, "edge_contact": False}
-    >>> case = read_case("fm-11x41")
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "edge_contact": False}
+    >>> case = read_case("nasa-12x36")
     >>> contact, shells = (
     ...     case.contact.model_copy(update=coarse),
     ...     case.compliance.model_copy(update={"model": "shell"}),

@@ -22,7 +22,7 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
     --------
     >>> import easeoff
     >>> from easeoff.friction import Operation, friction
-    >>> tree = easeoff.analyze("nasa-12x36", torques=200.0)
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
     >>> found = with_least_film(friction(tree, Operation(speed=1500.0)), tree["loaded"].to_dataset())
     >>> bool(found["min_film_thickness"].item() == found["film_thickness"].min())
     True

@@ -45,7 +45,9 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     Examples
     --------
     >>> from easeoff.cases import read_design
-    >>> case, report = design_case(read_design("fh-design-a"))
+    >>> design = read_design("fh-design-a")
+    >>> shells = design.compliance.model_copy(update={"model": "shell"})
+    >>> case, report = design_case(design.model_copy(update={"compliance": shells}))
     >>> case.pinion.number_of_teeth, sorted(report.sides)
     (12, ['coast', 'drive'])
     """

@@ -43,7 +43,9 @@ def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> case_warnings(read_case("fm-11x41"))[1]
+    >>> case = read_case("fm-11x41")
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case_warnings(case.model_copy(update={"compliance": shells}))[1]
     ()
     """
     try:

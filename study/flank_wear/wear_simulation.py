@@ -111,7 +111,7 @@ def wear(
     >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> worn = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=200.0)
+    >>> worn = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=100.0)
     >>> worn.attrs["stop"]
     'all revolutions done'
     """

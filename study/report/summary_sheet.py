@@ -127,7 +127,9 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> sheet = summary_sheet(read_case("fm-11x41"))
+    >>> case = read_case("fm-11x41")
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> sheet = summary_sheet(case.model_copy(update={"compliance": shells}))
     >>> list(sheet.tables)
     ['Blanks', 'Cutters', 'Machine settings', 'Teeth and slots']
     """

@@ -49,8 +49,8 @@ def outcome(dataset: xr.Dataset) -> str:
     Examples
     --------
     >>> import easeoff
-    >>> outcome(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
-    '2 of 2 points certified'
+    >>> outcome(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
+    '3 of 3 points certified'
     """
     status = dataset["status"].values
     counts = {one: int(np.count_nonzero(status == one)) for one in PointStatus}
@@ -114,8 +114,8 @@ def sweep_summary(dataset: xr.Dataset) -> str:
     Examples
     --------
     >>> import easeoff
-    >>> print(sweep_summary(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])).splitlines()[3])
-    E             2 values from 0 to 0.05 mm
+    >>> print(sweep_summary(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])).splitlines()[3])
+    E             3 values from 0 to 0.04 mm
     """
     title = textwrap.wrap(sweep_title(dataset), WIDTH) or ["untitled"]
     head = "\n".join(f"{name:<13} {words}" for name, words in sweep_head(dataset))

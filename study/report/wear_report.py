@@ -17,7 +17,10 @@ def wear_summary(history: xr.Dataset) -> str:
     --------
     >>> import easeoff
     >>> from easeoff.study import WearLaw, wear
-    >>> history = wear("nasa-12x36", WearLaw(1e-12, 1e-12, revolutions=1e3, most_steps=1), torque=100.0)
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> history = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=100.0)
     >>> print(wear_summary(history).splitlines()[1].partition(":")[0])
     largest depth
     """

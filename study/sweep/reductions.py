@@ -28,7 +28,7 @@ def numbers(dataset: xr.Dataset) -> list[str]:
     Examples
     --------
     >>> import easeoff
-    >>> "peak_to_peak" in numbers(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
+    >>> "peak_to_peak" in numbers(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
     True
     """
     own = set(reduced_dimensions(dataset))
@@ -68,8 +68,8 @@ def reduced_dimensions(dataset: xr.Dataset) -> list[str]:
     Examples
     --------
     >>> import easeoff
-    >>> reduced_dimensions(easeoff.sweep("nasa-12x36", {"torque": [50.0, 100.0]}))
-    ['torque']
+    >>> reduced_dimensions(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
+    ['E']
     """
     swept = swept_names(dataset)
     return point_dimensions(dataset) or [name for name in LOADS if name in swept and name in dataset.dims]

@@ -39,7 +39,7 @@ def sweep_faults(dataset: xr.Dataset) -> list[str]:
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> sweep_faults(found), sweep_faults(found.drop_vars("status"))
     ([], ["no whole numbers 'status' from 0 to 4"])
     """

@@ -28,7 +28,7 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> rows = conventional_rows(VerifiedPair.of(read_case("fm-11x41")))
+    >>> rows = conventional_rows(VerifiedPair.of(read_case("nasa-12x36")))
     >>> [row.status.name for row in rows[:2]]
     ['WITHIN', 'WITHIN']
     """
@@ -106,7 +106,7 @@ def smallest_gap_rows(pair: VerifiedPair) -> list[VerificationRow]:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> case = read_case("fm-11x41")
+    >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
     >>> [row.status.name for row in smallest_gap_rows(VerifiedPair.of(case))]
     ['WITHIN']

@@ -45,7 +45,7 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     >>> import easeoff
     >>> from easeoff.cases import LoadCase
     >>> from easeoff.study import analyze_load_cases
-    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=300.0)])
+    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=100.0)])
     >>> len(easeoff.plot.load_cases(tree).axes)
     3
     """
@@ -96,7 +96,7 @@ def sweep(
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> easeoff.plot.pictures(found)
     ('sweep_curves', 'sweep_pattern')
     >>> len(easeoff.plot.sweep(found, "curves", names="max_pressure").axes)
@@ -177,7 +177,7 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
     >>> case = easeoff.read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> history = easeoff.study.wear(case, easeoff.study.WearLaw(1e-12, 1e-12, 1e5), torque=100.0)
+    >>> history = easeoff.study.wear(case, easeoff.study.WearLaw(1e-12, 1e-12, revolutions=1e5), torque=100.0)
     >>> len(easeoff.plot.wear(history, parts=["largest_depth", "max_pressure"]).axes)
     2
     """

@@ -80,7 +80,7 @@ def result_sources(tree: xr.DataTree) -> list[ResultSource]:
     Examples
     --------
     >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=100.0, speed=1500.0)
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=1500.0)
     >>> [(source.role, source.model) for source in result_sources(tree)][1:3]
     [('pair, by its title', 'nasa-12x36'), ('elastic teeth', 'solid shell')]
     """

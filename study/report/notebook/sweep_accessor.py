@@ -33,9 +33,9 @@ class SweepSummary:
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> print(str(found.easeoff.summary()).splitlines()[3])
-    E             2 values from 0 to 0.05 mm
+    E             3 values from 0 to 0.04 mm
     >>> points = found.easeoff.summary().tables["points"]
     >>> points["peak_to_peak [urad]"].tolist() == found["peak_to_peak"].values.ravel().tolist()
     True
@@ -78,7 +78,7 @@ class SweepPlots:
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0])
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
     >>> found.easeoff.plot
     pictures of a sweep: curves, pattern
     """

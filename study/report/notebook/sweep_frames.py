@@ -33,7 +33,7 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
     Examples
     --------
     >>> import easeoff
-    >>> frames = sweep_frames(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
+    >>> frames = sweep_frames(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
     >>> list(frames)[:2], list(frames["points"].index.names)
     (['points', 'percentiles'], ['E [mm]', 'torque [N m]'])
     """

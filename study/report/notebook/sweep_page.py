@@ -19,8 +19,8 @@ def sweep_page(dataset: xr.Dataset) -> str:
     Examples
     --------
     >>> import easeoff
-    >>> page = sweep_page(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
-    >>> "2 values from 0 to 0.05 mm</td>" in page
+    >>> page = sweep_page(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
+    >>> "3 values from 0 to 0.04 mm</td>" in page
     True
     """
     parts = [f"<h4>{html_text(sweep_title(dataset))}</h4>"]

@@ -53,7 +53,7 @@ def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> li
     Examples
     --------
     >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=100.0, speed=10.0)
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=10.0)
     >>> range_notes(tree["friction"].to_dataset())[0].partition(" lies")[0]
     'Note: 100 % of the power loss at 100 N m, 10 1/min, 0.8 um'
     """

@@ -31,7 +31,7 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> torques, errors = misalignment_over_torque(easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle))
+    >>> torques, errors = misalignment_over_torque(easeoff.analyze("nasa-12x36", torques=[100.0], misalignment=axle))
     >>> torques.tolist(), errors[:, 0, 0].tolist()
     ([0.0, 100.0], [0.0, 0.025])
     """
@@ -51,8 +51,10 @@ def misalignment_words(attributes: Mapping[Any, Any]) -> str:
 
     Examples
     --------
-    >>> import easeoff
-    >>> misalignment_words(easeoff.analyze("fm-11x41", torques=100.0).attrs)
+    >>> from easeoff.cases import read_case
+    >>> from easeoff.geometry import Misalignment
+    >>> from easeoff.study import CaseInMesh
+    >>> misalignment_words(CaseInMesh.of(read_case("nasa-12x36"), misalignment=Misalignment(-0.15, 0.12)).attributes)
     'E -0.15 mm, P +0.12 mm'
     """
     return ", ".join(words for words, value in zip(*error_words(attributes), strict=True) if value)
@@ -83,7 +85,7 @@ def deflection_table(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> tree = easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle)
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], misalignment=axle)
     >>> deflection_table(tree).splitlines()[-1].split()
     ['100', '+0.0250', '0', '0', '0']
     """

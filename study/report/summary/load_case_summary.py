@@ -44,7 +44,8 @@ def load_case_summary(tree: xr.DataTree) -> str:
     --------
     >>> from easeoff.cases import LoadCase
     >>> from easeoff.study import analyze_load_cases
-    >>> load_case_summary(analyze_load_cases("nasa-12x36", [LoadCase(torque=100.0)])).splitlines()[3].split()[:4]
+    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=100.0)])
+    >>> load_case_summary(tree).splitlines()[3].split()[:4]
     ['load', 'case', 'flank', 'torque']
     """
     numbers = tree["load_cases"].to_dataset()
