@@ -42,6 +42,12 @@ def refusal_of(*arguments: object) -> str:
     return found.output
 
 
+def text_file(path: Path, text: str) -> Path:
+    """A file with a text."""
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
 def small(name: str = "nasa-12x36", compliance: str | None = None, **contact: Any) -> Case:
     """A shipped case with few mesh positions, segments and nodes; other keys of [contact] by name.
 
@@ -60,9 +66,7 @@ def small_text(name: str = "nasa-12x36", more: str = "") -> str:
 
 def small_file(folder: Path, name: str = "nasa-12x36", more: str = "") -> Path:
     """The file of such a case."""
-    path = folder / f"{name}.toml"
-    path.write_text(small_text(name, more), encoding="utf-8")
-    return path
+    return text_file(folder / f"{name}.toml", small_text(name, more))
 
 
 def analysed(name: str = "nasa-12x36", contact: dict[str, Any] | None = None, **keywords: Any) -> xr.DataTree:

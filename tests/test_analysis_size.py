@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from runs import call, refusal_of
+from runs import call, refusal_of, text_file
 
 import easeoff
 from easeoff import InputError
@@ -122,8 +122,7 @@ def test_studies_refuse_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> No
 def test_commands_refuse_it_and_leave_nothing(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(MEMORY_VARIABLE, "0.5")
     text = easeoff.cases.case_text("nasa-12x36").replace("[contact]", "[contact]\nmesh_positions = 2000")
-    case = tmp_path / "case.toml"
-    case.write_text(text)
+    case = text_file(tmp_path / "case.toml", text)
     torques = ",".join(str(i) for i in range(1, 301))
     said = refusal_of(command, case, "--torque", torques, "-o", tmp_path / "out.nc")
     assert "300 torques x 2000 mesh_positions x 31 segments_per_line: must be smaller" in said
@@ -155,8 +154,7 @@ def test_fine_teeth_say_what_they_take(tmp_path: Path, monkeypatch: pytest.Monke
         raise InputError("begun")
 
     monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", stop)
-    case = tmp_path / "case.toml"
-    case.write_text(easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
+    case = text_file(tmp_path / "case.toml", easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
     said = call("run", case, "-o", tmp_path / "out.nc")
     assert said.output.splitlines()[0] == (
         "elastic teeth with fineness = 2: about 110 s, unless they are kept from an earlier run"

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 import yaml
 from jsonschema import Draft7Validator
-from runs import output_of, refusal_of, small
+from runs import output_of, refusal_of, small, text_file
 
 import easeoff
 from easeoff.cases.writing import case_toml
@@ -175,8 +175,7 @@ def test_works_of_solvers_are_those_of_the_bibliography() -> None:
 
 def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
     """File, listing, exports and citation give the same names and the same pair."""
-    case = tmp_path / "pair.toml"
-    case.write_text(case_toml(small("nasa-12x36", "shell")), encoding="utf-8")
+    case = text_file(tmp_path / "pair.toml", case_toml(small("nasa-12x36", "shell")))
     file, again = tmp_path / "problems.nc", tmp_path / "again.nc"
     output_of("problems", case, "--torque", "150", "--misalignment", "E=0.05", "-o", file)
     names = [f"pair-drive-150-{position}" for position in range(3)]

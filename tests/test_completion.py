@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from runs import call, refusal_of
+from runs import call, refusal_of, text_file
 
 from easeoff.cases import shipped_designs
 
@@ -32,8 +32,7 @@ WORDS
 @pytest.mark.thorough
 @pytest.mark.skipif(BASH is None, reason="no bash here")
 def test_bash_completes_commands_options_and_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    program = tmp_path / "easeoff"
-    program.write_text(PROGRAM.format(python=sys.executable), encoding="utf-8")
+    program = text_file(tmp_path / "easeoff", PROGRAM.format(python=sys.executable))
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     wanted = {

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from runs import text_file
 
 import easeoff
 from easeoff.contact import ContactProblem, write_problems
@@ -130,8 +131,7 @@ def drawn(trap: Path, result: Path) -> dict[str, bytes]:
 def test_a_configuration_in_the_current_folder_changes_no_picture(trap: Path, result: Path) -> None:
     """Neither does one that is no text, or a pipe that nobody writes to."""
     plain = drawn(trap, result)
-    configuration = trap / "matplotlibrc"
-    configuration.write_text(TEX, encoding="utf-8")
+    configuration = text_file(trap / "matplotlibrc", TEX)
     assert drawn(trap, result) == plain
     configuration.write_bytes(b"\xff\xfe\x00")
     assert drawn(trap, result) == plain

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from netCDF4 import Dataset
-from runs import output_of, refusal_of, small_text
+from runs import output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError, read_result
@@ -153,8 +153,7 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: Path, drawn: bool) -> None:
-    path = tmp_path / f"{ESCAPE}.toml"
-    path.write_text(small_text(more=SHELL + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'), encoding="utf-8")
+    path = text_file(tmp_path / f"{ESCAPE}.toml", small_text(more=SHELL + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'))
     said = refused("run", path, "-o", tmp_path / "out.nc")
     assert "?[2J??" in said
     assert "\nfake" not in said
@@ -422,16 +421,14 @@ def grid_text(x: str = "1", rows: int = 3, columns: int = 3, normal: str = "0,0,
     ],
 )
 def test_grids_of_wild_numbers_are_refused(tmp_path: Path, content: str, words: str) -> None:
-    path = tmp_path / "grid.csv"
-    path.write_text(content, encoding="utf-8")
+    path = text_file(tmp_path / "grid.csv", content)
     with pytest.raises(InputError, match=words):
         read_measured_grid(path)
     assert words in refused("correct", "nasa-12x36", "--deviation", f"gear={path}")
 
 
 def test_a_dmis_statement_of_very_many_lines_ends(tmp_path: Path) -> None:
-    path = tmp_path / "grid.dmi"
-    path.write_text("F(CONCAVE$\n" * 500_000, encoding="utf-8")
+    path = text_file(tmp_path / "grid.dmi", "F(CONCAVE$\n" * 500_000)
     with pytest.raises(InputError, match="no measured points"):
         read_measured_grid(path)
 
@@ -441,8 +438,7 @@ def test_a_dmis_statement_of_very_many_lines_ends(tmp_path: Path) -> None:
 
 def test_xml_with_entities_or_deep_nesting_is_refused(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path / "pair.rexs"
-    secret = tmp_path_factory.mktemp("outside") / "secret.txt"
-    secret.write_text("root:secret", encoding="utf-8")
+    secret = text_file(tmp_path_factory.mktemp("outside") / "secret.txt", "root:secret")
     bomb = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "x"><!ENTITY b "&a;&a;">]><model>&b;</model>'
     outside = f'<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a SYSTEM "{secret.as_uri()}">]><model>&a;</model>'
     for content in (
@@ -458,8 +454,7 @@ def test_xml_with_entities_or_deep_nesting_is_refused(tmp_path: Path, tmp_path_f
 
 
 def test_a_script_of_very_many_words_ends(tmp_path: Path) -> None:
-    path = tmp_path / "pair.ses"
-    path.write_text("\n".join(["EXIT " * 9000] * 20), encoding="utf-8")
+    path = text_file(tmp_path / "pair.ses", "\n".join(["EXIT " * 9000] * 20))
     with pytest.raises(InputError, match="hand of the pinion"):
         read_session_script(path)
 
@@ -469,8 +464,7 @@ def test_a_script_of_very_many_words_ends(tmp_path: Path) -> None:
     ["[" * 100_000, "[]", "null", '{"share": 1}', '{"boundary_friction": ' + "9" * 5000 + "}", "\x00"],
 )
 def test_a_formula_that_is_none_is_refused(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "formula.json"
-    path.write_text(content, encoding="utf-8")
+    path = text_file(tmp_path / "formula.json", content)
     with pytest.raises(InputError):
         read_formula(path)
 
@@ -627,8 +621,7 @@ COMMANDS = {
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_asks_for_the_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
     (tmp_path / "away").mkdir()
-    case = tmp_path / "away" / "case.toml"
-    case.write_text(small_text(more=SHELL + FRICTION.format("../mine.toml")), encoding="utf-8")
+    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELL + FRICTION.format("../mine.toml")))
     monkeypatch.chdir(tmp_path)
     assert "--allow-outside" in refused(command, case, *COMMANDS[command])
     said = refused(command, case, *COMMANDS[command], "--allow-outside")  # there is no such oil
@@ -640,8 +633,7 @@ def test_with_the_word_it_is_opened(tmp_path: Path) -> None:
     (tmp_path / "away").mkdir()
     oil = Path(easeoff.__file__).parent / "friction" / "lubricants" / "75w90.toml"
     shutil.copy(oil, tmp_path / "mine.toml")
-    case = tmp_path / "away" / "case.toml"
-    case.write_text(small_text(more=SHELL + FRICTION.format("../mine.toml")), encoding="utf-8")
+    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELL + FRICTION.format("../mine.toml")))
     table = read_case(case, allow_outside=True).friction
     assert table is not None
     assert table.operation().lubricant.name == "mine"

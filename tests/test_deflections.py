@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import output_of, read_only, refusal_of, small
+from runs import output_of, read_only, refusal_of, small, text_file
 
 import easeoff
 from easeoff.cases import Case, Deflections, LoadCase, case_text, case_toml, parse_case, read_deflections
@@ -166,8 +166,7 @@ def test_what_the_table_cannot_say_is_refused() -> None:
 
 
 def test_reads_a_file_and_writes_a_case(tmp_path: Path, case: Case) -> None:
-    file = tmp_path / "axle.csv"
-    file.write_text(TABLE)
+    file = text_file(tmp_path / "axle.csv", TABLE)
     found = read_deflections(file)
     assert found.at(300.0) == Misalignment(0.05, -0.03)
     assert found.at(50.0, "coast") == Misalignment(-0.04, 0.01)
@@ -201,8 +200,7 @@ def test_reads_a_file_and_writes_a_case(tmp_path: Path, case: Case) -> None:
     ],
 )
 def test_files_with_mistakes_are_refused(text: str, message: str, tmp_path: Path) -> None:
-    file = tmp_path / "axle.csv"
-    file.write_text(text)
+    file = text_file(tmp_path / "axle.csv", text)
     with pytest.raises(InputError, match=message) as error:
         read_deflections(file)
     assert "axle.csv" in str(error.value)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
+from runs import text_file
 
 import easeoff
 from easeoff import InputError
@@ -50,8 +51,7 @@ def table(values: NDArray[np.float64], mark: str = ";", point: str = ",", **ways
 
 @pytest.mark.parametrize(("mark", "point"), [(";", ","), (";", "."), ("\t", ","), (",", "."), (", ", "."), ("  ", ",")])
 def test_a_table_is_read_with_any_separator(mark: str, point: str, tmp_path: Path) -> None:
-    path = tmp_path / "gear.csv"
-    path.write_text(table(VALUES, mark, point), encoding="utf-8")
+    path = text_file(tmp_path / "gear.csv", table(VALUES, mark, point))
     assert read_measured_grid(path, pair().gear).equals(grid())
 
 
@@ -68,8 +68,7 @@ def test_a_table_is_read_with_any_separator(mark: str, point: str, tmp_path: Pat
 def test_the_comments_say_how_a_table_lies(
     rows: str, columns: str, written: NDArray[np.float64], tmp_path: Path
 ) -> None:
-    path = tmp_path / "gear.csv"
-    path.write_text(table(written, rows=rows, columns=columns), encoding="utf-8")
+    path = text_file(tmp_path / "gear.csv", table(written, rows=rows, columns=columns))
     found = flank_deviations(pair(), {"gear": path})["gear"]
     expected = flank_deviation(grid(), pair().gear)
     np.testing.assert_array_equal(found.value, expected.value)
@@ -77,8 +76,7 @@ def test_the_comments_say_how_a_table_lies(
 
 
 def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
-    path = tmp_path / "gear.csv"
-    path.write_text("# margin_toe_mm: 5,5\n" + table(VALUES / 100.0, deviation_unit="mm"), encoding="utf-8")
+    path = text_file(tmp_path / "gear.csv", "# margin_toe_mm: 5,5\n" + table(VALUES / 100.0, deviation_unit="mm"))
     found = read_measured_grid(path, pair().gear)
     np.testing.assert_allclose(found["deviation"].values[0], np.round(VALUES / 100.0, 2) * 1e3)
     assert found.attrs["margin_toe_mm"] == 5.5
@@ -102,15 +100,13 @@ def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_tables_that_could_mean_something_else_are_refused(text: str, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "gear.csv"
-    path.write_text(text, encoding="utf-8")
+    path = text_file(tmp_path / "gear.csv", text)
     with pytest.raises(InputError, match=words):
         read_measured_grid(path, pair().gear)
 
 
 def test_a_table_of_the_other_flank_is_read_there_and_refused_here(tmp_path: Path) -> None:
-    path = tmp_path / "gear.txt"
-    path.write_text(table(VALUES, flank="concave"), encoding="utf-8")
+    path = text_file(tmp_path / "gear.txt", table(VALUES, flank="concave"))
     found = read_measured_grid(path, pair().gear)
     assert found["flank"].values.tolist() == ["concave"]
     assert flank_deviation(found, pair().gear.from_opposite).value.shape == (9, 5)

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from friction_studies import stored_studies
+from runs import text_file
 
 from easeoff import EaseoffError, InputError
 from easeoff.friction import ContactConditions
@@ -419,16 +420,14 @@ def test_formula_has_no_number_where_an_input_is_none(place: int) -> None:
 
 @pytest.mark.parametrize("content", ["[]", "3", "null", "{}", "{", '"a"'])
 def test_file_that_is_no_formula_is_refused(content: str, tmp_path: Path) -> None:
-    path = tmp_path / "x.json"
-    path.write_text(content)
+    path = text_file(tmp_path / "x.json", content)
     refused(r"x\.json is not a friction formula", lambda: read_formula(path))
 
 
 @pytest.mark.parametrize("name", ["share", "film", "lowest", "ratios", "oil", "boundary_friction", "regimes"])
 @pytest.mark.parametrize("value", [None, [1.0, 2.0, 3.0], "a"])
 def test_formula_with_a_wrong_shape_inside_is_refused(name: str, value: Any, tmp_path: Path) -> None:
-    path = tmp_path / "x.json"
-    path.write_text(json.dumps(json.loads(FORMULA_FILE.read_text()) | {name: value}))
+    path = text_file(tmp_path / "x.json", json.dumps(json.loads(FORMULA_FILE.read_text()) | {name: value}))
     refused(r"x\.json is not a friction formula", lambda: read_formula(path))
 
 

@@ -12,6 +12,7 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from runs import text_file
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, export_problems, read_labels, read_problems, write_problems
@@ -116,8 +117,7 @@ def test_writing_replaces_the_file(tmp_path: Path) -> None:
 def test_files_from_elsewhere_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_problems(tmp_path / "missing.nc")
-    text = tmp_path / "text.nc"
-    text.write_text("not a netCDF file")
+    text = text_file(tmp_path / "text.nc", "not a netCDF file")
     with pytest.raises(InputError, match="not a netCDF file"):
         read_problems(text)
     other = tmp_path / "other.nc"

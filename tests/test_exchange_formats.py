@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import qpsolvers
 import scipy.io
-from runs import output_of, refusal_of
+from runs import output_of, refusal_of, text_file
 from scipy.sparse import csc_array, csr_array
 
 from easeoff import InputError
@@ -237,8 +237,7 @@ def test_qps_file_from_elsewhere_in_either_triangle(tmp_path: Path) -> None:
     ],
 )
 def test_qps_files_of_other_programmes_are_refused(tmp_path: Path, change: Any, words: str) -> None:
-    path = tmp_path / "other.qps"
-    path.write_text(change(QPS))
+    path = text_file(tmp_path / "other.qps", change(QPS))
     with pytest.raises(InputError, match=words) as found:
         read_qps(path)
     assert str(path) in str(found.value)

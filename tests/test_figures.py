@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,7 @@ from matplotlib.image import imread
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from pages import drawn_pages, drawn_result
-from runs import output_of, refusal_of, small
+from runs import output_of, refusal_of, small, text_file
 
 import easeoff
 from easeoff import InputError, plot
@@ -80,17 +78,6 @@ def test_every_picture_of_a_result_is_a_public_function(tree: xr.DataTree) -> No
         assert title == tree.attrs["title"]
     counts = {"ease_off": 1, "contact_pattern": 6, "pressure": 6, "transmission_error": 4, "load_sharing": 3}
     assert {name: len(panels(pages[name])) for name in counts} == counts
-
-
-def test_plot_is_loaded_at_first_use_and_loads_matplotlib_when_it_draws() -> None:
-    """And what draws keeps no state of matplotlib."""
-    code = (
-        "import sys, easeoff; assert 'easeoff.study.plot' not in sys.modules; "
-        "easeoff.plot.pressure; assert 'matplotlib' not in sys.modules; "
-        "from easeoff import plot; assert plot is easeoff.plot; "
-        "import easeoff.study.plot.pressure_chart; assert 'matplotlib.pyplot' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 @pytest.mark.parametrize(
@@ -374,8 +361,7 @@ def test_files_are_named_after_case_and_flank(tree: xr.DataTree, tmp_path: Path)
     assert file_prefix(xr.DataTree(xr.Dataset(attrs=older))) == "12x36-drive"
     for name, expected in (("../../etc/x y", "etc_x_y"), ("-.", "result"), ("Größe", "Größe"), ("a" * 200, "a" * 80)):
         assert file_prefix(xr.Dataset(attrs={"case_name": name})) == expected
-    own = tmp_path / "my axle.toml"
-    own.write_text(easeoff.cases.case_text("nasa-12x36"), encoding="utf-8")
+    own = text_file(tmp_path / "my axle.toml", easeoff.cases.case_text("nasa-12x36"))
     assert easeoff.read_case(own).name == "my axle"
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import small
+from runs import small, text_file
 
 import easeoff
 from easeoff import GeometryError, InputError
@@ -306,8 +306,7 @@ def test_store_survives_damage_and_a_folder_that_cannot_be_written(
     monkeypatch.setenv(store.FOLDER_VARIABLE, "")
     store.kept(key, shapes, make)
     assert len(calls) == made + 1
-    blocked = tmp_path / "file"
-    blocked.write_text("")
+    blocked = text_file(tmp_path / "file", "")
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(blocked))
     with pytest.warns(UserWarning, match="not kept"):
         assert store.kept(key, shapes, make)["a"].size == 3

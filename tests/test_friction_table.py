@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import output_of, read_only, small_text
+from runs import output_of, read_only, small_text, text_file
 
 import easeoff
 from easeoff import InputError
@@ -34,9 +34,7 @@ TEXT = case_text("nasa-12x36") + TABLE
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("case") / "mine.toml"
-    path.write_text(small_text(more=SHELLS + TABLE), encoding="utf-8")
-    return path
+    return text_file(tmp_path_factory.mktemp("case") / "mine.toml", small_text(more=SHELLS + TABLE))
 
 
 def result(file: Path, *options: str) -> xr.DataTree:

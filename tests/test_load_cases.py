@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, output_of, refusal_of, small
+from runs import call, output_of, refusal_of, small, text_file
 
 import easeoff
 from easeoff import GeometryError, InputError, read_case
@@ -194,8 +194,7 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
     ],
 )
 def test_options_that_load_cases_have_themselves_are_refused(tmp_path: Path, words: list[str], said: str) -> None:
-    table = tmp_path / "duty.csv"
-    table.write_text("torque\n100\n")
+    table = text_file(tmp_path / "duty.csv", "torque\n100\n")
     assert said in refusal_of("run", "nasa-12x36", "--load-cases", table, "-o", tmp_path / "out.nc", *words)
 
 
@@ -228,9 +227,7 @@ cruise,100,2500,0.9
 
 
 def table(folder: Path, text: str) -> Path:
-    path = folder / "duty.csv"
-    path.write_text(text, encoding="utf-8")
-    return path
+    return text_file(folder / "duty.csv", text)
 
 
 def message(folder: Path, text: str) -> str:

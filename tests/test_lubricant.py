@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import output_of, refusal_of
+from runs import output_of, refusal_of, text_file
 
 from easeoff import InputError
 from easeoff.friction import Lubricant, available_lubricants, data_sheet_lubricant, lubricant, write_lubricant
@@ -311,8 +311,7 @@ pressure_viscosity = [20, 12]
 
 
 def test_an_oil_of_ones_own(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(GOOD + "density = [900, 860]\nthermal_conductivity = 0.13\n", encoding="utf-8")
+    path = text_file(tmp_path / "mine.toml", GOOD + "density = [900, 860]\nthermal_conductivity = 0.13\n")
     oil = lubricant(path)
     assert oil.name == "mine"
     state = oil.at(50.0)
@@ -345,8 +344,7 @@ def test_an_oil_of_ones_own(tmp_path: Path) -> None:
     ],
 )
 def test_a_file_that_is_no_oil(tmp_path: Path, text: str, message: str) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_text(text, encoding="utf-8")
+    path = text_file(tmp_path / "bad.toml", text)
     with pytest.raises(InputError, match=message):
         lubricant(path)
 

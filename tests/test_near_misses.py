@@ -12,7 +12,7 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, output_of, refusal_of, small_file
+from runs import call, output_of, refusal_of, small_file, text_file
 
 import easeoff
 from easeoff import InputError
@@ -206,8 +206,7 @@ def test_a_negative_torque_points_to_the_coast_flanks(command: str, tmp_path: Pa
 
 
 def test_a_negative_torque_of_a_load_case_points_to_its_flank(tmp_path: Path) -> None:
-    table = tmp_path / "duty.csv"
-    table.write_text("torque,flank\n100,drive\n-80,drive\n", encoding="utf-8")
+    table = text_file(tmp_path / "duty.csv", "torque,flank\n100,drive\n-80,drive\n")
     with pytest.raises(InputError, match=r'line 3, torque = -80\.0: must be at least .*; flank = "coast"'):
         read_load_cases(table)
     table.write_text("torque\n0\n", encoding="utf-8")

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from runs import output_of, refusal_of, small_text
+from runs import output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError
@@ -27,8 +27,7 @@ def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "here" / "oils").mkdir(parents=True)
     (tmp_path / "away").mkdir()
     (tmp_path / "here" / "oils" / "mine.toml").write_text(OWN, encoding="utf-8")
-    path = tmp_path / "here" / "case.toml"
-    path.write_text(small_text(more=SHELLS + TABLE), encoding="utf-8")
+    path = text_file(tmp_path / "here" / "case.toml", small_text(more=SHELLS + TABLE))
     monkeypatch.chdir(tmp_path / "away")
     return path
 
@@ -116,8 +115,7 @@ def test_a_design_hands_its_oil_on(case: Path, monkeypatch: pytest.MonkeyPatch) 
     """A design without ease-off, which is fitted at once; the pair that comes out is not checked."""
     text = re.sub(r"^(\w+_crowning|bias|\w+_error) = .*$", r"\1 = 0.0", design_text("fh-12x41-45"), flags=re.MULTILINE)
     text = text.replace("follow_root = true", "follow_root = false") + SHELLS + TABLE
-    design = case.with_name("design.toml")
-    design.write_text(text, encoding="utf-8")
+    design = text_file(case.with_name("design.toml"), text)
     assert oil_of(read_design(design).friction) == "mine"
     assert oil_of(parse_design(text, folder=design.parent).friction) == "mine"
     monkeypatch.setattr(case_design, "checked_design", lambda _, designed: DesignReport(designed.blank, {}, ()))

@@ -1,4 +1,4 @@
-"""Session scripts: what is read, what is said about the rest, and the flanks against the program's own chain."""
+"""Session scripts of another program: what is read, what is said of the rest, and its own chain of joints beside it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from session_chain import chain, flank_points, straight
+from runs import text_file
+from session_chain import chain, curved, flank_points, straight
 
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_session_script
@@ -99,8 +100,7 @@ def with_extras(member: str, extras: Machine) -> dict[str, dict[str, Machine]]:
 
 
 def read(text: str, folder: Path) -> tuple[Case, list[str]]:
-    path = folder / "pair.ses"
-    path.write_text(text, encoding="utf-8")
+    path = text_file(folder / "pair.ses", text)
     return read_session_script(path)
 
 
@@ -299,3 +299,27 @@ def test_files_that_are_no_script(tmp_path: Path) -> None:
     for name, words in (("binary.ses", "cannot be read"), ("none.ses", "there is no such file")):
         with pytest.raises(InputError, match=words):
             read_session_script(tmp_path / name)
+
+
+# Flanks cut by a curved blade, read from a session script, against that program's own chain of joints
+
+
+@pytest.mark.parametrize("hand", ["LEFT", "RIGHT"])
+@pytest.mark.parametrize("flank", ["CONCAVE", "CONVEX"])
+@pytest.mark.parametrize("member", ["PINION", "GEAR"])
+@pytest.mark.parametrize("radius", [300.0, 900.0])
+@pytest.mark.quick(4)
+def test_curved_blades_cut_the_flanks_of_the_programs_own_chain(
+    member: str, flank: str, hand: str, radius: float, tmp_path: Path
+) -> None:
+    machines = with_extras(member, PINION_EXTRAS if member == "PINION" else GEAR_EXTRAS)
+    blade = {"TYPE": "CURVED", "RHO": radius, "EDGERADIUS": 0.5}
+    cutters: dict[str, dict[str, dict[str, Any]]] = {
+        name: {side: dict(values) | (blade if (name, side) == (member, flank) else {}) for side, values in both.items()}
+        for name, both in CUTTERS.items()
+    }
+    case, _ = read(script(hand, machines, cutters=cutters), tmp_path)
+    edge = curved(cutters[member][flank], flank)
+    points = points_of(case, member, flank)
+    theirs = flank_points(member, hand, machines[member][flank], edge, points)
+    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-9)

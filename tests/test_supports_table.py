@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from runs import text_file
 
 from easeoff.cases import (
     case_text,
@@ -231,8 +232,7 @@ def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
         read_supports("fm-11x41")
     with pytest.raises(InputError, match=r"there is no such file, and the shipped supports are: axle-fm-11x41"):
         read_supports("axle")
-    path = tmp_path / "mine.toml"
-    path.write_text('easeoff_support = 1\ntitle = "mine"\n[supports.pinion]\nseat = 3\n')
+    path = text_file(tmp_path / "mine.toml", 'easeoff_support = 1\ntitle = "mine"\n[supports.pinion]\nseat = 3\n')
     with pytest.raises(InputError, match=r"mine.toml has 2? ?a? ?mistake"):
         read_supports(path)
 

@@ -21,7 +21,7 @@ import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from runs import call, output_of, read_only, refusal_of, small
+from runs import call, output_of, read_only, refusal_of, small, text_file
 from sweeps import CASE, RADIAL, SETTING, analyse_points_once, case_file
 
 import easeoff
@@ -93,11 +93,10 @@ def test_every_point_of_a_grid_is_its_analysis() -> None:
 
 def test_every_load_case_is_its_analysis(tmp_path: Path) -> None:
     """Also where load cases have the assembly in common, at a torque each, with friction."""
-    table = tmp_path / "loads.csv"
-    table.write_text(
+    table = text_file(
+        tmp_path / "loads.csv",
         "# a duty cycle\nname,torque,E,speed,share\n"
         "first,100,0.05,1000,0.5\nsecond,300,0,500,0.2\nthird,300,0.05,2000,0.3\n",
-        encoding="utf-8",
     )
     found = sweep(CASE, load_cases=table, temperature=60.0, workers=1, edge_contact=False)
     assert found["peak_to_peak"].dims == ("load_case",)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, output_of, refusal_of
+from runs import call, output_of, refusal_of, text_file
 from sweeps import CASE, SETTING, analyse_points_once, case_file
 
 from easeoff import InputError, plot
@@ -159,9 +159,8 @@ def test_a_table_of_load_cases_opens_no_file_outside_its_folder(folder: Path) ->
 
 
 def test_one_table_is_read_by_an_analysis_and_by_a_sweep(tmp_path: Path) -> None:
-    table = tmp_path / "duty.csv"
-    table.write_text(
-        '"torque"\tname\tE\tshare\n"100,5"\tcruise\t0,05\t2\n# low\n50\tclimb\t-0,01\t1\n', encoding="utf-8"
+    table = text_file(
+        tmp_path / "duty.csv", '"torque"\tname\tE\tshare\n"100,5"\tcruise\t0,05\t2\n# low\n50\tclimb\t-0,01\t1\n'
     )
     rows = read_load_cases(table)
     found = sweep(CASE, load_cases=table, workers=1)

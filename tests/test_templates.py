@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from pydantic import BaseModel
-from runs import output_of, refusal_of
+from runs import output_of, refusal_of, text_file
 
 import easeoff
 from easeoff.cases import (
@@ -184,8 +184,7 @@ def test_processes_are_those_that_they_are_called_by() -> None:
 
 
 def test_an_oil_has_every_key_and_is_the_shipped_one(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(template("oil", "pao-vg100"), encoding="utf-8")
+    path = text_file(tmp_path / "mine.toml", template("oil", "pao-vg100"))
     assert {key[2] for line in path.read_text().splitlines() if (key := KEY.match(line))} == KEYS
     for temperature in (40.0, 90.0):
         states = [lubricant(name).at(temperature).viscosity for name in (path, "pao-vg100")]
@@ -193,8 +192,7 @@ def test_an_oil_has_every_key_and_is_the_shipped_one(tmp_path: Path) -> None:
 
 
 def test_load_cases_have_every_column_and_the_torques_of_the_case(tmp_path: Path) -> None:
-    path = tmp_path / "duty.csv"
-    path.write_text(template("load-cases", "nasa-12x36"), encoding="utf-8")
+    path = text_file(tmp_path / "duty.csv", template("load-cases", "nasa-12x36"))
     found = read_load_cases(path)
     assert [one.torque for one in found] == list(read_case("nasa-12x36").contact.torques)
     given = set().union(*(one.model_fields_set for one in found))
@@ -247,8 +245,7 @@ def test_a_design_makes_a_case(name: str) -> None:
 def test_supports_hold_the_pair_that_they_are_of(tmp_path: Path) -> None:
     for case in ("fm-11x41", "nasa-12x36"):
         (name,) = (one for one in TEMPLATE_KINDS["supports"].names() if case in one)
-        path = tmp_path / f"{name}-mine.toml"
-        path.write_text(template("supports", name), encoding="utf-8")
+        path = text_file(tmp_path / f"{name}-mine.toml", template("supports", name))
         assert with_supports(read_case(case), path).supports == read_supports(name)
 
 

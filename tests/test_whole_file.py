@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import refusal_of
+from runs import refusal_of, text_file
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
@@ -67,8 +67,7 @@ def test_the_temporary_file_is_in_a_folder_for_its_owner_alone_with_another_name
 
 
 def test_a_link_as_target_is_replaced_and_what_it_points_to_stays(tmp_path: Path) -> None:
-    precious = tmp_path / "precious"
-    precious.write_text("precious", encoding="utf-8")
+    precious = text_file(tmp_path / "precious", "precious")
     for link, goal in ((tmp_path / "a.txt", precious), (tmp_path / "b.txt", tmp_path / "nothing")):
         link.symlink_to(goal)
         write(link)
@@ -94,8 +93,7 @@ def test_a_new_file_has_the_mode_of_any_new_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("before", [0o600, 0o640, 0o664, 0o666, 0o755])
 def test_a_replaced_file_keeps_its_mode(tmp_path: Path, before: int) -> None:
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
     path.chmod(before)
     write(path)
     assert mode(path) == before
@@ -104,8 +102,7 @@ def test_a_replaced_file_keeps_its_mode(tmp_path: Path, before: int) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only the administrator gives files away")
 def test_a_replaced_file_keeps_its_owner_and_group(tmp_path: Path) -> None:
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
     os.chown(path, 1234, 4321)
     path.chmod(0o640)
     write(path)
@@ -117,8 +114,7 @@ def test_a_group_that_cannot_be_kept_gets_no_more_than_everybody(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As of a file of another group in a shared folder: the group of its writer must not read what it could not."""
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
     path.chmod(0o664)
 
     def refused(*_: object) -> None:
@@ -130,16 +126,14 @@ def test_a_group_that_cannot_be_kept_gets_no_more_than_everybody(
 
     status = Foreign(path.lstat())
     monkeypatch.setattr(os, "chown", refused)
-    new = tmp_path / "new.txt"
-    new.write_text("new", encoding="utf-8")
+    new = text_file(tmp_path / "new.txt", "new")
     monkeypatch.setattr(Path, "lstat", lambda _: status)
     permissions.take_over_permissions(new, path)
     assert stat.S_IMODE(os.stat(new).st_mode) == 0o644
 
 
 def test_an_access_list_is_kept_and_none_is_inherited(tmp_path: Path) -> None:
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
     # Version 2: owner rw-, user 1234 rw-, group r--, mask rw-, others ---.
     entries = ((1, 6, 2**32 - 1), (2, 6, 1234), (4, 4, 2**32 - 1), (16, 6, 2**32 - 1), (32, 0, 2**32 - 1))
     packed = b"".join(
@@ -154,8 +148,7 @@ def test_an_access_list_is_kept_and_none_is_inherited(tmp_path: Path) -> None:
         pytest.skip("no access lists in this file system")
     write(path)
     assert os.getxattr(path, permissions.ACCESS_LIST) == value
-    plain = tmp_path / "plain.txt"
-    plain.write_text("old", encoding="utf-8")
+    plain = text_file(tmp_path / "plain.txt", "old")
     os.setxattr(tmp_path, "system.posix_acl_default", value)
     write(plain)
     assert permissions.ACCESS_LIST not in os.listxattr(plain)
@@ -171,8 +164,7 @@ STEPS = ("mkdir", "open", "chmod", "fsync", "replace")
 def test_a_fault_at_any_step_is_one_message_and_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, fault: int
 ) -> None:
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
 
     def fail(*_: object, **__: object) -> None:
         raise OSError(fault, os.strerror(fault))
@@ -307,8 +299,7 @@ end()
     "step", ["open", "lock", "before", "after", "chmod", "fsync", "replace", "rmdir", "last", "end"]
 )
 def test_what_a_killed_process_left_is_removed_by_the_next_one(tmp_path: Path, step: str) -> None:
-    path = tmp_path / "x.txt"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.txt", "old")
     done = subprocess.run([sys.executable, "-c", KILLED, step, str(path)], capture_output=True, check=False)
     assert done.returncode == -signal.SIGKILL, done.stderr
     assert path.read_text(encoding="utf-8") == ("half" if step in ("rmdir", "last", "end") else "old")
@@ -523,8 +514,7 @@ def test_another_users_file_in_a_shared_folder_is_refused_before_the_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In a folder such as ``/tmp`` only the owner can replace it, although everybody may write to it."""
-    path = tmp_path / "x.nc"
-    path.write_text("old", encoding="utf-8")
+    path = text_file(tmp_path / "x.nc", "old")
     path.chmod(0o666)
     tmp_path.chmod(0o1777)
     monkeypatch.setattr(os, "geteuid", lambda: path.stat().st_uid + 1)
