@@ -9,9 +9,12 @@ import select
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+
+import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PATIENCE = 120.0  # [s] for one answer: not a measure of anything, only an end of waiting for a browser that hangs
@@ -20,6 +23,16 @@ PATIENCE = 120.0  # [s] for one answer: not a measure of anything, only an end o
 def chromium() -> str | None:
     """Path of a Chromium, or ``None``."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+def opened(page: Path) -> Iterator[Browser]:
+    """A browser with a page, on which nothing may fail; the test is skipped where there is no Chromium."""
+    if chromium() is None:
+        pytest.skip("no Chromium: apt-get install chromium")
+    with Browser() as browser:
+        browser.open(page)
+        yield browser
+        assert browser.errors == []
 
 
 class Browser:

@@ -6,11 +6,14 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from easeoff.cases import Case, read_case
 from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.geometry import (
     Assembly,
     Blade,
+    BlankDesign,
     BlankSection,
     GearPair,
     GeneratingSurface,
@@ -29,6 +32,40 @@ def by_the_dissertation(name: str, **contact: Any) -> Case:
         update={"compliance": ComplianceTable(model="shell"), "contact": case.contact.model_copy(update=update)}
     )
 
+
+# Basic data of a face-milled 11 x 41 hypoid pair by ISO 23509 Method 1.
+MILLED = BlankDesign(
+    method=1,
+    process="face_milled",
+    number_of_teeth=(11, 41),
+    hypoid_offset=20.0,
+    mean_spiral_angle=math.radians(40.5),
+    gear_outer_pitch_diameter=211.8355,
+    gear_face_width=33.3,
+    cutter_radius=95.25,
+    nominal_drive_pressure_angle=math.radians(20.0),
+    nominal_coast_pressure_angle=math.radians(20.0),
+    limit_pressure_angle_influence=1.0,
+    gear_mean_addendum_factor=0.2,
+    depth_factor=2.0,
+    clearance_factor=0.125,
+    thickness_factor=0.1,
+    depth_taper="modified_slot_width",
+)
+# A generated flank with all motions, and places on it: angles of cutter and cradle [rad].
+GENERATED = MachineSettings(
+    radial_distance=75.0,
+    cradle_angle=1.1,
+    machine_root_angle=0.3,
+    work_offset=4.0,
+    sliding_base=0.7,
+    machine_center_to_crossing_point=-1.1,
+    cutter_tilt=0.15,
+    cutter_swivel=-0.4,
+    ratio_of_roll=3.2,
+    modified_roll=(0.02, -0.03),
+)
+PARAMETERS = np.array([[-2.1, -2.0, -1.9, -2.3], [-0.1, 0.0, 0.15, 0.3]])
 
 # A face-milled 11 x 41 hypoid pair with offset 20 and a Formate gear: rounded ISO 23509 Method 1 blanks.
 PINION_BLANK = BlankSection(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -46,6 +47,13 @@ def text_file(path: Path, text: str) -> Path:
     """A file with a text."""
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def replaced(text: str, pattern: str, replacement: str) -> str:
+    """A text in which a pattern, which is there, is replaced once."""
+    text, count = re.subn(pattern, replacement, text, count=1, flags=re.MULTILINE)
+    assert count == 1
+    return text
 
 
 def small(name: str = "nasa-12x36", compliance: str | None = None, **contact: Any) -> Case:

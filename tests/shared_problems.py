@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.contact import ContactProblem, Material, ModalBasis, WeberLineContact, with_shared_modes
+from easeoff.contact import STEEL, ContactProblem, Material, ModalBasis, WeberLineContact, with_shared_modes
 from easeoff.contact.problem.modal_basis import basis_of_blocks
 
 Array = NDArray[np.float64]
@@ -91,11 +91,11 @@ def basis_of(problem: ContactProblem) -> ModalBasis:
     return problem.modal_basis
 
 
-def line_contact_of(size: int, seed: int) -> WeberLineContact:
-    """Line contacts of a number of segments, some beyond an edge."""
+def line_contact_of(size: int, seed: int, *, edges: bool = True) -> WeberLineContact:
+    """Line contacts of a number of segments, some beyond an edge unless there are none."""
     rng = np.random.default_rng([21, seed])
-    overhang = np.where(rng.random(size) < 0.2, rng.uniform(-0.3, 0.1, size), np.nan)
+    overhang = np.where(edges & (rng.random(size) < 0.2), rng.uniform(-0.3, 0.1, size), np.nan)
     length, radius = rng.uniform(0.5, 1.5, size), rng.uniform(20.0, 80.0, size)
     pinion, gear = rng.uniform(1.0, 4.0, (2, size))
-    steel, bronze = Material(206000.0, 0.3), Material(110000.0, 0.25)
-    return WeberLineContact(length, radius, pinion, gear, steel, bronze, 0.14, overhang=overhang)
+    bronze = Material(110000.0, 0.25)
+    return WeberLineContact(length, radius, pinion, gear, STEEL, bronze, 0.14, overhang=overhang)

@@ -1,4 +1,4 @@
-"""Which solvers a test tries, what they must reach, and what they say before anybody judges it."""
+"""Which solvers a test tries, on what form of a problem, what they must reach, and what they say unjudged."""
 
 from __future__ import annotations
 
@@ -49,6 +49,11 @@ def installed(name: str) -> str:
     if name not in available_solvers():
         pytest.skip(f"{name} is not installed")
     return name
+
+
+def dense(problem: ContactProblem) -> ContactProblem:
+    """The same problem with its matrix, whatever it was made of."""
+    return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
 def adapter(name: str) -> Any:

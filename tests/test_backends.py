@@ -21,6 +21,7 @@ from solver_choice import (
     NEARLY_SINGULAR,
     POLISHED_AGREEMENT,
     answer_of,
+    dense,
     installed,
     rotation_and_gap,
 )
@@ -190,10 +191,6 @@ def translations(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
     monkeypatch.setattr(cvxpy_programme, "ParametrisedProgramme", Counted)
     monkeypatch.setattr(cvxpy_programme, "_shelf", type(cvxpy_programme._shelf)())
     return made
-
-
-def dense(problem: ContactProblem) -> ContactProblem:
-    return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
 def mesh_cycle() -> Iterator[ContactProblem]:

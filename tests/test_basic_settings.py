@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from pairs import MILLED
 
 from easeoff import GeometryError
 from easeoff.geometry import (
@@ -28,24 +29,6 @@ from easeoff.geometry.pair.gear_pair import _left_by_cutter
 from easeoff.geometry.pair.tooth_body import tooth_body
 from easeoff.geometry.vectors import rotate_z
 
-MILLED = BlankDesign(
-    method=1,
-    process="face_milled",
-    number_of_teeth=(11, 41),
-    hypoid_offset=20.0,
-    mean_spiral_angle=math.radians(40.5),
-    gear_outer_pitch_diameter=211.8355,
-    gear_face_width=33.3,
-    cutter_radius=95.25,
-    nominal_drive_pressure_angle=math.radians(20.0),
-    nominal_coast_pressure_angle=math.radians(20.0),
-    limit_pressure_angle_influence=1.0,
-    gear_mean_addendum_factor=0.2,
-    depth_factor=2.0,
-    clearance_factor=0.125,
-    thickness_factor=0.1,
-    depth_taper="modified_slot_width",
-)
 HOBBED = replace(
     MILLED,
     method=3,

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, conjugate_pair
+from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, GENERATED, conjugate_pair
 from scipy.optimize import brentq
-from test_face_hobbing import GENERATED, GROUPS
+from test_face_hobbing import GROUPS
 
 from easeoff import InputError
 from easeoff.cases import case_text, gear_pair, parse_case, read_case

@@ -11,18 +11,13 @@ import pytest
 from case_strategies import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from runs import replaced
 
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
 from easeoff.geometry import pair_geometry
 
 NASA = case_text("nasa-12x36")
-
-
-def changed(pattern: str, replacement: str) -> str:
-    text, count = re.subn(pattern, replacement, NASA, count=1, flags=re.MULTILINE)
-    assert count == 1
-    return text
 
 
 @pytest.mark.parametrize("name", shipped_cases())
@@ -52,7 +47,7 @@ def test_a_case_shows_itself_in_a_few_lines() -> None:
 
 def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
     case = parse_case(
-        changed(r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\nmodified_roll_6d = 0.6")
+        replaced(NASA, r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\nmodified_roll_6d = 0.6")
     )
     settings = gear_pair(case).pinion.loaded.settings
     assert settings.cradle_angle == pytest.approx(math.radians(63.9420304635))
@@ -60,7 +55,8 @@ def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
 
 
 def test_motions_arrive_as_polynomial_coefficients() -> None:
-    text = changed(
+    text = replaced(
+        NASA,
         r"^\[pinion.concave.cutter\]$",
         "[pinion.concave.machine.motions]\nsliding_base = [1.2, -0.6]\ncutter_tilt = [2.0]\n\n[pinion.concave.cutter]",
     )
@@ -169,7 +165,7 @@ MISTAKES = {
 def test_mistakes_name_key_value_and_what_is_allowed(name: str) -> None:
     pattern, replacement, words = MISTAKES[name]
     with pytest.raises(InputError) as caught:
-        parse_case(changed(pattern, replacement), "mycase.toml")
+        parse_case(replaced(NASA, pattern, replacement), "mycase.toml")
     message = str(caught.value)
     assert "mycase.toml" in message
     for word in words:
@@ -179,7 +175,7 @@ def test_mistakes_name_key_value_and_what_is_allowed(name: str) -> None:
 
 
 def test_whole_numbers_are_numbers() -> None:
-    case = parse_case(changed(r"^torques = .*$", "torques = [50, 150]"))
+    case = parse_case(replaced(NASA, r"^torques = .*$", "torques = [50, 150]"))
     assert case.contact.torques == (50.0, 150.0)
 
 
@@ -225,7 +221,7 @@ def test_a_case_with_the_loaded_flanks_alone_runs() -> None:
 
 
 def test_settings_with_no_tooth_in_the_blank() -> None:
-    case = parse_case(changed(r"^machine_root_angle = .*$", "machine_root_angle = 100.0"))
+    case = parse_case(replaced(NASA, r"^machine_root_angle = .*$", "machine_root_angle = 100.0"))
     with pytest.raises(GeometryError, match="no tooth in this blank"):
         pair_geometry(gear_pair(case), (9, 7))
 

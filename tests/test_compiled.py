@@ -13,10 +13,11 @@ import kernels
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from shared_problems import line_contact_of
 
 import easeoff
 from easeoff import InputError
-from easeoff.contact import STEEL, ContactProblem, Material, Status, WeberLineContact, solve, solve_many
+from easeoff.contact import ContactProblem, Status, solve, solve_many
 from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.modal_basis import modal_basis
@@ -235,15 +236,6 @@ def test_proof_is_on_the_factor_as_given() -> None:
 # Line contact
 
 
-def contact_of(size: int, seed: int, *, edges: bool) -> WeberLineContact:
-    rng = np.random.default_rng(seed)
-    overhang = np.where(edges & (rng.random(size) < 0.2), rng.uniform(-0.3, 0.1, size), np.nan)
-    length, radius = rng.uniform(0.5, 1.5, size), rng.uniform(20.0, 80.0, size)
-    pinion, gear = rng.uniform(1.0, 4.0, (2, size))
-    bronze = Material(110000.0, 0.25)
-    return WeberLineContact(length, radius, pinion, gear, STEEL, bronze, 0.14, overhang=overhang)
-
-
 @pytest.mark.parametrize("edges", [False, True])
 @pytest.mark.parametrize("size", [4, 30, 62, 300])
 def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> None:
@@ -252,7 +244,7 @@ def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> Non
         given = lines(size, 0.2 * number - 0.3, torque)
         basis = modal_basis(given.compliance[1])
         bendings.append(ContactProblem.of_modes(given.separation, given.lever_arm, torque, np.zeros(size), basis))
-        contacts.append(contact_of(size, number, edges=edges))
+        contacts.append(line_contact_of(size, number, edges=edges))
     expected = newton_answers(bendings, LineContacts(contacts), [None] * 4)
     for bending, contact, other in zip(bendings, contacts, expected, strict=True):
         assert other is not None
@@ -271,7 +263,7 @@ def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> Non
 def test_torques_solved_together_are_those_solved_alone() -> None:
     given = lines(62, 0.1, 1e6)
     parts = given.separation, given.lever_arm, 1e6, np.zeros(62), modal_basis(given.compliance[1])
-    contact, first = contact_of(62, 3, edges=True), ContactProblem.of_modes(*parts)
+    contact, first = line_contact_of(62, 3, edges=True), ContactProblem.of_modes(*parts)
     bendings = [first.with_torque(torque) for torque in (3e6, 1e2, 1e5)]
     for bending, found in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True):
         alone = line_contact_answers([bending], contact.parameters)[0]
@@ -286,7 +278,7 @@ def test_torques_solved_together_are_those_solved_alone() -> None:
 @pytest.mark.parametrize("edges", [False, True])
 def test_strip_is_the_formula_over_all_decades(edges: bool) -> None:
     size = 200
-    contact = contact_of(size, 1, edges=edges)
+    contact = line_contact_of(size, 1, edges=edges)
     for scale in np.geomspace(1e-6, 1e7, 14):
         force = np.full(size, scale)
         secant, tangent = np.array(
@@ -329,7 +321,7 @@ def test_compiled_code_is_its_source() -> None:
     """On all classes of problems, lines of every size and line contact; its sums may be taken in another order."""
     given = [*chain.from_iterable(problems(name, 10, 11) for name in PROBLEM_CLASSES)]
     given += [modal(lines(size, phase)) for size in (60, 151, 400) for phase in (-0.9, 0.4)]
-    soft, contact = lines(62, 0.1), contact_of(62, 3, edges=True)
+    soft, contact = lines(62, 0.1), line_contact_of(62, 3, edges=True)
     basis = modal_basis(soft.compliance[1])
     bending = ContactProblem.of_modes(soft.separation, soft.lever_arm, 1e6, np.zeros(62), basis)
 

@@ -444,14 +444,19 @@ def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> 
     assert only.loose == ()
 
 
-@pytest.mark.parametrize("case", ["fm-11x41", "fh-12x41-45"])
-def test_of_nearly_equal_corrections_the_smaller_is_taken(case: str) -> None:
-    """Against all that the flank tells, by linear least squares: hardly more is left, with far better condition."""
+def fitted(case: str) -> tuple[SetUpFit, Array]:
+    """Fit of a pinion with errors, and its target."""
     seen = views(read_case(case), "pinion")["concave"]
     real = with_errors(seen.loaded, {"radial_distance": 0.02, "machine_root_angle": 3e-4, "cutter_tilt": 2e-4})
     deviation = departure(seen, real)
     fit = SetUpFit((RecutFlank.of(seen, deviation.axial, deviation.radial),), usual_settings(seen.loaded))
-    target = fit.form([deviation.value.ravel()])
+    return fit, fit.form([deviation.value.ravel()])
+
+
+@pytest.mark.parametrize("case", ["fm-11x41", "fh-12x41-45"])
+def test_of_nearly_equal_corrections_the_smaller_is_taken(case: str) -> None:
+    """Against all that the flank tells, by linear least squares: hardly more is left, with far better condition."""
+    fit, target = fitted(case)
     told, taken = fit.effects[1][:, fit.determined], fit.effects[1][:, fit.needed(target)]
     assert 0 < taken.shape[1] < told.shape[1]
     steps = [ways @ np.linalg.lstsq(fit.slopes @ ways, target, rcond=None)[0] for ways in (told, taken, taken[:, :-1])]
@@ -465,11 +470,7 @@ def test_of_nearly_equal_corrections_the_smaller_is_taken(case: str) -> None:
 
 def test_scattered_points_tell_fewer_combinations_but_cost_no_more_than_the_limit() -> None:
     """Points that scatter tell less: fewer combinations are taken, which leave no more than ``GIVEN_UP`` besides."""
-    seen = views(read_case("fh-12x41-45"), "pinion")["concave"]
-    real = with_errors(seen.loaded, {"radial_distance": 0.02, "machine_root_angle": 3e-4, "cutter_tilt": 2e-4})
-    deviation = departure(seen, real)
-    fit = SetUpFit((RecutFlank.of(seen, deviation.axial, deviation.radial),), usual_settings(seen.loaded))
-    target = fit.form([deviation.value.ravel()])
+    fit, target = fitted("fh-12x41-45")
     scattered = target + fit.form([0.005 * np.abs(target).max() * np.random.default_rng(3).normal(size=target.size)])
     taken = [fit.effects[1][:, fit.needed(values)] for values in (target, scattered)]
     assert 0 < taken[1].shape[1] < taken[0].shape[1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pairs import by_the_dissertation
-from runs import output_of, refusal_of
+from runs import output_of, refusal_of, replaced
 
 from easeoff import EaseoffError, analyze
 from easeoff.cases import (
@@ -125,16 +124,16 @@ def test_report_warns_of_what_is_doubtful() -> None:
         case, report = made(name)
         assert report.warnings == ()
         assert list(unfinished_teeth(gear_pair(case), "solid_shell")) == []
-    straying = design_case(parse_design(changed(r"^follow_root = true$", "follow_root = false")))[1].warnings
+    straying = design_case(parse_design(replaced(FM, r"^follow_root = true$", "follow_root = false")))[1].warnings
     assert any("mm from its root cone" in warning and "follow_root" in warning for warning in straying)
-    poor = changed(r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
+    poor = replaced(FM, r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
     with pytest.raises(EaseoffError, match=r"misses it by up to .* free other settings"):
         design_case(parse_design(poor))
 
 
 @pytest.mark.thorough
 def test_report_warns_of_narrow_top_lands() -> None:
-    thin = changed(r"^thickness_factor = .*$", "thickness_factor = 0.75")
+    thin = replaced(FM, r"^thickness_factor = .*$", "thickness_factor = 0.75")
     warnings = design_case(parse_design(thin))[1].warnings
     assert any("gear's tooth has a narrow top land" in warning for warning in warnings), warnings
 
@@ -199,12 +198,6 @@ def test_pinion_tooth_takes_what_the_gear_leaves(name: str) -> None:
     assert circular_backlash(gear_pair(case)) == pytest.approx(lost, abs=2e-3)
 
 
-def changed(pattern: str, replacement: str) -> str:
-    text, count = re.subn(pattern, replacement, FM, count=1, flags=re.MULTILINE)
-    assert count == 1
-    return text
-
-
 MISTAKES = {
     "unknown key": (r"^gear_face_width", "gear_width", ["blank_design.gear_width", "known are", "gear_face_width"]),
     "missing value": (r"^gear_outer_pitch_diameter.*$", "", ["[blank_design]", "gear_outer_pitch_diameter"]),
@@ -223,7 +216,7 @@ MISTAKES = {
 def test_mistakes_name_key_and_what_is_allowed(name: str) -> None:
     pattern, replacement, words = MISTAKES[name]
     with pytest.raises(EaseoffError) as caught:
-        parse_design(changed(pattern, replacement), "mine.toml")
+        parse_design(replaced(FM, pattern, replacement), "mine.toml")
     for word in ["mine.toml", *words]:
         assert word in str(caught.value), str(caught.value)
 
@@ -250,7 +243,7 @@ def test_command_writes_a_case_and_reports(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
-    (tmp_path / "bad.toml").write_text(changed(r"^cutter_radius = .*$", "cutter_radius = 20.0"))
+    (tmp_path / "bad.toml").write_text(replaced(FM, r"^cutter_radius = .*$", "cutter_radius = 20.0"))
     assert "cutter_radius" in refusal_of("design", tmp_path / "bad.toml", "-o", tmp_path / "case.toml")
     assert [p.name for p in tmp_path.iterdir()] == ["bad.toml"]
 
@@ -274,7 +267,7 @@ def test_generated_gear_takes_the_same_target(name: str) -> None:
 @pytest.mark.thorough
 def test_both_hands_make_the_same_pair() -> None:
     """The pinion of the other hand has the same settings, and the ease-off is the same."""
-    mirrored, _ = design_case(on_shells(parse_design(changed(r'"left"', '"right"'))))
+    mirrored, _ = design_case(on_shells(parse_design(replaced(FM, r'"left"', '"right"'))))
     one, two = numbers(made("fm-11x41")[0].model_dump()), numbers(mirrored.model_dump())
     for key, value in one.items():
         if isinstance(value, float):

@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from easeoff import InputError
 from easeoff.friction.ehl import (
     Asperities,
+    Film,
     LubricatedContact,
     Oil,
     Status,
@@ -27,6 +28,12 @@ from easeoff.friction.ehl.rolling_contact.asperities import mean_power
 OIL = Oil(0.0139, 10.4e-9, law="two_slope")
 GEAR = LubricatedContact(0.7e9, 0.02, 2.2, OIL, slide_to_roll=0.45)
 ROUGH = Asperities(0.5e-6, 20e-6)
+
+
+def friction_of(film: Film) -> float:
+    """Friction coefficient of a film and the asperities in it."""
+    fluid = film.pressure - film.asperity_pressure
+    return traction(film.contact, film.position, fluid, film.film, asperity_pressure=film.asperity_pressure).coefficient
 
 
 def bell(s: float) -> float:
@@ -109,14 +116,7 @@ def test_without_speed_the_asperities_carry_everything() -> None:
     # Dry roughness spreads the load: less than Hertz in the middle, something beyond the edge.
     assert 0.8e9 * 0.7 < film.pressure.max() < 0.7e9
     assert film.pressure[np.abs(film.position) > 1.02 * contact.half_width].max() > 1e6
-    shear = traction(
-        contact,
-        film.position,
-        film.pressure - film.asperity_pressure,
-        film.film,
-        asperity_pressure=film.asperity_pressure,
-    )
-    assert shear.coefficient == pytest.approx(0.1, rel=2e-3)
+    assert friction_of(film) == pytest.approx(0.1, rel=2e-3)
 
 
 def test_friction_and_asperity_share_fall_with_the_lambda_ratio() -> None:
@@ -126,15 +126,8 @@ def test_friction_and_asperity_share_fall_with_the_lambda_ratio() -> None:
         film = mixed_film(GEAR, Asperities(rms, 20e-6), nodes=257)
         assert film.status is Status.CERTIFIED
         assert film.certificate.worst < 1e-8
-        shear = traction(
-            GEAR,
-            film.position,
-            film.pressure - film.asperity_pressure,
-            film.film,
-            asperity_pressure=film.asperity_pressure,
-        )
         shares.append(film.asperity_share)
-        frictions.append(shear.coefficient)
+        frictions.append(friction_of(film))
         ratios.append(smooth_film(GEAR, nodes=257).minimum_film / rms)
     assert ratios[0] < 0.2
     assert ratios[-1] > 3.0

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from test_ehl_steady import by_moes
 
 from easeoff import InputError
 from easeoff.friction.ehl import (
@@ -188,15 +189,6 @@ def test_bad_input_is_refused_by_name(make: object, word: str) -> None:
 # Waves and single asperities on their way through the contact, beside published amplitudes
 
 
-def by_moes(load: float, viscous: float) -> LubricatedContact:
-    """A Newtonian contact in pure rolling with given groups M and L."""
-    modulus, radius, viscosity, coefficient = 2.2e11, 0.01, 0.04109, 2e-8
-    speed = 0.5 * (viscous / (coefficient * modulus)) ** 4
-    pressure = modulus * math.sqrt(load * math.sqrt(2.0 * speed) / (2.0 * math.pi))
-    oil = Oil(viscosity, coefficient, eyring_stress=math.inf)
-    return LubricatedContact(pressure, radius, speed * modulus * radius / viscosity, oil, 0.0, modulus)
-
-
 def amplitude_ratio(contact: LubricatedContact, wavelength: float, nodes: int, relative: float = 0.1) -> float:
     """Amplitude of the film in the middle of the contact over that of the wave, in pure rolling."""
     amplitude = relative * smooth_film(contact, nodes=nodes, span=SPAN).central_film
@@ -229,13 +221,13 @@ def published(contact: LubricatedContact, wavelength: float) -> float:
 @pytest.mark.parametrize(("load", "viscous", "wavelength"), [(60, 8, 1.0), (20, 14, 1.0), (60, 8, 0.5)])
 @pytest.mark.quick(1)
 def test_amplitude_of_waves_is_reduced_as_published(load: float, viscous: float, wavelength: float) -> None:
-    contact = by_moes(load, viscous)
+    contact = by_moes(load, viscous, compressible=True)
     assert amplitude_ratio(contact, wavelength, 193) == pytest.approx(published(contact, wavelength), abs=0.035)
 
 
 @pytest.mark.thorough
 def test_reduction_does_not_depend_on_the_amplitude_and_long_waves_vanish() -> None:
-    contact = by_moes(60, 8)
+    contact = by_moes(60, 8, compressible=True)
     small, large = (amplitude_ratio(contact, 1.0, 129, relative) for relative in (0.02, 0.3))
     assert large == pytest.approx(small, rel=0.05)
     assert amplitude_ratio(contact, 2.0, 129) < 0.5 * small
@@ -243,7 +235,7 @@ def test_reduction_does_not_depend_on_the_amplitude_and_long_waves_vanish() -> N
 
 def test_single_asperity_is_flattened_and_drags_its_film_along() -> None:
     """In pure rolling the hump leaves the film where it was pressed: thinner at the hump, by less than its height."""
-    contact = by_moes(60, 8)
+    contact = by_moes(60, 8, compressible=True)
     smooth = smooth_film(contact, nodes=129, span=SPAN)
     height = 0.5 * smooth.central_film
     width = 0.6 * contact.half_width

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pairs import GEAR_BLANK, GEAR_MACHINE, PINION_BLANK
+from pairs import GEAR_BLANK, GEAR_MACHINE, GENERATED, PARAMETERS, PINION_BLANK
 from scipy.spatial.transform import Rotation
 
 from easeoff import InputError
@@ -21,7 +21,6 @@ from easeoff.geometry import (
     GearPair,
     GeneratingSurface,
     Hand,
-    MachineSettings,
     Member,
     NodeStatus,
     conjugate_pinion,
@@ -37,19 +36,6 @@ from easeoff.verification import both_methods, point_differences
 GROUPS = 13
 DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))
 COAST = Blade(96.74, math.radians(22.9), "outside", math.radians(11.0), math.radians(-2.0), math.radians(4.0))
-GENERATED = MachineSettings(
-    radial_distance=75.0,
-    cradle_angle=1.1,
-    machine_root_angle=0.3,
-    work_offset=4.0,
-    sliding_base=0.7,
-    machine_center_to_crossing_point=-1.1,
-    cutter_tilt=0.15,
-    cutter_swivel=-0.4,
-    ratio_of_roll=3.2,
-    modified_roll=(0.02, -0.03),
-)
-PARAMETERS = np.array([[-2.1, -2.0, -1.9, -2.3], [-0.1, 0.0, 0.15, 0.3]])
 
 
 def hobbed_pair(hand: Hand, *, coast: bool = False) -> GearPair:

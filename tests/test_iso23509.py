@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pairs import MILLED
 from scipy.optimize import minimize
 
 from easeoff import GeometryError, InputError
@@ -50,23 +51,12 @@ def mismatches(sample: str, dimensions: BlankDimensions, relative: float = 0.002
     }
 
 
-HYPOID = BlankDesign(
-    method=1,
-    process="face_milled",
-    number_of_teeth=(11, 41),
+HYPOID = replace(
+    MILLED,
     mean_spiral_angle=math.radians(45.0),
-    hypoid_offset=20.0,
     gear_outer_pitch_diameter=212.0,
     gear_face_width=30.0,
     cutter_radius=114.3,
-    nominal_drive_pressure_angle=math.radians(20.0),
-    nominal_coast_pressure_angle=math.radians(20.0),
-    limit_pressure_angle_influence=1.0,
-    gear_mean_addendum_factor=0.2,
-    depth_factor=2.0,
-    clearance_factor=0.125,
-    thickness_factor=0.1,
-    depth_taper="modified_slot_width",
 )
 HOBBED = replace(HYPOID, process="face_hobbed", number_of_blade_groups=11, cutter_radius=76.0, depth_taper="uniform")
 KLINGELNBERG = replace(HOBBED, method=3, number_of_blade_groups=5, mean_spiral_angle=math.radians(30.0))

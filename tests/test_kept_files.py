@@ -116,16 +116,12 @@ def test_files_of_this_version_are_kept() -> None:
     assert all(record["version"] == name for name, record in RECORDS.items())
 
 
-@pytest.mark.parametrize(("name", "file"), INPUTS)
-def test_inputs_are_read_as_they_were(name: str, file: str, kept: Path) -> None:
-    record = RECORDS[name]["inputs"][file]
-    check(record["read"], json.loads(json.dumps(READERS[record["kind"]](kept / name / "inputs" / file))))
-
-
-@pytest.mark.parametrize(("name", "file"), RESULTS)
-def test_results_are_read_as_they_were(name: str, file: str, kept: Path) -> None:
-    record = RECORDS[name]["results"][file]
-    check(record["read"], json.loads(json.dumps(READERS[record["kind"]](kept / name / "results" / file))))
+@pytest.mark.parametrize(
+    ("folder", "name", "file"), [*(("inputs", *each) for each in INPUTS), *(("results", *each) for each in RESULTS)]
+)
+def test_files_are_read_as_they_were(folder: str, name: str, file: str, kept: Path) -> None:
+    record = RECORDS[name][folder][file]
+    check(record["read"], json.loads(json.dumps(READERS[record["kind"]](kept / name / folder / file))))
 
 
 @pytest.mark.parametrize(("name", "file"), SHOWN)

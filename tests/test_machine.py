@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pairs import GENERATED, PARAMETERS
 
 from easeoff import InputError
 from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings, work_rotation
@@ -15,20 +16,8 @@ from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.vectors import cross, dot, rotate_z
 
-SETTINGS = MachineSettings(
-    radial_distance=75.0,
-    cradle_angle=1.1,
-    machine_root_angle=0.3,
-    work_offset=4.0,
-    sliding_base=0.7,
-    machine_center_to_crossing_point=-1.1,
-    cutter_tilt=0.15,
-    cutter_swivel=-0.4,
-    ratio_of_roll=3.2,
-    modified_roll=(0.02, -0.03, 0.01),
-)
+SETTINGS = replace(GENERATED, modified_roll=(0.02, -0.03, 0.01))
 OUTSIDE = Blade(75.0, math.radians(18.0), "outside")
-PARAMETERS = np.array([[-2.1, -2.0, -1.9, -2.3], [-0.1, 0.0, 0.15, 0.3]])
 
 
 def surface(settings: MachineSettings = SETTINGS, **changes: object) -> GeneratingSurface:

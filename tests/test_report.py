@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from browser import Browser, chromium
+from browser import Browser, opened
 from matplotlib.image import imread
 from numpy.typing import NDArray
 from report_content import coarse, content, unpacked
@@ -359,14 +359,9 @@ def test_mistakes_are_one_message_and_leave_no_file(
 
 @pytest.fixture(scope="module")
 def browser(drive: xr.DataTree, coast: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    if chromium() is None:
-        pytest.skip("no Chromium: apt-get install chromium")
     path = tmp_path_factory.mktemp("report") / "report.html"
     write_report({"drive": drive, "coast": coast}, path)
-    with Browser() as browser:
-        browser.open(path)
-        yield browser
-        assert browser.errors == []
+    yield from opened(path)
 
 
 def pixels(browser: Browser, selector: str) -> Array:

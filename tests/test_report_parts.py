@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from browser import Browser, chromium
+from browser import Browser, opened
 from numpy.typing import NDArray
 from report_content import (
     checked_pattern,
@@ -376,14 +376,9 @@ def browser(
     strength: xr.DataTree, supported: xr.DataTree, check: xr.Dataset, worn: xr.Dataset,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[Browser]:  # fmt: skip
-    if chromium() is None:
-        pytest.skip("no Chromium: apt-get install chromium")
     path = tmp_path_factory.mktemp("report") / "report.html"
     write_report({"strength": strength, "axle": supported, "check": check, "wear": worn}, path)
-    with Browser() as browser:
-        browser.open(path)
-        yield browser
-        assert browser.errors == []
+    yield from opened(path)
 
 
 @pytest.mark.thorough

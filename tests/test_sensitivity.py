@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from solver_choice import dense
 
 from easeoff import InputError
 from easeoff.contact import (
@@ -25,10 +26,6 @@ Array = NDArray[np.float64]
 
 SMOOTH = ("plain", "duplicated", "realistic", "signed_modes", "mixed_arms", "heavy_load")
 DATA = ("torque", "separation", "lever_arm", "local", "factor", "compliance")
-
-
-def dense(problem: ContactProblem) -> ContactProblem:
-    return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
 def direction(problem: ContactProblem, names: tuple[str, ...], seed: int) -> dict[str, Any]:

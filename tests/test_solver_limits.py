@@ -119,12 +119,6 @@ def test_ample_time_changes_nothing(name: str) -> None:
     assert solve(REALISTIC, name, time_limit=np.inf).certified
 
 
-@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in WITH_TIME])
-def test_solver_without_a_time_limit_says_who_has_one(name: str) -> None:
-    with pytest.raises(InputError, match=rf"^time_limit = 1.0: must not be given for {name}.*native, clarabel"):
-        solve(REALISTIC, installed(name), time_limit=1.0)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_native_method_looks_at_the_clock_before_every_step(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a clock that goes on by a second at every look, a limit of one leaves no time for a second step."""
@@ -147,10 +141,16 @@ def test_one_step_is_too_few(name: str) -> None:
     assert np.isnan(solution.force).all()
 
 
-@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in WITH_STEPS])
-def test_solver_without_a_step_limit_says_who_has_one(name: str) -> None:
-    with pytest.raises(InputError, match=rf"^max_iterations = 5: must not be given for {name}.*native, clarabel"):
-        solve(REALISTIC, installed(name), max_iterations=5)
+@pytest.mark.parametrize(
+    ("name", "word", "value"),
+    [
+        *((name, "time_limit", 1.0) for name in SOLVERS if name not in WITH_TIME),
+        *((name, "max_iterations", 5) for name in SOLVERS if name not in WITH_STEPS),
+    ],
+)
+def test_solver_without_a_limit_says_who_has_one(name: str, word: str, value: Any) -> None:
+    with pytest.raises(InputError, match=rf"^{word} = {value}: must not be given for {name}.*native, clarabel"):
+        solve(REALISTIC, installed(name), **{word: value})
 
 
 @pytest.mark.parametrize("method", [*METHODS, "cascade"])

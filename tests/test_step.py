@@ -7,7 +7,7 @@ import math
 import re
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -85,22 +85,13 @@ def feet(face: Any, points: Array) -> tuple[Array, Array]:
     return np.array(distances), np.array(normals)
 
 
-def area_of(shape: Any) -> float:
+def measure(shape: Any, of: Literal["Surface", "Volume"]) -> float:
+    """Area, or volume: positive for a closed surface that looks outwards."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
-    return float(properties.Mass())
-
-
-def volume_of(shape: Any) -> float:
-    """Signed: positive for a closed surface that looks outwards."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    getattr(BRepGProp, f"{of}Properties_s")(shape, properties)
     return float(properties.Mass())
 
 
@@ -174,7 +165,7 @@ def test_neighbours_are_sewn_into_one_closed_shell(tmp_path: Path) -> None:
     assert len(edges) == 24
     assert all(sum(edge.IsSame(other) for other in edges) == 2 for edge in edges)
     exact = math.pi / 6 * (44.0 + 3.0 * 22.0) + 2 * 6.0
-    assert area_of(shape) == pytest.approx(exact, rel=1e-6)
+    assert measure(shape, "Surface") == pytest.approx(exact, rel=1e-6)
     for name, (face,) in faces_of(tmp_path / "ring.stp").items():
         points = ring_segment()[name]
         inner = points[1:-1, 1:-1].reshape(-1, 3)
@@ -196,7 +187,7 @@ def test_tooth_between_its_flanks_is_closed_and_has_its_volume(name: str, tmp_pa
     assert BRep_Tool.IsClosed_s(shell)
     edges = parts(shape, "EDGE")
     assert all(sum(edge.IsSame(other) for other in edges) == 2 for edge in edges)
-    assert volume_of(shape) == pytest.approx(exact, rel=1e-6)
+    assert measure(shape, "Volume") == pytest.approx(exact, rel=1e-6)
     assert set(faces_of(tmp_path / "tooth.step")) == set(closed)
 
 
@@ -216,7 +207,9 @@ def test_copies_stand_a_pitch_apart(tmp_path: Path) -> None:
     assert (tmp_path / "five.step").stat().st_size < 1.5 * (tmp_path / "one.step").stat().st_size
     shape = shape_of(tmp_path / "five.step")
     assert len(parts(shape, "SHELL")) == 5
-    assert area_of(shape) == pytest.approx(5.0 * area_of(shape_of(tmp_path / "one.step")), rel=1e-9)
+    assert measure(shape, "Surface") == pytest.approx(
+        5.0 * measure(shape_of(tmp_path / "one.step"), "Surface"), rel=1e-9
+    )
     outer = ring_segment()["outer"][2:-2:2, 2:-2:2].reshape(-1, 3)
     for number, face in enumerate(faces_of(tmp_path / "five.step")["outer"]):
         cosine, sine = math.cos(number), math.sin(number)
@@ -230,7 +223,9 @@ def test_border_without_length_is_no_obstacle(tmp_path: Path) -> None:
     p, a = np.meshgrid(polar, about, indexing="ij")
     cap = 7.0 * np.stack([np.sin(p) * np.cos(a), np.sin(p) * np.sin(a), np.cos(p)], axis=-1)
     write_step({"cap": cap}, tmp_path / "cap.step")
-    assert area_of(shape_of(tmp_path / "cap.step")) == pytest.approx(49.0 * 1.2 * (1.0 - math.cos(0.8)), rel=1e-5)
+    assert measure(shape_of(tmp_path / "cap.step"), "Surface") == pytest.approx(
+        49.0 * 1.2 * (1.0 - math.cos(0.8)), rel=1e-5
+    )
 
 
 def test_command_writes_and_says_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from solver_choice import NEARLY_SINGULAR, dense
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath, solve, torque_path
@@ -12,13 +13,6 @@ from easeoff.contact.solvers.parametric import dense_touching, modal_touching, p
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
 from easeoff.verification import PROBLEM_CLASSES, problems
-
-#: Classes whose reduced compliance has lost digits; solve and path then differ by what the data leave open.
-ILL_CONDITIONED = {"weak_local", "nearly_singular", "spread_local", "random_dense"}
-
-
-def dense(problem: ContactProblem) -> ContactProblem:
-    return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
 def torques_of(path: TorquePath, seed: int = 0, few: int = 5) -> NDArray[np.float64]:
@@ -51,7 +45,7 @@ def test_path_is_that_of_solving_every_torque(name: str, form: str, monkeypatch:
         assert path.certified, path.message
         events += path.torque.size
         rotation, force = differences(path, torques_of(path, number))
-        limit = 1e-9 if name in ILL_CONDITIONED else 1e-12
+        limit = 1e-9 if name in NEARLY_SINGULAR else 1e-12
         assert rotation <= limit
         assert force <= limit
     assert events >= 2  # one of each problem
