@@ -1,4 +1,4 @@
-"""The command line as a user meets it: output, messages, exit codes, files."""
+"""The command line: options, results, mistakes and help, and the completion of its words."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import re
 import resource
 import shutil
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -384,11 +386,9 @@ def test_uncertified_results_are_reported_with_exit_code_1(
 
 def test_only_a_process_that_ends_with_a_command_is_never_searched_for_garbage() -> None:
     for of_process, frozen in ((PROGRAM, True), (None, False)):
-        assert gc.get_freeze_count() == 0
+        before = gc.get_freeze_count()  # what lasts as long as the tests
         done = CliRunner().invoke(main, ["cases"], obj=of_process)
-        count = gc.get_freeze_count()
-        gc.unfreeze()
-        assert (done.exit_code, gc.isenabled(), count > 0) == (0, True, frozen)
+        assert (done.exit_code, gc.isenabled(), gc.get_freeze_count() > before) == (0, True, frozen)
 
 
 def test_help_names_commands_in_whole_sentences() -> None:
@@ -411,3 +411,74 @@ def test_provenance_names_case_version_and_settings(tree: xr.DataTree, case: Pat
     assert attrs["easeoff_version"]
     assert attrs["history"]
     assert attrs["Conventions"].startswith("CF")
+
+
+# Completion of the words of a command line, in bash as the script of ``easeoff completion`` does it
+
+
+BASH = shutil.which("bash")
+#: The script completes by the name of the program; here that is a file which runs the commands of this checkout.
+COMPLETED = "#!{python}\nimport sys\nsys.argv[0] = 'easeoff'\nfrom easeoff.study.cli import main\nmain()\n"
+COMPLETE = """
+source <(easeoff completion bash)
+complete -p easeoff >/dev/null || exit 3
+while read -r -a COMP_WORDS; do
+    [ "${{COMP_WORDS[-1]}}" = "''" ] && COMP_WORDS[-1]=""
+    COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); COMPREPLY=()
+    _easeoff_completion easeoff 2>/dev/null
+    echo "${{COMPREPLY[*]}}"
+done <<'WORDS'
+{lines}
+WORDS
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(BASH is None, reason="no bash here")
+def test_bash_completes_commands_options_and_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = text_file(tmp_path / "easeoff", COMPLETED.format(python=sys.executable))
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    wanted = {
+        "easeoff sho": "show",
+        "easeoff run nasa": "nasa-12x36",
+        "easeoff run fm-11x41 --supp": "--supports",
+        "easeoff wear fm-11x41 --supports a": "axle-fm-11x41",
+        "easeoff design ''": " ".join(shipped_designs()),
+        "easeoff new case face": "face-milled face-hobbed",
+        "easeoff new oil p": "pao-vg100",
+        "easeoff run fm-11x41 --oil h": "heavy-mineral",
+        "easeoff run fm-11x41 --flank c": "coast",
+        "easeoff compare p.nc --solvers native,clar": "native,clarabel",
+        "easeoff run fm-11x41 --friction-model benedict": "benedict_kelly",
+        "easeoff completion f": "fish",
+        "easeoff run ./": "",  # files, by the shell itself
+    }
+    script = COMPLETE.format(lines="\n".join(wanted))
+    done = subprocess.run([str(BASH), "--norc", "-c", script], capture_output=True, text=True, check=True)
+    assert dict(zip(wanted, done.stdout.split("\n"), strict=False)) == wanted
+
+
+@pytest.mark.parametrize(
+    ("shell", "mark"), [("bash", "complete -o"), ("zsh", "#compdef easeoff"), ("fish", "complete ")]
+)
+def test_every_shell_has_its_script(shell: str, mark: str) -> None:
+    made = call("completion", shell)
+    assert made.exit_code == 0
+    assert mark in made.stdout
+    assert f"_EASEOFF_COMPLETE={shell}_complete" in made.stdout
+    found = shutil.which(shell)
+    if found is not None:
+        subprocess.run([found, "-n"], input=made.stdout, text=True, check=True)  # reads it without running it
+
+
+def test_another_shell_is_a_mistake() -> None:
+    refusal_of("completion", "tcsh")
+
+
+def test_help_has_the_command_of_each_shell_on_a_line_of_its_own() -> None:
+    words = call("completion", "--help").output
+    assert "\\b" not in words
+    lines = [line.split() for line in words.splitlines()]
+    for shell in ("bash", "zsh", "fish"):
+        assert [shell, "easeoff", "completion", shell] in [line[:4] for line in lines]
