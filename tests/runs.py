@@ -23,6 +23,9 @@ Computed = TypeVar("Computed", xr.DataTree, xr.Dataset)
 #: Keys of [contact] by which an analysis takes a hundredth of a second on shells.
 SMALL = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
 
+#: The end of a case file whose teeth are shells.
+SHELLS = '\n[compliance]\nmodel = "shell"\n'
+
 
 def call(*arguments: object) -> Result:
     """Run a command of ``easeoff`` in this process."""

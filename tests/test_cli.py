@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from runs import call, output_of, read_only, refusal_of, small_text, text_file
+from runs import SHELLS, call, output_of, read_only, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError
@@ -40,9 +40,7 @@ WEAR = ["wear", "nasa-12x36", "--torque", "5", "--revolutions", "1"]
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The published pair with few mesh positions."""
-    return text_file(
-        tmp_path_factory.mktemp("case") / "small.toml", small_text(more='\n[compliance]\nmodel = "shell"\n')
-    )
+    return text_file(tmp_path_factory.mktemp("case") / "small.toml", small_text(more=SHELLS))
 
 
 @pytest.fixture(scope="module")

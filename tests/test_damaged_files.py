@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from netCDF4 import Dataset
-from runs import output_of, refusal_of, small_text, text_file
+from runs import SHELLS, output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError, read_result
@@ -35,7 +35,6 @@ from easeoff.geometry.formats import read_measured_grid
 from easeoff.study.deviations.deviation_source import flank_deviations
 from easeoff.study.report.summary.result_summary import result_summary
 
-SHELL = '\n[compliance]\nmodel = "shell"\n'
 ESCAPE = "\x1b[2J\x9b2J\u202e"
 MESSAGE_LENGTH_LIMIT = 4000
 
@@ -53,7 +52,7 @@ def refused(*arguments: object) -> str:
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a small result, a file of wear and one of contact problems."""
     folder = tmp_path_factory.mktemp("files")
-    (folder / "case.toml").write_text(small_text(more=SHELL), encoding="utf-8")
+    (folder / "case.toml").write_text(small_text(more=SHELLS), encoding="utf-8")
     for command, name, *words in (
         ["run", "result.nc", "--torque", "50", "--speed", "500"],
         ["wear", "wear.nc", "--torque", "50", "--revolutions", "1e4"],
@@ -153,7 +152,7 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: Path, drawn: bool) -> None:
-    path = text_file(tmp_path / f"{ESCAPE}.toml", small_text(more=SHELL + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'))
+    path = text_file(tmp_path / f"{ESCAPE}.toml", small_text(more=SHELLS + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'))
     said = refused("run", path, "-o", tmp_path / "out.nc")
     assert "?[2J??" in said
     assert "\nfake" not in said
@@ -589,7 +588,7 @@ def test_a_case_opens_no_file_outside_its_folder(tmp_path: Path, monkeypatch: py
     ]
     answers = set()
     for oil in outside:
-        case.write_text(small_text(more=SHELL + FRICTION.format(oil)), encoding="utf-8")
+        case.write_text(small_text(more=SHELLS + FRICTION.format(oil)), encoding="utf-8")
         said = refused("run", case, "-o", output)
         assert "--allow-outside" in said
         assert SECRET not in said
@@ -599,7 +598,7 @@ def test_a_case_opens_no_file_outside_its_folder(tmp_path: Path, monkeypatch: py
         with pytest.raises(InputError, match="allow_outside=True"):
             parse_case(case.read_text(encoding="utf-8"), folder=folder)
     assert len(answers) == 1  # whether there is such a file is not told
-    case.write_text(small_text(more=SHELL + FRICTION.format("plain")), encoding="utf-8")
+    case.write_text(small_text(more=SHELLS + FRICTION.format("plain")), encoding="utf-8")
     said = refused("run", case, "-o", output)
     assert "ends in .toml" in said
     assert SECRET not in said
@@ -621,7 +620,7 @@ COMMANDS = {
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_asks_for_the_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
     (tmp_path / "away").mkdir()
-    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELL + FRICTION.format("../mine.toml")))
+    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELLS + FRICTION.format("../mine.toml")))
     monkeypatch.chdir(tmp_path)
     assert "--allow-outside" in refused(command, case, *COMMANDS[command])
     said = refused(command, case, *COMMANDS[command], "--allow-outside")  # there is no such oil
@@ -633,7 +632,7 @@ def test_with_the_word_it_is_opened(tmp_path: Path) -> None:
     (tmp_path / "away").mkdir()
     oil = Path(easeoff.__file__).parent / "friction" / "lubricants" / "75w90.toml"
     shutil.copy(oil, tmp_path / "mine.toml")
-    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELL + FRICTION.format("../mine.toml")))
+    case = text_file(tmp_path / "away" / "case.toml", small_text(more=SHELLS + FRICTION.format("../mine.toml")))
     table = read_case(case, allow_outside=True).friction
     assert table is not None
     assert table.operation().lubricant.name == "mine"

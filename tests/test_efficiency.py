@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from pairs import by_the_dissertation
-from runs import SMALL, call, output_of, refusal_of, small_file
+from runs import SHELLS, SMALL, call, output_of, refusal_of, small_file
 from test_friction_kinematics import shape_operators, spur
 
 import easeoff
@@ -693,7 +693,7 @@ def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.D
 
 
 def test_command_line(tmp_path: Path) -> None:
-    case, out = small_file(tmp_path, more='\n[compliance]\nmodel = "shell"\n'), tmp_path / "out.nc"
+    case, out = small_file(tmp_path, more=SHELLS), tmp_path / "out.nc"
     options = ["--torque", "200", "--speed", "500:1500:3", "--roughness", "0.8/0.4,0.2", "--temperature", "60,90"]
     output_of("run", case, "-o", out, *options, "--oil", "pao-vg100")
     group = easeoff.read_result(out)["friction"].to_dataset()

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, output_of, refusal_of, small, small_file
+from runs import SHELLS, call, output_of, refusal_of, small, small_file
 from tooth_models import with_teeth
 
 import easeoff
@@ -56,7 +56,7 @@ def tree() -> xr.DataTree:
 
 
 def on_shells(folder: Path, name: str) -> Path:
-    return small_file(folder, name, '\n[compliance]\nmodel = "shell"\n')
+    return small_file(folder, name, SHELLS)
 
 
 def with_friction(tree: xr.DataTree, found: xr.Dataset) -> xr.DataTree:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from runs import output_of, read_only, small_text, text_file
+from runs import SHELLS, output_of, read_only, small_text, text_file
 
 import easeoff
 from easeoff import InputError
@@ -28,7 +28,6 @@ thermal_factor = "none"
 rolling_frame = "contact_line"
 feedback = true
 """
-SHELLS = '[compliance]\nmodel = "shell"\n'
 TEXT = case_text("nasa-12x36") + TABLE
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tooth_models import coarse_solid_shells, with_teeth
+from runs import small
+from tooth_models import coarse_solid_shells
 
 from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
@@ -18,13 +19,6 @@ from easeoff.geometry import pair_geometry
 from easeoff.study import CaseInMesh, contact_analysis
 
 
-def small(name: str = "nasa-12x36", **changes: object) -> Case:
-    """A shipped case with few mesh positions."""
-    case = read_case(name)
-    settings = {"mesh_positions": 3, "segments_per_line": 11, "lengthwise_nodes": 11, "profile_nodes": 9} | changes
-    return with_teeth(case.model_copy(update={"contact": case.contact.model_copy(update=settings)}))
-
-
 def run(case: Case, **arguments: Any) -> xr.Dataset:
     """Loaded contact of a case."""
     return CaseInMesh.of(case).cycle.loaded(**arguments)[0]
@@ -32,7 +26,7 @@ def run(case: Case, **arguments: Any) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def loaded() -> xr.Dataset:
-    return run(small(), torques=[50.0, 150.0, 400.0])
+    return run(small(compliance="shell"), torques=[50.0, 150.0, 400.0])
 
 
 def test_every_position_is_certified(loaded: xr.Dataset) -> None:
@@ -58,7 +52,7 @@ def test_more_torque_turns_the_gear_further(loaded: xr.Dataset) -> None:
 def test_vanishing_torque_gives_the_unloaded_error() -> None:
     """Loaded error at ever smaller torque approaches the unloaded one from above, in proportion to the deflection."""
     # Fine segments: a segment's separation is its mean, which lies above the point of first contact.
-    tree = analyze(small("fm-11x41", segments_per_line=201), torques=[1e-4, 1e-3])
+    tree = analyze(small("fm-11x41", "shell", segments_per_line=201), torques=[1e-4, 1e-3])
     loaded, unloaded = tree["loaded"].to_dataset(), tree["unloaded"].to_dataset()
     excess = loaded["transmission_error"].values - unloaded["transmission_error_envelope"].values
     assert np.all(excess > 0.0)
@@ -80,7 +74,7 @@ def test_hertz_pressure_follows_from_force_length_and_radius(loaded: xr.Dataset)
 @pytest.mark.thorough
 def test_all_solvers_agree() -> None:
     """Every installed solver gives the native transmission error within 1e-6 relative, certified by us."""
-    case = small()
+    case = small(compliance="shell")
     native = run(case, torques=[80.0, 300.0])["transmission_error"].values
     solvers = [name for name in available_solvers() if name != "native"]
     assert {"clarabel", "osqp", "daqp", "piqp", "cvxpy"} <= set(solvers)
@@ -91,7 +85,7 @@ def test_all_solvers_agree() -> None:
 
 
 def test_coast_side_runs_from_the_case_alone() -> None:
-    tree = analyze(small(), flank="coast", torques=[150.0])
+    tree = analyze(small(compliance="shell"), flank="coast", torques=[150.0])
     assert np.all(tree["loaded"]["status"].values == 0)
     assert tree.attrs["flank"] == "coast"
 
@@ -101,7 +95,7 @@ def test_error_converges_with_the_number_of_segments() -> None:
     """First to second order; the default of 31 is within half a percent of the converged error."""
     results = {}
     for count in (8, 16, 31, 32, 128):
-        found = run(small(segments_per_line=count), torques=[150.0])
+        found = run(small(compliance="shell", segments_per_line=count), torques=[150.0])
         results[count] = (found["transmission_error"].values[0], float(found["max_pressure"][0]))
     reference, pressure = results[128]
     errors = {n: np.abs(r[0] / reference - 1.0).max() for n, r in results.items()}
@@ -111,10 +105,10 @@ def test_error_converges_with_the_number_of_segments() -> None:
 
 
 def test_error_converges_with_the_grid() -> None:
-    values = [
-        run(small("fm-11x41", lengthwise_nodes=nt, profile_nodes=nh), torques=[250.0])["transmission_error"].values
-        for nt, nh in ((13, 9), (31, 21), (49, 33))
-    ]
+    values = []
+    for nt, nh in ((13, 9), (31, 21), (49, 33)):
+        case = small("fm-11x41", "shell", lengthwise_nodes=nt, profile_nodes=nh)
+        values.append(run(case, torques=[250.0])["transmission_error"].values)
     assert np.abs(values[1] / values[2] - 1.0).max() < 1e-4
     assert np.abs(values[1] - values[2]).max() < np.abs(values[0] - values[2]).max()
 
@@ -157,11 +151,11 @@ def test_plate_dimensions_reach_the_shell() -> None:
 @pytest.mark.parametrize("torques", [[], [0.0], [-1.0], [float("nan")]])
 def test_torques_must_be_positive(torques: list[float]) -> None:
     with pytest.raises(InputError, match="torque"):
-        analyze(small(), torques=torques)
+        analyze(small(compliance="shell"), torques=torques)
 
 
 def test_contact_problems_are_kept_with_their_solutions() -> None:
-    analysis = contact_analysis(CaseInMesh.of(small()), [100.0])
+    analysis = contact_analysis(CaseInMesh.of(small(compliance="shell")), [100.0])
     assert len(analysis.cases) == 3
     for case in analysis.cases:
         assert case.problem.torque == pytest.approx(1e3 * 3.0 * 100.0)
@@ -186,7 +180,7 @@ def test_small_matrices_are_left_to_one_thread() -> None:
 
 def test_light_load_is_that_of_an_analysis_of_its_own() -> None:
     """On the segments of the greatest torque, of which under the light load further ones are out of contact."""
-    case = small("fm-11x41")
+    case = small("fm-11x41", "shell")
     light = analyze(case, torques=[500.0])["light_load"].to_dataset()
     alone = analyze(case, torques=[5.0])["loaded"].to_dataset()
     for name in ("transmission_error", "max_pressure", "load_share", "pattern_length", "mesh_stiffness"):

@@ -317,10 +317,7 @@ def test_compiled_search_of_the_least_gap_is_the_plain_one(name: str) -> None:
 
 @pytest.mark.usefixtures("kernels_in_python")
 def test_analysis_without_compiled_code_has_the_same_numbers() -> None:
-    case = read_case("fm-11x41")
-    coarse = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 13}
-    compliance = case.compliance.model_copy(update={"model": "shell"})
-    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse), "compliance": compliance})
+    case = small("fm-11x41", "shell", mesh_positions=4, segments_per_line=15, lengthwise_nodes=21, profile_nodes=13)
     found = analyze(case, torques=[100.0, 250.0], misalignment=FAR_AWAY)
     with without_compiled_code():
         wanted = analyze(case, torques=[100.0, 250.0], misalignment=FAR_AWAY)

@@ -12,7 +12,7 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
-from runs import call, output_of, refusal_of, small_file, text_file
+from runs import SHELLS, call, output_of, refusal_of, small_file, text_file
 
 import easeoff
 from easeoff import InputError
@@ -118,7 +118,7 @@ def test_a_table_of_another_command_is_named(tmp_path: Path) -> None:
 
 
 def test_a_report_is_named_after_its_result(tmp_path: Path) -> None:
-    case = small_file(tmp_path, more='\n[compliance]\nmodel = "shell"\n')
+    case = small_file(tmp_path, more=SHELLS)
     easeoff.write_result(easeoff.analyze(case, torques=[50.0]), tmp_path / "one.nc")
     output_of("report", tmp_path / "one.nc", "--author", "A. Gear <engineer>")
     assert "A. Gear \\u003cengineer>" in (tmp_path / "one.html").read_text(encoding="utf-8")

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from runs import output_of, refusal_of, small_text, text_file
+from runs import SHELLS, output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError
@@ -18,7 +18,6 @@ from easeoff.study.design import case_design
 
 OWN = (LUBRICANTS_FOLDER / "75w90.toml").read_text(encoding="utf-8")
 TABLE = '\n[friction]\nspeed = 500\noil = "oils/mine.toml"\n'
-SHELLS = '\n[compliance]\nmodel = "shell"\n'
 
 
 @pytest.fixture

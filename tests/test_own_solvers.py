@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
-from runs import output_of, refusal_of
+from runs import output_of, refusal_of, small
 from scipy.sparse.linalg import aslinearoperator
 
-from easeoff import InputError, analyze, read_case, read_result
+from easeoff import InputError, analyze, read_result
 from easeoff.contact import (
     ContactProblem,
     OperatorCompliance,
@@ -434,13 +434,9 @@ def test_line_contacts_are_solved_by_a_function() -> None:
     assert loose.tolerance == 1e-6
 
 
-COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-
-
 @pytest.mark.thorough
 def test_analysis_takes_a_solver_of_ones_own() -> None:
-    case = read_case("nasa-12x36")
-    case = case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
+    case = small(mesh_positions=2)
     reference = analyze(case, torques=[100.0])
     found = analyze(case, torques=[100.0], solver=Solver("mine", by_daqp))
     assert found.attrs["solver"] == "mine"

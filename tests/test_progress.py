@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 import tqdm.auto
-from runs import call, small_text
+from runs import SHELLS, call, small, small_text
 
 import easeoff
-from easeoff.cases import parse_case, read_case, write_case
+from easeoff.cases import parse_case, write_case
 from easeoff.core.compiled.compiled_use import COMPILING, compilation_told, tell_of_compilation
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
@@ -158,9 +158,7 @@ def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    case = read_case("nasa-12x36")
-    small = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
-    write_case(case.model_copy(update={"contact": case.contact.model_copy(update=small)}), "small.toml")
+    write_case(small(lengthwise_nodes=11, profile_nodes=9), "small.toml")
     environment = {**os.environ, "EASEOFF_PROGRESS": ""}
     words = ["export", "small.toml", "-o", "teeth.csv"]
     command = [sys.executable, "-c", "from easeoff.study.cli import main; main()", *words]
@@ -198,7 +196,7 @@ FUNCTIONS = (easeoff.analyze, easeoff.modify, easeoff.optimize, easeoff.sweep, a
 
 
 def coarse() -> easeoff.Case:
-    return parse_case(small_text(more='\n[compliance]\nmodel = "shell"\n'))
+    return parse_case(small_text(more=SHELLS))
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)

@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from netCDF4 import Dataset
-from runs import call, output_of, read_only, refusal_of, small_file
+from runs import SHELLS, call, output_of, read_only, refusal_of, small_file
 
 import easeoff
 from easeoff.cases import case_text, read_case, write_case
@@ -31,14 +31,13 @@ from easeoff.study.result_layout import faults
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
 WEAR = ["wear", "nasa-12x36", "-o", "{tmp}/x.nc"]
 FRICTION = "\n[friction]\nspeed = 500.0\n"
-SHELL = '\n[compliance]\nmodel = "shell"\n'
 
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result with friction."""
     folder = tmp_path_factory.mktemp("result")
-    output_of("run", small_file(folder, more=SHELL + FRICTION), "-o", folder / "x.nc", "--torque", "50")
+    output_of("run", small_file(folder, more=SHELLS + FRICTION), "-o", folder / "x.nc", "--torque", "50")
     return folder / "x.nc"
 
 
@@ -105,7 +104,7 @@ def test_blanks_after_commas_and_lists_with_a_point_are_read(tmp_path: Path) -> 
         given = main.commands["run"].make_context("run", ["nasa-12x36", "-o", "x.nc", *options]).params
         assert (given["misalignment"].offset, given["misalignment"].pinion_axial) == (0.1, -0.1)
         assert given["torques"] == (50.0, 150.0)
-    output_of("run", small_file(tmp_path, more=SHELL), "-o", tmp_path / "x.nc", *options, *friction)
+    output_of("run", small_file(tmp_path, more=SHELLS), "-o", tmp_path / "x.nc", *options, *friction)
     tree = easeoff.read_result(tmp_path / "x.nc")
     assert [tree.attrs[f"misalignment_{key}_mm"] for key in ("offset", "pinion_axial")] == [0.1, -0.1]
     assert list(tree["loaded"].to_dataset()["torque"].values) == [50.0, 150.0]
@@ -179,7 +178,7 @@ def test_the_checksum_is_of_the_lines_above_it(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("blank_pictures")
 def test_what_is_written_names_the_next_command(tmp_path: Path) -> None:
-    case = small_file(tmp_path, more=SHELL)
+    case = small_file(tmp_path, more=SHELLS)
     problems, wear = tmp_path / "problems.nc", tmp_path / "wear.nc"
     said = call("problems", case, "-o", problems, "--torque", "50")
     assert said.output.endswith(f"next: easeoff compare {problems}\n")
