@@ -20,7 +20,7 @@ from runs import SMALL
 
 import easeoff
 from easeoff.cases import gear_pair, parse_case, parse_design
-from easeoff.cases.reading import CASE, FileKind
+from easeoff.cases.reading import CASE, DESIGN, FileKind
 from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
@@ -91,13 +91,17 @@ WITH_CODE = [name for name in PAGES if blocks(PAGES[name].read_text(encoding="ut
 
 
 def with_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Shipped cases have few mesh positions, segments and nodes."""
+    """Shipped cases have few mesh positions, segments and nodes, shipped designs plain shells."""
     find = FileKind.find
-    few = "\n".join(f"{key} = {value}" for key, value in (SMALL | {"mesh_positions": 17}).items())
+    few = "\n".join(f"{key} = {value}" for key, value in SMALL.items())
 
     def found(kind: FileKind[Any], name_or_path: str | Path) -> tuple[str, Path | None]:
         text, folder = find(kind, name_or_path)
-        return text.replace("[contact]", f"[contact]\n{few}") if name_or_path in CASE.names() else text, folder
+        if kind is CASE and name_or_path in CASE.names():
+            text = text.replace("[contact]", f"[contact]\n{few}")
+        elif kind is DESIGN and name_or_path in DESIGN.names():
+            text += '\n[compliance]\nmodel = "shell"\n'
+        return text, folder
 
     monkeypatch.setattr(FileKind, "find", found)
 

@@ -22,7 +22,7 @@ from easeoff.geometry import GlobalErrors, deviation_from_formula
 from easeoff.study import result_summary
 
 PAGE = REFERENCE / "results.md"
-CHOSEN = ("setting", "objective", "quantity_limit")  # texts that depend on what was asked for
+CHOSEN = ("setting", "setting_units", "objective", "quantity_limit")  # texts that depend on what was asked for
 CERTIFICATE = "[certificate](../../researcher/contact_problems.md#what-the-certificate-proves)"
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
@@ -45,6 +45,7 @@ def coarse_analysis() -> xr.DataTree:
         points=2,
         steps=1,
         limits=["ease_off_change<=9"],
+        free=["pinion.concave.machine.radial_distance"],
         spread={"E": "uniform(-0.01,0.01)"},
         samples=1,
     )
