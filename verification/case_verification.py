@@ -135,7 +135,7 @@ def verify(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "edge_contact": False}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 5, "edge_contact": False}
     >>> case = read_case("nasa-12x36")
     >>> contact, shells = (
     ...     case.contact.model_copy(update=coarse),

@@ -60,7 +60,7 @@ def root_stress(
     --------
     >>> from easeoff.cases import read_case
     >>> from easeoff.study import CaseInMesh
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("fm-11x41")
     >>> tables = {"contact": coarse, "compliance": {"model": "fe", "fineness": 0.3}}
     >>> changed = {name: getattr(case, name).model_copy(update=table) for name, table in tables.items()}

@@ -137,7 +137,7 @@ def analyze(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> from easeoff.geometry import Misalignment

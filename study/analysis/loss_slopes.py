@@ -55,7 +55,7 @@ def loss_slopes(
     >>> from easeoff.friction import FrictionModel, Operation
     >>> from easeoff.geometry.pair.pair_setting import PairSetting
     >>> from easeoff.study import CaseInMesh
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
     >>> loaded, cases = state.cycle.loaded([100.0])

@@ -71,7 +71,7 @@ def derivatives(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> tree = derivatives(case, ["pinion.concave.machine.radial_distance", "Sigma", "torque"], torques=[100.0])
@@ -112,7 +112,7 @@ def contact_derivatives(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> tree = contact_derivatives(CaseInMesh.of(case), ["E", "torque"], [100.0])

@@ -80,7 +80,7 @@ def supported_parts(
     >>> from easeoff.cases import read_case
     >>> import numpy as np
     >>> from easeoff.contact.supports.support import Supports
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
     >>> (part,) = supported_parts(state, [0], np.array([100.0]), Supports.rigid())
@@ -164,7 +164,7 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     --------
     >>> from easeoff.cases import read_case, with_supports
     >>> case = with_supports(read_case("nasa-12x36"), "gearbox-nasa-12x36")
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> found = in_assembly_under_load(CaseInMesh.of(case), [100.0, 200.0])
     >>> [round(found.deflections.at(torque).pinion_axial, 3) for torque in (0.0, 100.0, 200.0)]

@@ -128,7 +128,7 @@ def analyze_load_cases(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> rows = [LoadCase(torque=100.0, share=0.9), LoadCase(name="climb", torque=300.0, E=0.05, share=0.1)]

@@ -107,7 +107,7 @@ def smallest_gap_rows(pair: VerifiedPair) -> list[VerificationRow]:
     --------
     >>> from easeoff.cases import read_case
     >>> case = read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     >>> [row.status.name for row in smallest_gap_rows(VerifiedPair.of(case))]
     ['WITHIN']
     """

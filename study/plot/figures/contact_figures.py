@@ -379,7 +379,7 @@ def root_stress(
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("fm-11x41")
-    >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> elastic = case.compliance.model_copy(update={"model": "fe", "fineness": 0.3})
     >>> contact = case.contact.model_copy(update=coarse)
     >>> case = case.model_copy(update={"contact": contact, "compliance": elastic})

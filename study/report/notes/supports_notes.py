@@ -32,7 +32,7 @@ def supports_notes(tree: xr.DataTree) -> list[str]:
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     >>> notes = supports_notes(easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41"))
     >>> notes[0]
     'Note: the supports axle-fm-11x41 are those of another pair, fm-11x41: are places and stiffness right for this one?'

@@ -71,7 +71,7 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
     >>> shares, loads = supports_tables(tree)
     >>> [head.split()[0] for head in shares.heads]
@@ -119,10 +119,10 @@ def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
     >>> names, radial, axial = bearing_loads(tree)
-    >>> len(names), radial.shape == axial.shape == (len(names), 1, 2)
+    >>> len(names), radial.shape == axial.shape == (len(names), 1, 3)
     (4, True)
     """
     group = tree["supports"].to_dataset().sortby("torque")
@@ -144,7 +144,7 @@ def supports_words(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 2})})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
     >>> supports_words(tree).partition(";")[0]
     'gearbox-nasa-12x36: pinion on bearings head, tail'
@@ -165,7 +165,7 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     >>> import easeoff
     >>> case = easeoff.read_case("fm-11x41")
     >>> shells = case.compliance.model_copy(update={"model": "shell"})
-    >>> coarse = case.contact.model_copy(update={"mesh_positions": 2})
+    >>> coarse = case.contact.model_copy(update={"mesh_positions": 3})
     >>> case = case.model_copy(update={"compliance": shells, "contact": coarse})
     >>> tree = easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41")
     >>> print(added_notes(tree)[0].partition(" and ")[0])
