@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from easeoff.contact import STEEL, ContactProblem, Material, ModalBasis, WeberLineContact, with_shared_modes
+from easeoff.contact.problem.certificate import Certificate, violations
 from easeoff.contact.problem.modal_basis import basis_of_blocks
+from easeoff.contact.solvers.compiled.compiled_answer import compiled_code
 
 Array = NDArray[np.float64]
 
@@ -99,3 +101,22 @@ def line_contact_of(size: int, seed: int, *, edges: bool = True) -> WeberLineCon
     pinion, gear = rng.uniform(1.0, 4.0, (2, size))
     bronze = Material(110000.0, 0.25)
     return WeberLineContact(length, radius, pinion, gear, STEEL, bronze, 0.14, overhang=overhang)
+
+
+def three_segments() -> tuple[tuple[Array, Array, float, tuple[Array, Array]], WeberLineContact]:
+    """Separation, lever arms, torque and bending compliance of three segments, and their line contact."""
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
+    data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
+    return data, WeberLineContact(length, radius, pinion, gear, STEEL, STEEL)
+
+
+def compiled_certificate(problem: ContactProblem, force: Array, elastic: float) -> tuple[Array, Certificate]:
+    """What the compiled certificate says of an answer: violations and their bounds (7), and the plain ones."""
+    deflection = problem.deflection(force)
+    shifted, whole = problem.separation_at_first_contact, problem.compliance_diagonal
+    gap = deflection + shifted - elastic * problem.lever_arm
+    numbers = np.array([0.0, elastic, *[np.nan] * 7])
+    terms = problem.size + basis_of(problem).factor.shape[1] + 10.0
+    arguments = (force, deflection, gap, np.array(shifted), problem.lever_arm, np.array(whole))
+    compiled_code()._certificate(*arguments, problem.torque, (terms, 0.0), numbers)
+    return numbers[2:], violations(problem, force, elastic, deflection, gap)

@@ -14,6 +14,7 @@ import pytest
 import qpsolvers
 from runs import output_of, refusal_of, small
 from scipy.sparse.linalg import aslinearoperator
+from shared_problems import three_segments
 
 from easeoff import InputError, analyze, read_result
 from easeoff.contact import (
@@ -26,8 +27,6 @@ from easeoff.contact import (
     solve_line_contact,
     write_problems,
 )
-from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
@@ -422,10 +421,7 @@ def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None
 
 
 def test_line_contacts_are_solved_by_a_function() -> None:
-    steel = Material(206000.0, 0.3)
-    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
-    data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
+    data, contact = three_segments()
     reference, _ = solve_line_contact(*data, contact)
     found, _ = solve_line_contact(*data, contact, by_daqp)
     assert found.force == pytest.approx(reference.force, rel=1e-9)

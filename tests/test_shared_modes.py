@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from shared_problems import as_array, basis_of, dense, line_contact_of, shared_problem
+from shared_problems import as_array, basis_of, compiled_certificate, dense, line_contact_of, shared_problem
 from solver_choice import BACKENDS, LIFTING, installed
 
 from easeoff import InputError
@@ -34,11 +34,10 @@ from easeoff.contact import (
 )
 from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
-from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
 from easeoff.contact.problem.proof.residuals import exact_residuals
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answers, linear_answer
+from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
 from easeoff.contact.solvers.parametric.dense_touching import DenseTouching
 from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
@@ -319,15 +318,8 @@ def test_certificate_of_the_compiled_code_is_that_of_the_plain_one() -> None:
         for spoil in (1e-9, 1e-3, 1.0):
             force = right.force * (1.0 + spoil * rng.standard_normal(problem.size))
             elastic = right.elastic_rotation * (1.0 + spoil * rng.standard_normal())
-            deflection = problem.deflection(force)
-            gap = deflection + problem.separation_at_first_contact - elastic * problem.lever_arm
-            other = violations(problem, force, elastic, deflection, gap)
-            numbers = np.array([0.0, elastic, *[np.nan] * 7])
-            shifted, whole = problem.separation_at_first_contact, problem.compliance_diagonal
-            terms = problem.size + problem.compliance[1].shape[1] + 10.0
-            arguments = (force, deflection, gap, np.array(shifted), problem.lever_arm, np.array(whole))
-            compiled_code()._certificate(*arguments, problem.torque, (terms, 0.0), numbers)
-            assert numbers[2:7] == pytest.approx(other.violations, rel=1e-6, abs=1e-14)
+            numbers, other = compiled_certificate(problem, force, elastic)
+            assert numbers[:5] == pytest.approx(other.violations, rel=1e-6, abs=1e-14)
 
 
 def test_terms_that_cancel_in_the_shared_modes_widen_the_bound() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_problems import three_segments
 from solver_choice import BACKENDS, CHOLESKY, installed
 
 from easeoff import InputError
@@ -19,8 +20,6 @@ from easeoff.contact import (
     solve,
     solve_line_contact,
 )
-from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.solver_limits import Limits, StepBudget, backend_keywords
 from easeoff.verification import PROBLEM_CLASSES, problems
@@ -222,10 +221,7 @@ def test_start_of_the_wrong_shape_is_refused() -> None:
 
 
 def test_limits_hold_for_line_contacts() -> None:
-    steel = Material(206000.0, 0.3)
-    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
-    data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
+    data, contact = three_segments()
     statuses: dict[Status, dict[str, Any]] = {
         Status.CERTIFIED: {"max_iterations": 1000, "time_limit": 3600.0, "tolerance": 1e-9},
         Status.NOT_CONVERGED: {"max_iterations": 2},
