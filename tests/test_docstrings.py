@@ -78,7 +78,9 @@ def fresh(result: Any) -> Any:
     """What examples may change of a result anew, its numbers read-only; what is frozen as it is."""
     if isinstance(result, Analysis):
         return replace(result, groups={name: fresh(group) for name, group in result.groups.items()})
-    return read_only(result).copy(deep=False) if isinstance(result, xr.DataTree | xr.Dataset) else result
+    if isinstance(result, xr.DataTree):
+        return read_only(result).copy(deep=False)
+    return read_only(result).copy(deep=False) if isinstance(result, xr.Dataset) else result
 
 
 @pytest.fixture(scope="module", autouse=True)

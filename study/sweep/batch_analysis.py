@@ -115,7 +115,7 @@ def analyze_batch(batch: Batch) -> Block:
     --------
     >>> from easeoff.cases import read_case
     >>> setup = SweepSetup(read_case("nasa-12x36"), (100.0,))
-    >>> block = analyze_batch(Batch(setup, 0, np.array([0]), {"E": np.array([0.05])}))
+    >>> block = analyze_batch(Batch(setup, 0, np.array([0]), {"E": np.array([0.02])}))
     >>> block.status.tolist(), block.numbers["peak_to_peak"].shape
     ([[0]], (1, 1))
     """
@@ -159,9 +159,9 @@ def point_tree(setup: SweepSetup, values: Mapping[str, Any]) -> xr.DataTree:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> tree = point_tree(SweepSetup(read_case("nasa-12x36"), (100.0,)), {"E": 0.05})
+    >>> tree = point_tree(SweepSetup(read_case("nasa-12x36"), (100.0,)), {"E": 0.02})
     >>> tree.attrs["misalignment_offset_mm"]
-    0.05
+    0.02
     """
     return _Assembly(setup, values).analysis(values).tree
 

@@ -187,7 +187,7 @@ def run_plan(
 
     Examples
     --------
-    >>> run_plan(planned_sweep("nasa-12x36", {"E": [0.05]}, torques=[100.0]), workers=1)["status"].item()
+    >>> run_plan(planned_sweep("nasa-12x36", {"E": [0.02]}, torques=[100.0]), workers=1)["status"].item()
     0
     """
     own = usable_cores() if workers is None else workers

@@ -35,7 +35,7 @@ def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from easeoff.study.sweep import sweep
-    >>> found = sweep("nasa-12x36", {"E": [0.05]}, torques=[100.0])
+    >>> found = sweep("nasa-12x36", {"E": [0.02]}, torques=[100.0])
     >>> with TemporaryDirectory() as folder:
     ...     write_sweep(found, f"{folder}/sweep.nc")
     ...     read_sweep(f"{folder}/sweep.nc").identical(found)

@@ -309,7 +309,9 @@ def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None
     >>> import easeoff
     >>> from easeoff.cases import Deflections
     >>> axle = Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], misalignment=axle)
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = easeoff.analyze(case, torques=[100.0], misalignment=axle)
     >>> len(easeoff.plot.misalignment(tree).axes)
     3
     """
@@ -419,7 +421,9 @@ def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     --------
     >>> import easeoff
     >>> case = easeoff.read_case("fm-11x41")
-    >>> case = case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": "shell"})})
+    >>> contact = case.contact.model_copy(update={"mesh_positions": 3})
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case = case.model_copy(update={"contact": contact, "compliance": shells})
     >>> tree = easeoff.analyze(case, torques=[100.0], deviations={"gear": "fm-11x41-worn-gear"})
     >>> len(easeoff.plot.deviations(tree).axes)  # the flank and its colour bar
     2

@@ -45,7 +45,9 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     >>> import easeoff
     >>> from easeoff.cases import LoadCase
     >>> from easeoff.study import analyze_load_cases
-    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=100.0)])
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = analyze_load_cases(case, [LoadCase(name="climb", torque=100.0)])
     >>> len(easeoff.plot.load_cases(tree).axes)
     3
     """

@@ -31,7 +31,9 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> torques, errors = misalignment_over_torque(easeoff.analyze("nasa-12x36", torques=[100.0], misalignment=axle))
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> torques, errors = misalignment_over_torque(easeoff.analyze(case, torques=[100.0], misalignment=axle))
     >>> torques.tolist(), errors[:, 0, 0].tolist()
     ([0.0, 100.0], [0.0, 0.025])
     """
@@ -85,7 +87,9 @@ def deflection_table(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], misalignment=axle)
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = easeoff.analyze(case, torques=[100.0], misalignment=axle)
     >>> deflection_table(tree).splitlines()[-1].split()
     ['100', '+0.0250', '0', '0', '0']
     """

@@ -42,9 +42,11 @@ def load_case_summary(tree: xr.DataTree) -> str:
 
     Examples
     --------
-    >>> from easeoff.cases import LoadCase
+    >>> from easeoff.cases import LoadCase, read_case
     >>> from easeoff.study import analyze_load_cases
-    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=100.0)])
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = analyze_load_cases(case, [LoadCase(name="climb", torque=100.0)])
     >>> load_case_summary(tree).splitlines()[3].split()[:4]
     ['load', 'case', 'flank', 'torque']
     """

@@ -165,8 +165,8 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     >>> import easeoff
     >>> case = easeoff.read_case("fm-11x41")
     >>> shells = case.compliance.model_copy(update={"model": "shell"})
-    >>> coarse = case.contact.model_copy(update={"mesh_positions": 3})
-    >>> case = case.model_copy(update={"compliance": shells, "contact": coarse})
+    >>> contact = case.contact.model_copy(update={"mesh_positions": 3})
+    >>> case = case.model_copy(update={"contact": contact, "compliance": shells})
     >>> tree = easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41")
     >>> print(added_notes(tree)[0].partition(" and ")[0])
     Note: the case's misalignment E -0.15 mm, P +0.12 mm stands without torque
