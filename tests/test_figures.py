@@ -346,7 +346,9 @@ def test_prints_of_a_check_come_on_axes_of_ones_own(tmp_path: Path) -> None:
     assert [len(one.lines) for one in axes] == [len(one.lines) for one in page.axes]
     with pytest.raises(InputError, match="axes = 7 of Axes: must be 3 Axes"):
         plot.vh_check(found, parts="places", axes=axes)
-    for number, broken in enumerate((found.drop_vars("v"), found.assign(in_plane=found["in_plane"] * np.nan))):
+    flat = found["in_plane"].where(found["plane_axis"] == found["plane_axis"][0], 0.0)
+    wrong = (found.assign(in_plane=plane) for plane in (found["in_plane"] * np.nan, flat))
+    for number, broken in enumerate((found.drop_vars("v"), *wrong)):
         broken.to_netcdf(tmp_path / f"{number}.nc", engine="netcdf4")
         assert "is damaged, changed by hand" in refusal_of("plot", tmp_path / f"{number}.nc", tmp_path / "p")
 
@@ -361,6 +363,8 @@ def test_files_are_named_after_case_and_flank(tree: xr.DataTree, tmp_path: Path)
     assert file_prefix(xr.DataTree(xr.Dataset(attrs=older))) == "12x36-drive"
     for name, expected in (("../../etc/x y", "etc_x_y"), ("-.", "result"), ("Größe", "Größe"), ("a" * 200, "a" * 80)):
         assert file_prefix(xr.Dataset(attrs={"case_name": name})) == expected
+    for flanks, expected in ((["coast"], "axle-coast"), (["drive", "coast"], "axle")):  # those of a sweep
+        assert file_prefix(xr.Dataset(coords={"flank": flanks}, attrs={"case_name": "axle"})) == expected
     own = text_file(tmp_path / "my axle.toml", easeoff.cases.case_text("nasa-12x36"))
     assert easeoff.read_case(own).name == "my axle"
 

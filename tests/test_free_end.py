@@ -157,6 +157,12 @@ def test_distances_from_both_ends_are_at_right_angles_to_them() -> None:
     line = roll[1] * along - roll[0] * up
     assert of_gear.cosine[1] == pytest.approx(abs(line @ across) / np.linalg.norm(line) / np.linalg.norm(across))
     of_pinion = tooth_ends(fields, "pinion", points)
+    at, *slope = (fields("pinion_lengthwise", points[:, [1]], order)[0] for order in ((0, 0), (1, 0), (0, 1)))
+    end = slope[1] * along - slope[0] * up
+    away = np.linalg.norm(np.cross(along, end)) / np.linalg.norm(end)
+    assert of_pinion.distance[0, 1] == pytest.approx(float(at * away / slope[0]), rel=1e-9)
+    sine = np.linalg.norm(np.cross(line, end)) / np.linalg.norm(line) / np.linalg.norm(end)
+    assert of_pinion.cosine[1] == pytest.approx(float(sine), rel=1e-9)
     assert np.all(of_pinion.distance >= 0.0)
     assert of_pinion.distance[:, 2] == pytest.approx(of_gear.distance[:, 2], rel=0.25)
 
