@@ -95,7 +95,11 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
         raise InputError(f"{named(source)} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
     if source.suffix == ".toml":
         raise InputError(f"{source} is not a netCDF file; of a case make a result: 'easeoff run {source} -o FILE'")
-    tree = read_tree(source)
+    return checked_result(read_tree(source), source)
+
+
+def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
+    """The result that a file holds; raises as ``read_result``, which it ends."""
     if "sweep_schema_version" in tree.attrs:
         raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
     found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)

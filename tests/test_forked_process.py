@@ -49,6 +49,13 @@ def test_a_library_that_comes_to_no_end_is_stopped(monkeypatch: pytest.MonkeyPat
         in_forked_process(endless)
 
 
+def test_a_library_that_waits_for_ever_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes no processor time."""
+    monkeypatch.setattr(forked_process, "TIME_LIMIT", 0.01)
+    with pytest.raises(ProcessEndedError, match="the library that reads it comes to no end"):
+        in_forked_process(signal.pause)
+
+
 def test_a_file_on_which_the_library_crashes_is_damaged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "good.nc"
     xr.Dataset({"a": ("x", [1.0, 2.0])}).to_netcdf(path, engine="netcdf4")

@@ -6,9 +6,11 @@ import contextlib
 import faulthandler
 import os
 import pickle
+import selectors
 import signal
+import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from ..errors import EaseoffError, InputError
@@ -16,16 +18,31 @@ from ..errors import EaseoffError, InputError
 Result = TypeVar("Result")
 
 PROCESSOR_TIME_LIMIT = 100  # of the process [s]; the largest file that is read takes a third
+TIME_LIMIT = 1000.0  # by the clock [s], of a process that waits for what never comes
+PIECE_SIZE = 1 << 20  # of the result, read at a time [bytes]
 
 
 class ProcessEndedError(EaseoffError):
     """The process ended without a result."""
 
 
+@contextlib.contextmanager
+def netcdf_to_oneself() -> Iterator[None]:
+    """Context in which no other thread is inside the libraries for netCDF and HDF5, which take one at a time.
+
+    It holds the locks that xarray takes for every call of them: within it xarray must not read files.
+    """
+    from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
+
+    with NETCDF4_PYTHON_LOCK:  # of several locks, in the order in which xarray takes them
+        yield
+
+
 def in_forked_process(work: Callable[[], Result]) -> Result:
     """Result of a function that is called in a copy of this process.
 
-    Where processes cannot be copied (Windows) the function is called in this one.
+    No other thread is inside the libraries for netCDF and HDF5 when the copy is made. Where processes cannot be copied
+    (Windows) the function is called in this one.
 
     Parameters
     ----------
@@ -37,7 +54,7 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     InputError
         If the function raises it.
     ProcessEndedError
-        If the process crashes, raises anything else, or takes more than ``PROCESSOR_TIME_LIMIT``.
+        If the process crashes, raises anything else, or takes more than ``PROCESSOR_TIME_LIMIT`` or ``TIME_LIMIT``.
 
     Examples
     --------
@@ -50,19 +67,23 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     if not hasattr(os, "fork"):
         return work()
     source, sink = os.pipe()
-    with warnings.catch_warnings():
+    with netcdf_to_oneself(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # other threads, of which the copy uses nothing
         child = os.fork()
     if child == 0:
         os.close(source)
         _work_and_exit(work, sink)
     os.close(sink)
+    ended = False
     try:
-        with open(source, "rb") as stream:
-            content = stream.read()
+        content = _read_within(source, TIME_LIMIT)
+        ended = content is not None
     finally:
+        if not ended:
+            os.kill(child, signal.SIGKILL)
+        os.close(source)
         _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == getattr(signal, "SIGXCPU", None):
+    if content is None or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == getattr(signal, "SIGXCPU", None)):
         raise ProcessEndedError("the library that reads it comes to no end")
     if status != 0 or not content:
         raise ProcessEndedError("the library that reads it crashed")
@@ -70,6 +91,19 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     if not succeeded:
         raise InputError(result)
     return result  # type: ignore[no-any-return]
+
+
+def _read_within(source: int, limit: float) -> bytes | None:
+    """All that comes out of a pipe until it is closed; None if it is not closed within a time [s]."""
+    end, pieces = time.monotonic() + limit, list[bytes]()
+    with selectors.DefaultSelector() as ready:
+        ready.register(source, selectors.EVENT_READ)
+        while ready.select(max(0.0, end - time.monotonic())):
+            piece = os.read(source, PIECE_SIZE)
+            if not piece:
+                return b"".join(pieces)
+            pieces.append(piece)
+    return None
 
 
 def _work_and_exit(work: Callable[[], Any], sink: int) -> None:

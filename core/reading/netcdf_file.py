@@ -21,7 +21,7 @@ from ..printable import shortened
 from ..processes.forked_process import ProcessEndedError, in_forked_process
 from ..processes.memory import available_memory
 from .hdf5_links import check_links
-from .regular_file import faults_in_words, named, require_file
+from .regular_file import faults_in_words, named, reason, require_file
 
 Content = TypeVar("Content", xr.Dataset, xr.DataTree)
 
@@ -62,8 +62,13 @@ def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Da
     return _read(path, xr.open_dataset, square=square)
 
 
-def outermost_group(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset | None:
-    """As ``read_dataset``, to tell what a file is: None where the reader of its kind will say what is wrong with it.
+def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.DataTree | None:
+    """As ``read_tree``, to tell what a file is: None where the reader of its kind will say what is wrong with it.
+
+    Parameters
+    ----------
+    path, square
+        As of ``read_dataset``.
 
     Raises
     ------
@@ -71,11 +76,43 @@ def outermost_group(path: str | os.PathLike[str], *, square: bool = False) -> xr
         If the process that read it ended without a result.
     """
     try:
-        return read_dataset(path, square=square)
+        return _read(path, xr.open_datatree, square=square)
     except ReadingEndedError:
         raise
     except InputError:
         return None
+
+
+def in_memory(content: Content) -> Content:
+    """A tree or dataset with all values in memory, whether xarray keeps them in a file or as work to be done.
+
+    The one that is given stays as it is; values in memory are not copied.
+
+    Raises
+    ------
+    InputError
+        If the values cannot be had any more: their file was closed, changed or removed.
+
+    Examples
+    --------
+    >>> tree = xr.DataTree(xr.Dataset({"force": ("segment", [1.0, 2.0])}), name="loaded")
+    >>> in_memory(tree).identical(tree)
+    True
+    """
+    try:
+        return _computed(content)
+    except Exception as error:
+        raise InputError(
+            f"values that xarray keeps in a file cannot be read any more: {reason(error)}; open it again, call load()"
+        ) from error
+
+
+def _computed(content: Content) -> Content:
+    """The content with all values in memory; ``DataTree.load`` leaves out variables that are called as their group."""
+    if isinstance(content, xr.Dataset):
+        return content.compute()
+    groups = {node.relative_to(content): node.to_dataset(inherit=node is content).compute() for node in content.subtree}
+    return xr.DataTree.from_dict(groups, name=content.name)
 
 
 def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
@@ -90,7 +127,7 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, squar
             _reading(path, square=square),
             opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as found,
         ):
-            return found.load()
+            return _computed(found)
 
     try:
         return in_forked_process(loaded)

@@ -83,9 +83,13 @@ def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
     except MemoryError as error:
         raise InputError(f"{named(path)} needs more memory than there is") from error
     except Exception as error:
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
-        why = shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
-        raise InputError(f"{named(path)} is not {kind}, or it is damaged: {why}") from error
+        raise InputError(f"{named(path)} is not {kind}, or it is damaged: {reason(error)}") from error
+
+
+def reason(error: Exception) -> str:
+    """What another program says of an error, in a line."""
+    why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+    return shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
 
 
 def too_large(path: str | os.PathLike[str], limit: int) -> InputError:

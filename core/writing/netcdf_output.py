@@ -8,6 +8,8 @@ from typing import Any
 
 import xarray as xr
 
+from ..processes.forked_process import netcdf_to_oneself
+from ..reading.netcdf_file import in_memory
 from .output_file import whole_file
 
 
@@ -68,11 +70,14 @@ def write_netcdf(
     tree, by_group = content, encoding or {}
     if not isinstance(tree, xr.DataTree):
         tree, by_group = xr.DataTree(tree), {"/": by_group}
+    groups = [
+        (node.relative_to(tree), in_memory(node.to_dataset(inherit=node is tree)), by_group.get(node.path, {}))
+        for node in tree.subtree
+    ]
     later = _LaterWriter()
-    with whole_file(path) as temporary, Dataset(temporary, "w", format="NETCDF4") as file:
-        for node in tree.subtree:
-            group = file if node is tree else file.createGroup(node.relative_to(tree))
-            own = {name: dict(each) for name, each in by_group.get(node.path, {}).items()}
-            store = xr.backends.NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
-            node.to_dataset(inherit=node is tree).dump_to_store(store, writer=later, encoding=own)
+    with whole_file(path) as temporary, netcdf_to_oneself(), Dataset(temporary, "w", format="NETCDF4") as file:
+        for name, dataset, own in groups:
+            group = file if name == "." else file.createGroup(name)
+            store = xr.backends.NetCDF4DataStore(group, lock=False)  # type: ignore[no-untyped-call]
+            dataset.dump_to_store(store, writer=later, encoding={key: dict(each) for key, each in own.items()})
         later.write()

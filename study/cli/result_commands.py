@@ -24,24 +24,29 @@ def show(result: Path) -> None:
     RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
     """
     quick_start()
-    from ..report.contact_report.given_results import kind_of, read_given
+    from ...core.reading.netcdf_file import tree_or_none
+    from ..report.contact_report.given_results import checked_given, kind_of
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.result_summary import result_summary
     from ..report.vh_table import vh_table
     from ..report.wear_report import wear_summary
+    from ..result import read_result
+    from ..sweep.sweep_file import checked_sweep, is_sweep
 
-    dataset = _sweep(result)
-    if dataset is not None:
+    tree = tree_or_none(result, square=True)
+    if tree is None:
+        tree = read_result(result)  # says what is wrong with the file
+    if is_sweep(found := tree.to_dataset()):
         from ..report.sweep_report import sweep_summary
 
-        echo(sweep_summary(dataset))
+        echo(sweep_summary(checked_sweep(found, result)))
         return
-    if _holds_problems(result):
-        from ..report.summary.problem_summary import problem_summary
+    from ..report.summary.problem_summary import holds_problems, problem_summary
 
+    if holds_problems(found):
         echo(problem_summary(result))
         return
-    given: Any = read_given(result)
+    given: Any = checked_given(tree, result)
     kind = kind_of(given)
     if kind in ("V-H check", "wear"):
         table = vh_table(given) if kind == "V-H check" else wear_summary(given)
@@ -177,24 +182,6 @@ def cite(result: Path | None, bibtex: bool) -> None:
     from ...core.reading.netcdf_file import read_tree
 
     echo(citation(read_tree(result), bibtex=bibtex))
-
-
-def _holds_problems(path: Path) -> bool:
-    """Whether a file is one of contact problems; of another file its own reader says what is wrong with it."""
-    from ...core.reading.netcdf_file import outermost_group
-    from ..report.summary.problem_summary import holds_problems
-
-    found = outermost_group(path, square=True)
-    return found is not None and holds_problems(found)
-
-
-def _sweep(path: Path) -> xr.Dataset | None:
-    """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
-    from ...core.reading.netcdf_file import outermost_group
-    from ..sweep.sweep_file import checked_sweep, is_sweep
-
-    found = outermost_group(path)
-    return checked_sweep(found, path) if found is not None and is_sweep(found) else None
 
 
 def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import outermost_group
+from ....core.reading.netcdf_file import tree_or_none
 from ....core.reading.regular_file import named
-from ...result import read_result
+from ...result import checked_result, read_result
 from ...result_layout import index_faults, variable_faults
 from ...sweep.sweep_file import checked_sweep, is_sweep
 
@@ -59,9 +60,10 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
     ...     print(error)
     no-such-file.nc: there is no such file
     """
-    found = outermost_group(path)
-    if found is None:
+    tree = tree_or_none(path)
+    if tree is None:
         return read_result(path)  # says what is wrong with the file
+    found = tree.to_dataset()
     if is_sweep(found):
         return checked_sweep(found, path)
     for sign, layout, command in (("print_excess", VH_CHECK, "vh"), ("wear_depth", WEAR, "wear")):
@@ -73,7 +75,7 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
                     f"make it anew with 'easeoff {command} CASE -o FILE'"
                 )
             return found
-    return read_result(path)
+    return checked_result(tree, Path(path))
 
 
 def study_faults(found: xr.Dataset, sign: str, layout: dict[tuple[str, ...], tuple[str, ...]]) -> list[str]:

@@ -11,8 +11,8 @@ import xarray as xr
 
 from ....core.errors import InputError
 from ....core.printable import printable
-from ....core.reading.netcdf_file import outermost_group
-from ...result import read_result
+from ....core.reading.netcdf_file import tree_or_none
+from ...result import checked_result, read_result
 from ...sweep.sweep_file import MARK
 from .report_layout import require_groups, require_layout
 
@@ -127,9 +127,16 @@ def read_given(path: Path) -> xr.DataTree | xr.Dataset:
     InputError
         If it is none of them.
     """
-    found = outermost_group(path)
-    if found is None or (kind := kind_of(found)) == "other":
-        return read_result(path)
+    tree = tree_or_none(path)
+    return read_result(path) if tree is None else checked_given(tree, path)
+
+
+def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
+    """The same of what a file holds."""
+    found = tree.to_dataset()
+    kind = kind_of(found)
+    if kind == "other":
+        return checked_result(tree, path)
     _require_kind(str(path), kind)
     require_layout(str(path), found, kind)
     return found

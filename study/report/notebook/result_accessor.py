@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
+from ....core.reading.netcdf_file import in_memory
 from ....core.suggestion import suggestion
 from ...result_layout import VARIABLES, faults, load_case_faults
 
@@ -44,7 +45,7 @@ class ResultSummary:
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
-        self._tree = tree
+        self._tree = in_memory(tree)
 
     @cached_property
     def text(self) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tabulate import tabulate
 
 from ....contact.solvers import Status
+from ....core.reading.netcdf_file import in_memory
 from ..departures import deviations, modification
 from ..key_numbers import key_numbers
 from ..model_name import model_name
@@ -239,6 +240,7 @@ def result_summary(tree: xr.DataTree) -> str:
     >>> print(result_summary(easeoff.analyze("nasa-12x36", torques=[100.0])).splitlines()[3])
     pair          12 x 36, left-hand pinion, drive flanks
     """
+    tree = in_memory(tree)
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
     parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
