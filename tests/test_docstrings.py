@@ -24,6 +24,14 @@ from easeoff.study.case_in_mesh import CaseInMesh
 #: All but the kernels, which are compiled as they are imported.
 FOUND = [found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff.")]
 MODULES = ["easeoff", *(name for name in FOUND if not name.endswith("_kernel"))]
+#: Those whose examples take more than a second: they design, search, verify, or start other programs.
+SLOW = (
+    "easeoff.study.compare",
+    "easeoff.study.compare.comparison",
+    "easeoff.study.design.case_design",
+    "easeoff.study.design.optimization.setting_optimization",
+    "easeoff.verification.case_verification",
+)
 #: Functions that many examples begin with and whose result depends on nothing but their arguments.
 BEGINNINGS = (
     "cases.conversion.gear_pair",
@@ -103,13 +111,21 @@ def shared() -> Iterator[None]:
         yield
 
 
+def tried_in(module: str) -> int:
+    """Number of examples in a module, all of which work."""
+    linecache.clearcache()  # before each docstring, doctest has a look at every file that is in it
+    outcome = doctest.testmod(importlib.import_module(module))
+    assert outcome.failed == 0, module
+    return outcome.attempted
+
+
 @pytest.mark.parametrize("folder", sorted({name.split(".")[1] for name in MODULES if "." in name} | {""}))
 def test_examples_work(folder: str) -> None:
-    tried = 0
-    for name in MODULES:
-        if name.split(".")[1:2] == [folder] * bool(folder):
-            linecache.clearcache()  # before each docstring, doctest has a look at every file that is in it
-            outcome = doctest.testmod(importlib.import_module(name))
-            assert outcome.failed == 0, name
-            tried += outcome.attempted
-    assert tried > 2
+    found = [name for name in MODULES if name.split(".")[1:2] == [folder] * bool(folder) and name not in SLOW]
+    assert sum(map(tried_in, found)) > 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("module", SLOW)
+def test_slow_examples_work(module: str) -> None:
+    assert tried_in(module) > 2
