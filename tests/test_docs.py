@@ -43,7 +43,7 @@ PAGES = {
     if not {"paper", "_build"} & set(path.relative_to(DOCS).parts)
 }
 #: Pages that are run at once, with few points: what begins, and those in whose code a number stands that is looked at.
-QUICK = ("researcher/contact_problems", "engineer/reference/results", "python/recipes", "index")
+QUICK = ("researcher/contact_problems", "engineer/reference/results", "index")
 
 
 def text(name: str) -> str:
