@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -57,6 +59,20 @@ def replaced(text: str, pattern: str, replacement: str) -> str:
     text, count = re.subn(pattern, replacement, text, count=1, flags=re.MULTILINE)
     assert count == 1
     return text
+
+
+def in_copies(count: int, work: Callable[[int], object]) -> None:
+    """Call a function with a number each in copies of this process, all at once; none may fail."""
+    children = []
+    for number in range(count):
+        children.append(os.fork())
+        if children[-1] == 0:
+            code = 1
+            with contextlib.suppress(BaseException):
+                work(number)
+                code = 0
+            os._exit(code)
+    assert [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children] == [0] * count
 
 
 def small(name: str = "nasa-12x36", compliance: str | None = None, **contact: Any) -> Case:

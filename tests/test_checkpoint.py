@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import json
 import os
 from pathlib import Path
 
 import pytest
+from runs import in_copies
 
 from easeoff import InputError
 from easeoff.core.checkpoint import Checkpoint
@@ -64,19 +64,13 @@ def test_a_fresh_start_replaces_the_records_once_there_is_a_new_one(tmp_path: Pa
 def test_processes_that_share_a_file_keep_every_record_whole(tmp_path: Path) -> None:
     """They begin it together, too: none replaces what another has added."""
     path = tmp_path / "squares.jsonl"
-    children = []
-    for process in range(4):
-        child = os.fork()
-        if child == 0:
-            code = 1
-            with contextlib.suppress(BaseException):
-                shared = Checkpoint(path, "long texts", encode=str, decode=str)
-                for number in range(12):
-                    shared.add(f"{process}/{number}", 30_000 * str(process))
-                code = 0
-            os._exit(code)
-        children.append(child)
-    assert [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children] == [0] * 4
+
+    def add(process: int) -> None:
+        shared = Checkpoint(path, "long texts", encode=str, decode=str)
+        for number in range(12):
+            shared.add(f"{process}/{number}", 30_000 * str(process))
+
+    in_copies(4, add)
     header, *lines = path.read_text(encoding="utf-8").splitlines()
     assert json.loads(header) == {"checkpoint": "long texts"}
     records = {entry["key"]: entry["record"] for entry in map(json.loads, lines)}

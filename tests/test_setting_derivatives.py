@@ -65,6 +65,12 @@ UNLOADED_STEP = 4e-4  # of the usual step of a setting, in differences of fourth
 GAP_ROUNDING = 4e-15  # [rad]; what rounding leaves of the smallest gap
 
 
+@pytest.fixture(autouse=True)
+def all_shared_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that are left out change no digit of a result, but all digits of a difference over 1e-5."""
+    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+
+
 def settings_of(pair: GearPair) -> list[PairSetting]:
     names = [*BLADE_STEPS, *CURVATURE_STEPS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS, *MOTIONS]
     found = [PairSetting("pinion", name) for name in names] + [PairSetting("gear", name) for name in names]
@@ -107,24 +113,18 @@ def values_and_slopes(name: str) -> tuple[xr.Dataset, xr.Dataset]:
 @pytest.mark.thorough
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
-def test_loaded_contact_agrees_with_differences_for_all_settings(
-    name: str, flank: FlankName, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # Shared modes that are left out change no digit of a result, but all digits of a difference over 1e-5.
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_loaded_contact_agrees_with_differences_for_all_settings(name: str, flank: FlankName) -> None:
     check_rotations(cycle_of(name, flank), torques_of(name), settings_of(geometry_of(name, flank).pair))
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", CASES)
-def test_contact_on_lines_agrees_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_contact_on_lines_agrees_with_differences(name: str) -> None:
     check_rotations(cycle_of(name), torques_of(name), settings_of(geometry_of(name).pair)[::6], edges=False)
 
 
 @pytest.mark.parametrize(("name", "edges"), [("fm-11x41", False), ("nasa-12x36", True), ("fh-12x41-45", True)])
-def test_loaded_contact_agrees_with_differences(name: str, edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_loaded_contact_agrees_with_differences(name: str, edges: bool) -> None:
     check_rotations(coarse_cycle(name), torques_of(name), [PairSetting("pinion", "radial_distance")], edges=edges)
 
 
@@ -161,12 +161,8 @@ def check_rotations(
 @pytest.mark.thorough
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("name", CASES)
-def test_numbers_agree_with_differences_for_settings_of_all_kinds(
-    name: str, flank: FlankName, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_numbers_agree_with_differences_for_settings_of_all_kinds(name: str, flank: FlankName) -> None:
     """A fifth of the settings of each, others for the next; all of them take an hour."""
-    # Shared modes that are left out change no digit of a result, but all digits of a difference over 1e-5.
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
     first = (CASES.index(name) + 2 * FLANKS.index(flank)) % 5
     # The fewer positions, the fewer lie beside a change of what touches.
     check_numbers(cycle_of(name, flank, 4), torques_of(name), settings_of(geometry_of(name, flank).pair)[first::5])
@@ -174,15 +170,13 @@ def test_numbers_agree_with_differences_for_settings_of_all_kinds(
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", CASES)
-def test_numbers_on_lines_agree_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_numbers_on_lines_agree_with_differences(name: str) -> None:
     check_numbers(cycle_of(name, "drive", 4), torques_of(name), settings_of(geometry_of(name).pair)[::6], edges=False)
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fm-11x41", "nasa-12x36", "fh-12x41-45", "fh-design-b"])
-def test_numbers_agree_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_numbers_agree_with_differences(name: str) -> None:
     check_numbers(coarse_cycle(name), torques_of(name), [PairSetting("pinion", "radial_distance")])
 
 
@@ -209,9 +203,8 @@ def check(course: Course, slopes: xr.Dataset, step: float, setting: object) -> d
     return found
 
 
-def test_a_load_beside_the_border_of_a_shape_function_moves_on_its_own_side(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_load_beside_the_border_of_a_shape_function_moves_on_its_own_side() -> None:
     """One point of a segment lies within 1e-6 of the flank from such a border."""
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
     cycle, setting = beside_a_border(coarse_cycle("fm-11x41")), PairSetting("assembly", "gear_axial")
     torques, step = torques_of("fm-11x41"), 1e-4 * setting.scale
     _, slopes = cycle_slopes(cycle, [setting], *cycle.loaded(torques, edge_contact=False))
@@ -327,8 +320,7 @@ def test_settings_that_only_turn_a_member_change_nothing() -> None:
         assert np.abs(values[..., :4]).max() < 1e-6 * np.abs(values[..., 4]).max(), name
 
 
-def test_torque_and_modification_agree_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_torque_and_modification_agree_with_differences() -> None:
     _, slopes = values_and_slopes("nasa-12x36")
     cycle, torque = coarse_cycle("nasa-12x36"), TORQUES["nasa-12x36"]
     told = cycle.geometry.ease_off
@@ -348,8 +340,7 @@ def test_torque_and_modification_agree_with_differences(monkeypatch: pytest.Monk
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [name for name, powers in TERM_POWERS.items() if sum(powers) < 4])
-def test_modifications_agree_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_modifications_agree_with_differences(name: str) -> None:
     term, cycle, analyses = PairSetting("modification", name), coarse_cycle("nasa-12x36"), Analyses((100.0,))
     own = analyses.slopes(cycle, [term]).isel(setting=0)
     found = check(analyses.along(cycle, term), own, longest_step(term, own), term)
@@ -360,8 +351,7 @@ def test_modifications_agree_with_differences(name: str, monkeypatch: pytest.Mon
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", CASES)
-def test_torque_agrees_with_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+def test_torque_agrees_with_differences(name: str) -> None:
     cycle, analyses = coarse_cycle(name), Analyses(tuple(torques_of(name)))
     own = analyses.slopes(cycle, [PairSetting("assembly", "offset")]).isel(setting=-1)
     found = check(analyses.along_torque(cycle), own, 0.3, "torque")

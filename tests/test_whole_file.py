@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import resource
 import shutil
 import signal
@@ -18,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runs import refusal_of, text_file
+from runs import in_copies, refusal_of, text_file
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
@@ -248,18 +249,14 @@ def test_a_file_larger_than_the_limit_of_the_system_is_one_message(
     path = tmp_path / name
     write_file(path)
     before, size = path.read_bytes(), path.stat().st_size
-    child = os.fork()
-    if child == 0:
-        code = 1
-        with contextlib.suppress(BaseException):
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * size), int(share * size)))
-            try:
-                write_file(path)
-            except InputError as error:
-                code = 2 if f"{path} cannot be written" in str(error) else 1
-        os._exit(code)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 2
+
+    def limited(_: int) -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * size), int(share * size)))
+        with pytest.raises(InputError, match=re.escape(f"{path} cannot be written")):
+            write_file(path)
+
+    in_copies(1, limited)
     assert path.read_bytes() == before
     assert listing(tmp_path) == [name]
 
@@ -432,21 +429,15 @@ def test_processes_that_keep_the_same_arrays_leave_a_whole_file(
 ) -> None:
     monkeypatch.setenv(array_store.FOLDER_VARIABLE, str(tmp_path))
     key = 40 * "a"
-    children = []
-    for number in range(3):
-        child = os.fork()
-        if child == 0:
-            code = 1
-            with contextlib.suppress(BaseException):
-                made = {"x": np.full(5000, float(number))}
-                for _ in range(10):
-                    array_store.kept(key, {"x": (None,)}, made.copy)
-                    (tmp_path / f"{key}.npz").unlink(missing_ok=True)
-                array_store.kept(key, {"x": (None,)}, made.copy)
-                code = 0
-            os._exit(code)
-        children.append(child)
-    assert [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children] == [0, 0, 0]
+
+    def keep(number: int) -> None:
+        made = {"x": np.full(5000, float(number))}
+        for _ in range(10):
+            array_store.kept(key, {"x": (None,)}, made.copy)
+            (tmp_path / f"{key}.npz").unlink(missing_ok=True)
+        array_store.kept(key, {"x": (None,)}, made.copy)
+
+    in_copies(3, keep)
     stored = array_store.kept(key, {"x": (None,)}, lambda: {"x": np.zeros(1)})["x"]
     assert np.ptp(stored) == 0.0
     assert stored.size in (1, 5000)
