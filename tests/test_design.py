@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
+from extreme_designs import EXTREMES, Extreme
 from pairs import by_the_dissertation
 from runs import output_of, refusal_of, replaced
 
-from easeoff import EaseoffError, analyze
+import easeoff
+from easeoff import EaseoffError, GeometryError, InputError, analyze
 from easeoff.cases import (
     Case,
     Design,
@@ -28,14 +33,19 @@ from easeoff.cases import (
     shipped_cases,
     shipped_designs,
 )
-from easeoff.geometry import BlankDimensions, ease_off
+from easeoff.cases.conversion import blank_design
+from easeoff.geometry import BlankDimensions, FlankName, blank_dimensions, ease_off, exact_ease_off
+from easeoff.geometry.design.fit_quality import residual_limits
 from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.design.set_up.pinion_method import PinionMethod
 from easeoff.geometry.pair.backlash import circular_backlash
-from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.study import DesignReport, design_case
+from easeoff.geometry.pair.gear_pair import bodies, grid
+from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect
 from easeoff.study.design import case_design
 from easeoff.study.design.pair_warnings import unfinished_teeth
 from easeoff.study.report.design_report import unit_of
+from easeoff.study.report.key_numbers import key_numbers
+from easeoff.study.report.notes.edge_load import edge_notes
 
 NAMES = list(shipped_designs())
 WITH_CASE = [name for name in NAMES if name in shipped_cases()]
@@ -345,3 +355,158 @@ def test_errors_of_the_wide_offset_pair_are_near_the_dissertations() -> None:
     loaded = tree["loaded"].to_dataset()
     assert float(loaded["peak_to_peak"][0]) == pytest.approx(23.9, rel=0.25)
     assert float(loaded["harmonic"][0, 0]) == pytest.approx(12.1, rel=0.25)
+
+
+# --- Designs of the literature
+
+
+SUPPORTS = {"axle-10x41": None, "axle-hobbed-11x39": None, "aero-12x36": "gearbox-nasa-12x36"}
+NOMINAL = 200.0  # [N m]
+DESIGNS = Path(__file__).parents[1] / "docs" / "engineer" / "designs"
+PAGES = sorted(DESIGNS.glob("*.md"))
+
+
+@cache
+def cut(name: str) -> Case:
+    """The case of a design, with settings rounded; its design has nothing to warn of."""
+    case, report = design_case(read_design(name))
+    assert report.warnings == ()
+    rounded = rounded_case(case)
+    assert max(rounding_effect(case, rounded).values()) < 1.0
+    return rounded
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("name", SUPPORTS)
+def test_pattern_lies_in_the_middle_and_off_the_edges(name: str, flank: FlankName) -> None:
+    tree = easeoff.analyze(cut(name), flank=flank, torques=[NOMINAL], supports=SUPPORTS[name])
+    loaded, numbers = tree["loaded"].to_dataset(), key_numbers(tree).squeeze()
+    assert numbers["certified_positions"] == loaded.sizes["mesh_position"]
+    assert edge_notes(loaded) == []
+    assert numbers["max_edge_share"] < 0.02
+    assert numbers["max_pressure_line_end"] == 0
+    assert 0.45 < numbers["pattern_centre_lengthwise"] < 0.6
+    assert 1000.0 < numbers["max_pressure"] < 1500.0
+    assert 10.0 < numbers["peak_to_peak"] < 60.0
+    assert 0.94 < numbers["efficiency"] < 0.999
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_completing_design_has_one_set_up(member: str) -> None:
+    """Equal machine settings on both flanks; blades of their own."""
+    flanks = getattr(cut("axle-hobbed-11x39"), member)
+    assert flanks.concave.machine == flanks.convex.machine
+
+
+def test_drawing_data_of_the_bevel_pair_are_those_of_its_source() -> None:
+    """NASA CR-191009: mean cone distance 3.191 inch, face width 1 inch, pitch angle 71.5667 degrees."""
+    blank = read_design("aero-12x36").blank_design
+    assert blank.gear_face_width == 25.4
+    assert blank.gear_outer_pitch_diameter is not None
+    mean_cone_distance = blank.gear_outer_pitch_diameter / 2.0 / np.sin(np.arctan(36 / 12)) - blank.gear_face_width / 2
+    assert mean_cone_distance == pytest.approx(3.191 * 25.4, abs=2e-3)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_commands_of_a_page_name_their_outputs(page: Path) -> None:
+    """What a command reads is shipped, or was written by one above it."""
+    made = importlib.import_module("make_designs")
+    text = page.read_text(encoding="utf-8")
+    known = {*shipped_designs()}
+    words = list(made.commands(text))
+    assert [one[0] for one in words][:1] == ["design"]
+    for one in words:
+        assert one[1] in known, one
+        known |= {one[one.index(option) + 1] for option in ("-o", "--case") if option in one}
+    assert {f"{made.PAGES[page.stem]}-{name}.nc" for name in ("drive", "coast", "verify", "best-drive")} <= known
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_generated_parts_of_a_page_are_made(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    made = re.findall(r"<!-- begin generated: (\w+) -->(.*?)<!-- end generated: \1 -->", text, flags=re.DOTALL)
+    assert [name for name, _ in made] == ["sheet", "numbers", "verification"]
+    assert all(part.strip() for _, part in made)
+
+
+# --- Extreme designs
+
+
+METHODS = get_args(PinionMethod)
+#: What a refusal may advise: another method, limits, a generated gear, or other blanks.
+ADVICE = ("method = ", "[pinion.limits]", "generation = ", "cutter_radius", "more teeth", "free_settings")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EXTREMES)
+def test_extreme_design_is_cut_or_refused_with_advice(name: str, method: str) -> None:
+    """A case is read back as it is, keeps the report's residual on another grid, and is within what may be used."""
+    refusal = ""
+    try:
+        case, report = design_case(parse_design(EXTREMES[name].text(method)))
+    except GeometryError as error:
+        refusal = str(error)
+    if refusal:
+        assert any(word in refusal for word in ADVICE), refusal
+        return
+    assert parse_case(case_toml(case)).model_dump() == case.model_dump()
+    for side, item in report.sides.items():
+        target = ease_off_target(getattr(case.target, side))
+        _, usable = residual_limits(target)
+        assert item.largest_residual <= usable
+        pair = gear_pair(case, side)
+        t, h = grid((13, 9))
+        found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        known, lever = found.inside, found.lever_arm[found.inside]
+        wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))[known]
+        left = found.angle[known] * lever - wanted
+        left = left - lever * float(lever @ left) / float(lever @ lever)
+        # Closest fits of a Formate gear state the residual at the nodes of the fit; it grows towards undercut flanks.
+        factor = 2.0 if max(item.uncut) > 0.0 else 1.5
+        assert np.abs(left).max() < factor * item.largest_residual + 2e-3
+
+
+@pytest.mark.thorough
+def test_what_a_design_says_can_be_analysed_is_analysed() -> None:
+    """The usual edge radius of this pinion suits its tooth but not the body of all teeth: a smaller one is taken."""
+    extreme = Extreme((13, 44), shaft=100.0, spiral=32.0, addendum=0.22, taper="modified_slot_width")
+    case, report = design_case(parse_design(extreme.text("fixed_setting")))
+    assert report.analysable
+    coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 17, "profile_nodes": 11}
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    assert np.all(np.isfinite(analyze(case, torques=[100.0])["loaded"]["transmission_error"]))
+
+
+@pytest.mark.thorough
+def test_a_refusal_names_another_method_than_the_one_that_was_tried() -> None:
+    extreme = Extreme((16, 37), module=0.5, generated=True, taper="uniform", cutter=0.6)
+    with pytest.raises(GeometryError, match=r"of the method tilt was found") as refused:
+        design_case(parse_design(extreme.text("tilt")))
+    advice = str(refused.value)
+    assert 'method = "modified_roll"' in advice
+    assert 'method = "tilt"' not in advice
+    assert advice.count("another method") == 1
+
+
+@pytest.mark.parametrize(("teeth", "greatest"), [((12, 45), 105.4), ((17, 51), 109.4), ((23, 49), 117.9)])
+def test_the_greatest_shaft_angle_is_told_and_works(teeth: tuple[int, int], greatest: float) -> None:
+    """Where the gear would be a crown gear or have internal teeth."""
+    with pytest.raises(InputError, match=rf"shaft_angle = 120 deg.*does not below {greatest} deg"):
+        design_case(parse_design(Extreme(teeth, shaft=120.0).text("tilt")))
+    basic_data = Extreme(teeth, shaft=greatest).text("tilt")
+    design = parse_design(basic_data)
+    blank = blank_dimensions(blank_design(design.blank_design, teeth, design.pair))
+    assert math.degrees(blank.gear.pitch_angle) < 90.0
+
+
+@pytest.mark.thorough
+def test_a_pointed_pinion_is_mended_as_its_warning_says() -> None:
+    pointed = Extreme((4, 40), groups=11, generated=True, spiral=38.0, addendum=0.1, thickness=0.2)
+    _, report = design_case(parse_design(pointed.text("completing")))
+    assert any("pointed" in w and "larger gear_mean_addendum_factor or thickness_factor" in w for w in report.warnings)
+    _, mended = design_case(parse_design(replace(pointed, addendum=0.25, thickness=0.3).text("completing")))
+    assert not report.analysable
+    assert mended.analysable
