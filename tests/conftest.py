@@ -5,11 +5,13 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import pickle
 import shutil
 import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import wraps
 from typing import Any, cast
 
 import pytest
@@ -43,6 +45,8 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.loadscopereorder = False
 
 
+#: Pairs whose geometry is kept by a worker.
+GEOMETRY_COUNT = 50
 #: Of the thorough items one in so many is run by ``.ci/run``.
 CI_SHARE = 5
 
@@ -56,6 +60,29 @@ def patience() -> None:
         for key in ("time_limit", "time_limit_secs"):
             if key in solver.settings:
                 cast(dict[str, Any], solver.settings)[key] = 3600.0
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_geometry() -> Iterator[None]:
+    """Compute the geometry of a pair once: it is frozen, and depends on the pair and the nodes alone."""
+    from easeoff.geometry.pair import gear_pair
+
+    compute, kept = gear_pair.pair_geometry, dict[bytes, Any]()
+
+    @wraps(compute)
+    def once(*arguments: Any, **keywords: Any) -> Any:
+        key = pickle.dumps((arguments, keywords))
+        if key not in kept:
+            if len(kept) == GEOMETRY_COUNT:
+                kept.pop(next(iter(kept)))
+            kept[key] = compute(*arguments, **keywords)
+        return kept[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in [found for name, found in sys.modules.items() if name.startswith("easeoff.")]:
+            if vars(module).get("pair_geometry") is compute:
+                patch.setattr(module, "pair_geometry", once)
+        yield
 
 
 @pytest.fixture

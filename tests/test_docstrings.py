@@ -35,7 +35,6 @@ SLOW = (
 #: Functions that many examples begin with and whose result depends on nothing but their arguments.
 BEGINNINGS = (
     "cases.conversion.gear_pair",
-    "geometry.pair.gear_pair.pair_geometry",
     "study.analysis.case_analysis.analyze",
     "study.analysis.contact_analysis.contact_analysis",
     "study.design.optimal_modification.modify",

@@ -62,7 +62,7 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     >>> from easeoff.cases import gear_pair, read_case
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> flanks = flanks_in_mesh(pair, (9, 7))
-    >>> flanks.pair is pair
+    >>> flanks.pair == pair
     True
     """
     return flanks_of(pair_geometry(pair, nodes))
