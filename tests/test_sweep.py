@@ -482,8 +482,9 @@ def test_missing_scheduler_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-    with pytest.raises(InputError, match=f"scheduler = '{address}': must be the address of a dask scheduler that runs"):
-        sweep(CASE, {"E": [0.0, 0.02, 0.04]}, torques=[100.0], scheduler=address)
+        words = f"scheduler = '{address}': must be the address of a dask scheduler that runs"
+        with pytest.raises(InputError, match=words):  # while nobody else can take the port
+            sweep(CASE, {"E": [0.0, 0.02, 0.04]}, torques=[100.0], scheduler=address)
 
 
 @pytest.mark.parametrize("address", ["case.toml", "tcp://", "tcp://host:port", "post://127.0.0.1:8786"])
