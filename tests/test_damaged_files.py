@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from netCDF4 import Dataset
-from runs import SHELLS, output_of, refusal_of, small_text, text_file
+from runs import SHELLS, analysed, output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError, read_result
@@ -310,6 +310,11 @@ def test_a_dimension_twice_is_refused_but_in_contact_problems(tmp_path: Path) ->
         with pytest.raises(InputError, match="'v' has a dimension twice: must have each once"):
             read(path)
     assert read_dataset(path, square=True)["v"].shape == (2, 2)
+    easeoff.write_result(analysed(), path)
+    with Dataset(path, "a") as file:
+        file.createDimension("x", 2)
+        file.createVariable("v", "f8", ("x", "x"))
+    assert "'v' has a dimension twice" in refusal_of("show", path)
 
 
 @pytest.mark.parametrize(

@@ -74,12 +74,11 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
         os.close(source)
         _work_and_exit(work, sink)
     os.close(sink)
-    ended = False
+    content = None
     try:
         content = _read_within(source, TIME_LIMIT)
-        ended = content is not None
     finally:
-        if not ended:
+        if content is None:
             os.kill(child, signal.SIGKILL)
         os.close(source)
         _, status = os.waitpid(child, 0)

@@ -111,7 +111,10 @@ def _computed(content: Content) -> Content:
     """The content with all values in memory; ``DataTree.load`` leaves out variables that are called as their group."""
     if isinstance(content, xr.Dataset):
         return content.compute()
-    groups = {node.relative_to(content): node.to_dataset(inherit=node is content).compute() for node in content.subtree}
+    groups = {
+        "/" if node is content else node.relative_to(content): node.to_dataset(inherit=node is content).compute()
+        for node in content.subtree
+    }
     return xr.DataTree.from_dict(groups, name=content.name)
 
 

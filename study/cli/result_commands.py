@@ -27,24 +27,24 @@ def show(result: Path) -> None:
     from ...core.reading.netcdf_file import tree_or_none
     from ..report.contact_report.given_results import checked_given, kind_of
     from ..report.summary.load_case_summary import load_case_summary
+    from ..report.summary.problem_summary import holds_problems, problem_summary
     from ..report.summary.result_summary import result_summary
     from ..report.vh_table import vh_table
     from ..report.wear_report import wear_summary
     from ..result import read_result
     from ..sweep.sweep_file import checked_sweep, is_sweep
 
-    tree = tree_or_none(result, square=True)
+    tree = tree_or_none(result)
+    problems = tree_or_none(result, square=True) if tree is None else tree
+    if problems is not None and holds_problems(problems.to_dataset()):
+        echo(problem_summary(result))
+        return
     if tree is None:
         tree = read_result(result)  # says what is wrong with the file
     if is_sweep(found := tree.to_dataset()):
         from ..report.sweep_report import sweep_summary
 
         echo(sweep_summary(checked_sweep(found, result)))
-        return
-    from ..report.summary.problem_summary import holds_problems, problem_summary
-
-    if holds_problems(found):
-        echo(problem_summary(result))
         return
     given: Any = checked_given(tree, result)
     kind = kind_of(given)

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import in_memory
 from ....core.suggestion import suggestion
 from ...result_layout import VARIABLES, faults, load_case_faults
 
@@ -45,7 +44,7 @@ class ResultSummary:
     """
 
     def __init__(self, tree: xr.DataTree) -> None:
-        self._tree = in_memory(tree)
+        self._tree = tree
 
     @cached_property
     def text(self) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from ....core.reading.netcdf_file import in_memory
 from ..contact_report.report_tables import loaded_numbers, misalignment_rows, supports_rows
 from ..key_numbers import key_numbers
 from ..summary.contact_tables import unloaded_rows
@@ -63,6 +64,7 @@ def result_page(tree: xr.DataTree) -> str:
     >>> "greatest pressure [MPa]" in result_page(easeoff.analyze("nasa-12x36", torques=[100.0]))
     True
     """
+    tree = in_memory(tree)
     parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
         numbers = tree["load_cases"].to_dataset()
