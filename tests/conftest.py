@@ -5,13 +5,11 @@ from __future__ import annotations
 import atexit
 import gc
 import os
-import pickle
 import shutil
 import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Iterator
-from functools import wraps
 from typing import Any, cast
 
 import pytest
@@ -65,23 +63,12 @@ def patience() -> None:
 @pytest.fixture(scope="session", autouse=True)
 def shared_geometry() -> Iterator[None]:
     """Compute the geometry of a pair once: it is frozen, and depends on the pair and the nodes alone."""
-    from easeoff.geometry.pair import gear_pair
+    from shared import Shared, replace_everywhere
 
-    compute, kept = gear_pair.pair_geometry, dict[bytes, Any]()
-
-    @wraps(compute)
-    def once(*arguments: Any, **keywords: Any) -> Any:
-        key = pickle.dumps((arguments, keywords))
-        if key not in kept:
-            if len(kept) == GEOMETRY_COUNT:
-                kept.pop(next(iter(kept)))
-            kept[key] = compute(*arguments, **keywords)
-        return kept[key]
+    from easeoff.geometry.pair.gear_pair import pair_geometry
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in [found for name, found in sys.modules.items() if name.startswith("easeoff.")]:
-            if vars(module).get("pair_geometry") is compute:
-                patch.setattr(module, "pair_geometry", once)
+        replace_everywhere(patch, pair_geometry, Shared(GEOMETRY_COUNT).once(pair_geometry))
         yield
 
 

@@ -5,20 +5,13 @@ from __future__ import annotations
 import doctest
 import importlib
 import linecache
-import pickle
 import pkgutil
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from functools import wraps
-from inspect import signature
-from typing import Any
+from collections.abc import Iterator
 
 import pytest
-import xarray as xr
-from runs import read_only
+from shared import Shared, replace_everywhere
 
 import easeoff
-from easeoff.study.analysis.joined_analysis import Analysis
 from easeoff.study.case_in_mesh import CaseInMesh
 
 #: All but the kernels, which are compiled as they are imported.
@@ -48,48 +41,6 @@ BEGINNINGS = (
 )
 
 
-class Shared:
-    """Results of functions by all that their arguments hold."""
-
-    def __init__(self) -> None:
-        self.results: dict[bytes, Any] = {}
-        self.own: dict[int, Any] = {}
-
-    def key(self, compute: Callable[..., Any], *arguments: Any, **keywords: Any) -> bytes:
-        """A text for the call; an argument that is itself a shared result counts by its identity."""
-        bound = signature(compute).bind(*arguments, **keywords)
-        bound.apply_defaults()
-        values = [id(value) if id(value) in self.own else value for value in bound.arguments.values()]
-        if any(isinstance(value, CaseInMesh) for value in values):
-            raise TypeError("a pair in mesh that is not shared is too large to look into")
-        return pickle.dumps((compute.__module__, compute.__qualname__, values))
-
-    def once(self, compute: Callable[..., Any]) -> Callable[..., Any]:
-        """The function, computing once what it is asked for several times."""
-
-        @wraps(compute)
-        def computed(*arguments: Any, **keywords: Any) -> Any:
-            try:
-                key = self.key(compute, *arguments, **keywords)
-            except (AttributeError, TypeError, pickle.PicklingError):  # wrong arguments, or those of no name or content
-                return compute(*arguments, **keywords)
-            if key not in self.results:
-                self.results[key] = result = compute(*arguments, **keywords)
-                self.own[id(result)] = result
-            return fresh(self.results[key])
-
-        return computed
-
-
-def fresh(result: Any) -> Any:
-    """What examples may change of a result anew, its numbers read-only; what is frozen as it is."""
-    if isinstance(result, Analysis):
-        return replace(result, groups={name: fresh(group) for name, group in result.groups.items()})
-    if isinstance(result, xr.DataTree):
-        return read_only(result).copy(deep=False)
-    return read_only(result).copy(deep=False) if isinstance(result, xr.Dataset) else result
-
-
 @pytest.fixture(scope="module", autouse=True)
 def shared() -> Iterator[None]:
     """Many examples begin alike: that is computed once, wherever it is called."""
@@ -101,12 +52,10 @@ def shared() -> Iterator[None]:
         for path in BEGINNINGS:
             place, _, name = path.rpartition(".")
             compute = getattr(importlib.import_module(f"easeoff.{place}"), name)
-            replaced = once(compute)
             for module in modules:
                 if name in getattr(module, "__all__", ()):
                     getattr(module, name)  # imported on first use
-                if vars(module).get(name) is compute:
-                    patch.setattr(module, name, replaced)
+            replace_everywhere(patch, compute, once(compute))
         yield
 
 
