@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
@@ -23,6 +24,7 @@ from ..geometry.cutting.machine_resolution import MachineResolution
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from ..geometry.pair.tooth_thickness import mean_cone_distances, mid_flank_thickness
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import Web
 from .deflections import Deflections, misalignment_at
@@ -195,7 +197,7 @@ def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *
         opposite=None
         if opposite is None
         else generating_surface(opposite, other, hand, table.number_of_teeth, pinion=pinion),
-        mean_thickness=table.mean_normal_circular_thickness,
+        mean_thickness=table.mid_flank_normal_circular_thickness,
     )
 
 
@@ -375,8 +377,18 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
         misalignment=misalignment_at(misalignment(case.misalignment), 0.0, flank),
     )
     pinion_section, gear_section = sections(case)
-    return GearPair(
+    pair = GearPair(
         pinion=_member(case.pinion, pinion_section, pinion_side, assembly.pinion_hand, pinion=True),
         gear=_member(case.gear, gear_section, gear_side, assembly.gear_hand, pinion=False),
         assembly=assembly,
     )
+    given = [table.mean_normal_circular_thickness for table in (case.pinion, case.gear)]
+    if given == [None, None]:
+        return pair
+    members = [
+        member
+        if thickness is None
+        else replace(member, mean_thickness=mid_flank_thickness(member, thickness, distance))
+        for member, thickness, distance in zip((pair.pinion, pair.gear), given, mean_cone_distances(pair), strict=True)
+    ]
+    return replace(pair, pinion=members[0], gear=members[1])

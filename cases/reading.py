@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -25,6 +26,8 @@ from .schema.design_schema import Design
 from .schema.inch_lengths import refuse_inches
 from .schema.supports_table import SupportFile, SupportsTable
 
+#: Key of the thickness that version 1 of a case had in the middle of the flank, and of that in version 2.
+MEAN, MID_FLANK = "mean_normal_circular_thickness", "mid_flank_normal_circular_thickness"
 NAME_LENGTH_LIMIT = 80  # of a case that results keep [characters]
 
 Model = TypeVar("Model", Case, Design, SupportFile)
@@ -106,8 +109,16 @@ class FileKind(Generic[Model]):
     def read(self, name_or_path: str | Path, *, allow_outside: bool = False) -> Model:
         """Read and check a file."""
         text, folder = self.find(name_or_path)
-        found = self.parse(text, named(name_or_path), folder, allow_outside=allow_outside)
+        origin = named(name_or_path)
+        found = self.parse(text, origin, folder, allow_outside=allow_outside)
         found._name = stem(name_or_path)
+        for key in _of_this_version(toml_tables(text, origin))[1]:
+            warnings.warn(
+                f"{origin} is of version 1: {key} is read as the thickness in the middle of the flank, now "
+                f"{MID_FLANK}; easeoff_case = 2 has ISO 23509's, on the pitch cone",
+                UserWarning,
+                stacklevel=3,
+            )
         return found
 
     def parse(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool = False) -> Model:
@@ -130,6 +141,7 @@ class FileKind(Generic[Model]):
         self, data: Mapping[str, Any], origin: str, folder: Path | None = None, *, allow_outside: bool = False
     ) -> Model:
         """Check the tables of a file, also whether its basic data make blanks and its supports hold."""
+        data, _ = _of_this_version(data)
         try:
             found = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
@@ -139,6 +151,19 @@ class FileKind(Generic[Model]):
         except EaseoffError as error:
             raise type(error)(f"{origin}: {error}") from error
         return found
+
+
+def _of_this_version(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[str]]:
+    """Tables of a file, those of a case of version 1 in the names of version 2; and the keys that were renamed."""
+    if data.get("easeoff_case") != 1:
+        return data, []
+    renamed, keys = {}, []
+    for name in ("pinion", "gear"):
+        table = data.get(name)
+        if isinstance(table, Mapping) and MEAN in table and MID_FLANK not in table:
+            renamed[name] = {MID_FLANK if key == MEAN else key: value for key, value in table.items()}
+            keys.append(f"{name}.{MEAN}")
+    return {**data, "easeoff_case": 2, **renamed}, keys
 
 
 def stem(name_or_path: str | Path) -> str:
@@ -333,7 +358,7 @@ def parse_case(text: str, origin: str = "case", folder: Path | None = None, *, a
 
     Examples
     --------
-    >>> parse_case("easeoff_case = 1", "mine.toml")
+    >>> parse_case("easeoff_case = 2", "mine.toml")
     Traceback (most recent call last):
     easeoff.core.errors.InputError: mine.toml has 4 mistakes:
       title: is missing; it must be given
@@ -351,7 +376,7 @@ def parse_design(
 
     Examples
     --------
-    >>> parse_design("easeoff_case = 1", "mine.toml")
+    >>> parse_design("easeoff_case = 2", "mine.toml")
     Traceback (most recent call last):
     easeoff.core.errors.InputError: mine.toml is a case already: analyse it with 'easeoff run mine.toml -o RESULT'
     """

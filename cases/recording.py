@@ -13,7 +13,9 @@ from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.machine import MachineSettings
 from ..geometry.design.iso23509.blank_dimensions import MemberBlank
-from .conversion import designed_blanks
+from ..geometry.pair.gear_pair import MEMBERS, GearPair
+from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
+from .conversion import designed_blanks, gear_pair
 from .schema.case_schema import Blank, Case
 from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
 
@@ -52,6 +54,39 @@ def with_blanks(case: Case) -> Case:
             "blank_design": None,
             "pinion": case.pinion.model_copy(update={"blank": pinion}),
             "gear": case.gear.model_copy(update={"blank": gear}),
+        }
+    )
+
+
+def recorded_thicknesses(pair: GearPair) -> list[float | None]:
+    """Mean normal circular thicknesses [mm] of the members of a pair that have a thickness of their own.
+
+    Raises
+    ------
+    GeometryError
+        If a flank does not pass through the mean point.
+    """
+    return [
+        None if m.mean_thickness is None else _rounded(mean_normal_thickness(m, m.mean_thickness, distance))
+        for m, distance in zip((pair.pinion, pair.gear), mean_cone_distances(pair), strict=True)
+    ]
+
+
+def with_mean_thickness(case: Case) -> Case:
+    """The case with thicknesses in the middle of the flank as those at the mean point. Raises as above."""
+    tables = {name: getattr(case, name) for name in MEMBERS}
+    given = {name for name, table in tables.items() if table.mid_flank_normal_circular_thickness is not None}
+    if not given:
+        return case
+    drive = case.pinion.concave is not None and case.gear.convex is not None
+    thicknesses = zip(MEMBERS, recorded_thicknesses(gear_pair(case, "drive" if drive else "coast")), strict=True)
+    return case.model_copy(
+        update={
+            name: tables[name].model_copy(
+                update={"mean_normal_circular_thickness": value, "mid_flank_normal_circular_thickness": None}
+            )
+            for name, value in thicknesses
+            if name in given
         }
     )
 

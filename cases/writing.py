@@ -71,7 +71,7 @@ def write_sealed(text: str, path: str | os.PathLike[str]) -> None:
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_sealed("easeoff_case = 1\n", f"{folder}/mine.toml")
+    ...     write_sealed("easeoff_case = 2\n", f"{folder}/mine.toml")
     ...     require_replaceable(f"{folder}/mine.toml")
     """
     with whole_file(path) as temporary:

@@ -128,10 +128,11 @@ def cases(draw: st.DrawFn) -> Case:
     bricks = some(model=st.sampled_from(["solid_shell", "fe"]), fineness=number(0.2, 4.0))
     data["compliance"] = draw(st.one_of(shell, bricks))
     data["target"] = draw(some(drive=some(bias=number(-99.0, 99.0))))
+    thickness = st.sampled_from(["mean_normal_circular_thickness", "mid_flank_normal_circular_thickness"])
     data["pinion"]["hand_of_spiral"] = draw(st.sampled_from(["left", "right"]))
     for member, drive, coast in (("pinion", "concave", "convex"), ("gear", "convex", "concave")):
         data[member] |= {drive: draw(flank), coast: draw(st.none() | flank), "material": draw(steel)}
-        data[member]["mean_normal_circular_thickness"] = draw(st.none() | number(0.0, 200.0))
+        data[member][draw(thickness)] = draw(st.none() | number(0.0, 200.0))
         for end in ("front_angle", "back_angle"):
             data[member]["blank"][end] = draw(st.none() | number(-90.0, 180.0))
     return check_case(data)

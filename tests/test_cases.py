@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+import warnings
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from case_strategies import cases
 from hypothesis import given, settings
@@ -15,7 +18,10 @@ from runs import replaced
 
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
-from easeoff.geometry import pair_geometry
+from easeoff.geometry import Misalignment, pair_geometry, tooth_angle
+from easeoff.geometry.design.mean_point import angles_of_normal
+from easeoff.geometry.pair.tooth_thickness import mean_cone_distances
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 
 NASA = case_text("nasa-12x36")
 
@@ -25,6 +31,60 @@ def test_shipped_cases_make_a_pair(name: str) -> None:
     case = read_case(name)
     assert case.text == case_text(name)
     assert gear_pair(case).assembly.ratio > 1.0
+
+
+def test_a_thickness_means_what_iso_23509_means() -> None:
+    """The normal arc between both flanks of the tooth on the pitch cone at the mean point, seen from either side."""
+    case = read_case("fh-design-b")
+    for pair in (gear_pair(case), gear_pair(case, "coast")):
+        distance, section = mean_cone_distances(pair)[1], pair.gear.section
+        sides = placed_flanks(pair.gear, tooth_angle(pair, "gear")).values()
+        points = [side.at(*section.on_pitch_cone(distance)[:, None]) for side in sides]
+        places = [(point.position[:, 0], point.normal[:, 0]) for point in points]
+        azimuths = [math.atan2(position[1], position[0]) for position, _ in places]
+        spirals = [angles_of_normal(*place, section.pitch_angle, "right").spiral_angle for place in places]
+        radius = distance * math.sin(section.pitch_angle)
+        angle = abs(math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi))
+        thickness = radius * angle * math.cos(sum(spirals) / 2.0)
+        assert thickness == pytest.approx(case.gear.mean_normal_circular_thickness, abs=1e-12)
+
+
+def test_version_1_of_a_case_has_the_thickness_in_the_middle_of_the_flank(tmp_path: Path) -> None:
+    case = read_case("fh-design-a")
+    middle = gear_pair(case).gear.mean_thickness
+    text = replaced(case.text, r"^easeoff_case = 2", "easeoff_case = 1")
+    text = replaced(text, r"^mean_normal_circular_thickness = .*$", f"mean_normal_circular_thickness = {middle!r}")
+    path = tmp_path / "old.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.warns(UserWarning, match=r"gear\.mean_normal_circular_thickness is read as the .* middle of the flank"):
+        old = read_case(path)
+    assert gear_pair(old).gear.mean_thickness == middle
+    with warnings.catch_warnings(action="error"):
+        assert parse_case(case_toml(old)).model_dump() == old.model_dump()
+        parse_case(text)  # what a result keeps of its case is read without a word
+    both = replaced(case.text, r"^(mean_normal_circular)(.*)$", r"\1\2\nmid_flank_normal_circular_thickness = 3.0")
+    with pytest.raises(InputError, match="must not both be given"):
+        parse_case(both)
+
+
+def test_pitch_cones_touch_where_a_search_finds_them() -> None:
+    """The point of the pinion's cone next to the gear's circle mid face, by a fine search over the circle."""
+    pair = gear_pair(read_case("fh-12x41-45"))
+    pinion, gear = pair.pinion.section, pair.gear.section
+    assembly = replace(pair.assembly, misalignment=Misalignment())
+    axial, radial = gear.on_pitch_cone(gear.middle_distance)
+    azimuth = np.linspace(0.0, 2.0 * np.pi, 400_001)
+    circle = np.stack([radial * np.cos(azimuth), radial * np.sin(azimuth), np.full_like(azimuth, axial)])
+    points = circle + (assembly.gear_origin - assembly.pinion_origin)[:, None]
+    along = assembly.pinion_frame[:, 2] @ points
+    out = np.sqrt(np.sum(points**2, axis=0) - along**2)
+    nearest = np.argmin(out * np.cos(pinion.pitch_angle) - (along + pinion.pitch_apex) * np.sin(pinion.pitch_angle))
+    distance = math.hypot(along[nearest] + pinion.pitch_apex, out[nearest])
+    assert mean_cone_distances(pair)[0] == pytest.approx(distance, abs=2e-3)
+    apart = replace(pair, pinion=replace(pair.pinion, section=replace(pinion, pitch_apex=20.0)))
+    assert mean_cone_distances(apart)[0] == pinion.middle_distance
+    with pytest.raises(GeometryError, match="apart, not in touch"):
+        mean_cone_distances(apart, must_touch=True)
 
 
 def test_a_copy_with_a_dict_for_a_table_is_refused_with_the_way_to_do_it() -> None:
@@ -359,7 +419,7 @@ def test_a_comment_stays_a_comment(comment: str) -> None:
 
 
 def test_comment_lines_stand_at_the_top() -> None:
-    assert case_toml(read_case("nasa-12x36"), "one\n\ntwo").startswith("# one\n#\n# two\neaseoff_case = 1\n")
+    assert case_toml(read_case("nasa-12x36"), "one\n\ntwo").startswith("# one\n#\n# two\neaseoff_case = 2\n")
 
 
 def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:

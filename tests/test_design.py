@@ -195,6 +195,8 @@ def test_gear_tooth_has_the_thickness_of_the_blank(name: str) -> None:
     by_angles = 2.0 * math.tan(math.radians(0.5 * steps.blade_angle)) * gear.mean_dedendum
     tolerance = 0.1 if along_root else max(1e-3, steps.point_width + by_angles)
     assert thickness == pytest.approx(gear.mean_normal_thickness, abs=tolerance)
+    if case.gear.mean_normal_circular_thickness is not None:
+        assert case.gear.mean_normal_circular_thickness == pytest.approx(gear.mean_normal_thickness, abs=1e-7)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -82,6 +82,21 @@ def read_once() -> Iterator[None]:
         yield
 
 
+#: What version 1 of a case called otherwise.
+VERSION_1 = {"mean_normal_circular_thickness": "mid_flank_normal_circular_thickness"}
+
+
+def of_this_version(recorded: Any, renamed: Mapping[str, str] | None = None) -> Any:
+    """A record with the names of today, where it holds a case of version 1."""
+    if isinstance(recorded, list):
+        return [of_this_version(value, renamed) for value in recorded]
+    if not isinstance(recorded, Mapping):
+        return recorded
+    names = VERSION_1 if recorded.get("easeoff_case") == 1 else renamed or {}
+    today = {names.get(key, key): of_this_version(value, names) for key, value in recorded.items()}
+    return today | ({"easeoff_case": 2} if names is VERSION_1 and "easeoff_case" in today else {})
+
+
 def check(recorded: Any, found: Any, place: str = "") -> None:
     """That everything recorded is found again; what was added since is not looked at."""
     if isinstance(recorded, Mapping):
@@ -121,7 +136,7 @@ def test_files_of_this_version_are_kept() -> None:
 )
 def test_files_are_read_as_they_were(folder: str, name: str, file: str, kept: Path) -> None:
     record = RECORDS[name][folder][file]
-    check(record["read"], json.loads(json.dumps(READERS[record["kind"]](kept / name / folder / file))))
+    check(of_this_version(record["read"]), json.loads(json.dumps(READERS[record["kind"]](kept / name / folder / file))))
 
 
 @pytest.mark.parametrize(("name", "file"), SHOWN)

@@ -17,6 +17,8 @@ from hypothesis import HealthCheck, given, settings
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_rexs, shipped_cases, write_rexs
 from easeoff.cases.conversion import machine_settings
+from easeoff.cases.reading import MEAN, MID_FLANK
+from easeoff.cases.rexs.rexs_vocabulary import BLANK_TERMS, MEMBER_TERMS, STAGE_TERMS
 from easeoff.cases.schema.cutting_table import FlankSettings
 
 NASA = read_case("nasa-12x36")
@@ -71,6 +73,36 @@ def close(one: Any, two: Any) -> None:
         assert one == two
 
 
+def test_the_thickness_is_that_of_the_standard(tmp_path: Path) -> None:
+    """At the mean point, whichever of the two a case gives; files of version 1 are told from those of today."""
+    case = read_case("fh-design-a")
+    assert case.gear.mean_normal_circular_thickness is not None
+    middle = gear_pair(case).gear.mean_thickness
+    update = {"mean_normal_circular_thickness": None, "mid_flank_normal_circular_thickness": middle}
+    given = case.model_copy(update={"gear": case.gear.model_copy(update=update)})
+    notes = write_rexs(given, tmp_path / "new.rexs")
+    assert "gear.mid_flank_normal_circular_thickness: written as that at the mean point" in notes
+    text = (tmp_path / "new.rexs").read_text(encoding="utf-8-sig")
+    written = re.search(r'"mean_normal_circular_tooth_thickness" unit="mm">([0-9.]+)<', text)
+    assert written is not None
+    assert float(written[1]) == pytest.approx(case.gear.mean_normal_circular_thickness, abs=1e-9)
+    text = changed(text, r'<attribute id="custom_easeoff_case".*?</attribute>', "")
+    earlier, notes = read(text, tmp_path)
+    assert earlier.gear.mid_flank_normal_circular_thickness == float(written[1])
+    assert earlier.gear.mean_normal_circular_thickness is None
+    assert any("an earlier easeoff" in note for note in notes)
+    other, _ = read(changed(text, 'applicationId="easeoff"', 'applicationId="another"'), tmp_path)
+    assert other.gear.mean_normal_circular_thickness == float(written[1])
+
+
+def test_every_attribute_of_the_standard_is_in_the_table_of_names() -> None:
+    """Keys with a name of REXS that the page does not list are of machine and cutter, explained on other pages."""
+    page = Path(__file__).parents[1].joinpath("docs/engineer/reference/exchange.md").read_text(encoding="utf-8")
+    table = page.split("### Names of standards")[1].split("### Assumptions")[0]
+    for key in (*STAGE_TERMS, *MEMBER_TERMS, *(k for k, term in BLANK_TERMS.items() if not term.custom)):
+        assert f"`{key}`" in table, key
+
+
 @settings(suppress_health_check=list(HealthCheck), max_examples=settings().max_examples // 2)
 @given(cases())
 def test_any_geometry_survives(tmp_path: Path, case: Case) -> None:
@@ -92,6 +124,9 @@ def test_any_geometry_survives(tmp_path: Path, case: Case) -> None:
                 assert not found.generated
                 one[side].pop("machine")
                 two[side].pop("machine")
+        assert two.pop(MID_FLANK) is None
+        if one.pop(MID_FLANK) is not None:  # written as that at the mean point, where the teeth have one
+            del one[MEAN], two[MEAN]
         close(one, two)
 
 

@@ -95,9 +95,10 @@ class Relation:
 
 @dataclass(frozen=True)
 class Model:
-    """A REXS model; ``loaded`` says whether it has load spectra."""
+    """A REXS model; ``loaded`` says whether it has load spectra, ``application`` which program wrote it."""
 
     version: str
+    application: str
     components: Mapping[int, Component]
     relations: tuple[Relation, ...]
     loaded: bool
@@ -146,6 +147,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         raise InputError(f"{path}: a component or relation lacks its id or type, or its id is not a number") from error
     return Model(
         root.get("version", ""),
+        root.get("applicationId", ""),
         {component.number: component for component in components},
         relations,
         root.find("load_spectrum") is not None,

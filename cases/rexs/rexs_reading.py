@@ -13,13 +13,16 @@ from typing import Any
 from pydantic import BaseModel
 
 from ...core.errors import InputError
-from ..reading import check_case
+from ...geometry.pair.gear_pair import MEMBERS
+from ..reading import MEAN, MID_FLANK, check_case
 from ..schema.case_schema import Blank, Case, MemberTable
 from ..schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, Machine
 from .rexs_file import Component, Model, read_model
 from .rexs_vocabulary import (
+    APPLICATION,
     ATTRIBUTES_READ,
     BLANK_TERMS,
+    CASE_TERM,
     CUTTER_TERMS,
     FLANK_TERM,
     HAND_TERM,
@@ -97,10 +100,18 @@ def _read(model: Model) -> tuple[Case, list[str]]:
         _read_member(model, component, own, missing, notes, visited)
         for component, own in ((pinion, hand), (gear, opposite(hand)))
     ]
+    if model.application == APPLICATION and stage.text(CASE_TERM) is None:
+        for name, table in zip(MEMBERS, tables, strict=True):
+            if MEAN in table:
+                table[MID_FLANK] = table.pop(MEAN)
+                notes.append(
+                    f"{name}.{MID_FLANK}: an earlier easeoff wrote the thickness in the middle of the flank as "
+                    f"{MEMBER_TERMS[MEAN].attribute}; write the file anew, other programs take it for another one"
+                )
     if missing:
         raise InputError("these attributes are needed and missing:\n" + "\n".join(f"  {line}" for line in missing))
     data = {
-        "easeoff_case": 1,
+        "easeoff_case": 2,
         "title": (stage.name or f"{pinion.name} {gear.name}".strip() or "bevel stage")[:200],
         "pair": _values(stage, STAGE_TERMS),
         "misalignment": _values(stage, MISALIGNMENT_TERMS),

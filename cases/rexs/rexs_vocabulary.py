@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 REXS_VERSION = "2.0.0"
+APPLICATION = "easeoff"
 CUSTOM_PREFIX = "custom_easeoff_"
 
 
@@ -49,6 +50,8 @@ MISALIGNMENT_TERMS = _terms(
 MEMBER_TERMS = _terms("none", "number_of_teeth") | _terms(
     "mm", mean_normal_circular_thickness="mean_normal_circular_tooth_thickness"
 )
+CASE_TERM = Term(f"{CUSTOM_PREFIX}case", "none")
+"""Version of the case that a file was made of: the first wrote the thickness in the middle of the flank, without it."""
 HAND_TERM = Term("spiral_angle_pitch_direction", "none")
 BLANK_TERMS = (
     _terms("deg", "pitch_angle", "face_angle", "root_angle")
@@ -112,7 +115,7 @@ MATERIAL_TERMS = _terms("MPa", "elastic_modulus") | _terms("none", "poisson_rati
 ATTRIBUTES_READ: Mapping[str, frozenset[str]] = {
     kind: frozenset(term.attribute for term in terms)
     for kind, terms in {
-        "bevel_stage": [*STAGE_TERMS.values(), *MISALIGNMENT_TERMS.values()],
+        "bevel_stage": [CASE_TERM, *STAGE_TERMS.values(), *MISALIGNMENT_TERMS.values()],
         "bevel_gear": [*MEMBER_TERMS.values(), *BLANK_TERMS.values(), HAND_TERM],
         "bevel_gear_flank": [FLANK_TERM],
         "bevel_gear_manufacturing_settings": [*MACHINE_TERMS.values(), *MOTION_TERMS.values(), MODIFIED_ROLL_TERM],

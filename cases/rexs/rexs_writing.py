@@ -15,14 +15,19 @@ from importlib.metadata import version
 
 from pydantic import BaseModel
 
+from ...core.errors import EaseoffError
 from ...core.writing.output_file import whole_file
+from ...geometry.pair.gear_pair import MEMBERS
 from ..conversion import machine_settings
-from ..recording import with_blanks
+from ..reading import MID_FLANK
+from ..recording import with_blanks, with_mean_thickness
 from ..schema.case_schema import Case, MemberTable
 from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings
 from .rexs_file import ModelWriter, Value
 from .rexs_vocabulary import (
+    APPLICATION,
     BLANK_TERMS,
+    CASE_TERM,
     CUTTER_TERMS,
     FLANK_TERM,
     HAND_TERM,
@@ -74,16 +79,26 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     if case.blank_design is not None:
         notes.append("blank_design: written as the blanks it gives")
         case = with_blanks(case)
+    given = [f"{name}.{MID_FLANK}" for name in MEMBERS if getattr(getattr(case, name), MID_FLANK) is not None]
+    try:
+        case = with_mean_thickness(case)
+        notes += [f"{key}: written as that at the mean point" for key in given]
+    except EaseoffError as error:
+        notes += [f"{key}: left out, the teeth have none at the mean point ({error})" for key in given]
     file = ModelWriter(
         {
             "version": REXS_VERSION,
-            "applicationId": "easeoff",
+            "applicationId": APPLICATION,
             "applicationVersion": version("easeoff"),
             "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "applicationLanguage": "en",
         }
     )
-    pair = [*_terms(case.pair, STAGE_TERMS), *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT_TERMS) if v)]
+    pair = [
+        (CASE_TERM, case.easeoff_case),
+        *_terms(case.pair, STAGE_TERMS),
+        *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT_TERMS) if v),
+    ]
     stage = file.component("bevel_stage", case.title, pair)
     hand = case.pinion.hand_of_spiral
     pinion = _write_member(file, "pinion", case.pinion, hand, notes)

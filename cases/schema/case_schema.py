@@ -82,16 +82,28 @@ class MemberTable(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     mean_normal_circular_thickness: Number | None = number(
-        "in the middle of the flank; from the cutter, or about the mate's slot, if left out",
+        "of the teeth at the mean point, on the pitch cone (s_mn of ISO 23509); from the cutter, or about the mate's "
+        "slot, if no thickness is given",
         "mm",
         default=None,
         gt=0,
         lt=200,
     )
+    mid_flank_normal_circular_thickness: Number | None = number(
+        "instead of it: in the middle of the flank", "mm", default=None, gt=0, lt=200
+    )
     blank: Blank | None = None
     concave: FlankSettings | None = None
     convex: FlankSettings | None = None
     material: Steel = Steel()
+
+    @model_validator(mode="after")
+    def _one_thickness(self) -> Self:
+        if self.mean_normal_circular_thickness is not None and self.mid_flank_normal_circular_thickness is not None:
+            raise ValueError(
+                "mean_normal_circular_thickness and mid_flank_normal_circular_thickness: must not both be given"
+            )
+        return self
 
 
 class PinionTable(MemberTable):
@@ -263,7 +275,7 @@ class Case(InputFile):
     (90.0, 36)
     """
 
-    easeoff_case: Literal[1]
+    easeoff_case: Literal[2]
     title: Annotated[str, Field(min_length=1, max_length=200)]
     description: str = ""
     corrected_flanks: Annotated[tuple[FlankOfMember, ...], Field(strict=False, max_length=4)] = ()

@@ -111,7 +111,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     try:
         hand = _hand(settings, notes)
         data = {
-            "easeoff_case": 1,
+            "easeoff_case": 2,
             "title": f"{Path(path).stem} (session script)"[:200],
             "pair": {},
             "pinion": {**_member(settings, "PINION", hand, notes), "hand_of_spiral": hand.lower()},

@@ -7,15 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..flanks.flank import solve_flank
 from ..pair.assembly import Assembly
 from ..pair.backlash import filling_thickness
 from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
 from ..pair.tooth_body import middle_angle
+from ..pair.tooth_thickness import mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
 from .agma929.edge_radius_limit import EdgeRadiusLimits
 from .agma929.slot_width import SlotWidths
@@ -35,7 +33,6 @@ from .edge_radius import (
     usual_edge_radii,
 )
 from .fit_quality import BLANK_ADVICE, require_usable
-from .mean_point import mean_point_angles
 from .set_up.pinion_method import ADVICE, PinionMethod, SettingLimits
 from .set_up.set_up_fit import best_set_up
 from .set_up.upright_machine import along_the_root
@@ -259,13 +256,6 @@ def _left_thickness(pair: GearPair) -> float:
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:
     """The blank's mean normal thickness, carried from the mean point to the middle of the flank along both flanks."""
-    member, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    at_mean = mean_point_angles(gear[0], section, member).azimuth - mean_point_angles(gear[1], section, member).azimuth
-    middle = section.points(np.array([0.5]), np.array([0.5]))
-    sides = [solve_flank(flank, section, middle[0], middle[1]).position[:, 0] for flank in gear]
-    hand = 1.0 if gear[0].hand == "right" else -1.0
-    azimuths = [hand * math.atan2(position[1], position[0]) for position in sides]
-    # What the slot, from the concave to the convex flank, grows by the tooth loses.
-    growth = azimuths[0] - azimuths[1] - at_mean
-    angle = 2.0 * member.mean_transverse_thickness / member.mean_pitch_diameter - growth
-    return angle * thickness_per_angle(Member(member.number_of_teeth, section, gear[0]))
+    own = blank.gear
+    member = Member(own.number_of_teeth, blank_section(own, blank.clearance), *gear)
+    return mid_flank_thickness(member, own.mean_normal_thickness, own.mean_cone_distance)

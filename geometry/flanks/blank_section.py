@@ -143,6 +143,16 @@ class BlankSection:
         h = np.einsum("ij,ij->j", direction, offset) / np.einsum("ij,ij->j", direction, direction)
         return np.asarray(t), h.reshape(np.shape(t))
 
+    @property
+    def middle_distance(self) -> float:
+        """Distance of the middle of the face from the pitch apex, along the pitch cone [mm]."""
+        return self.outer_cone_distance - 0.5 * self.face_width
+
+    def on_pitch_cone(self, distance: float) -> Array:
+        """Axial and radial coordinate (2) [mm] of a point of the pitch cone, by its distance from the apex [mm]."""
+        direction = np.array([np.cos(self.pitch_angle), np.sin(self.pitch_angle)])
+        return np.asarray(distance * direction - np.array([self.pitch_apex, 0.0]))
+
     def height_above_root(self, axial: Array, radial: Array) -> Array:
         """Distance from the root cone, at right angles to it [mm]; positive towards the tip."""
         normal = self._root_normal

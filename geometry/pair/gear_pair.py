@@ -370,11 +370,16 @@ def _given(member: Member) -> float | None:
 def thickness_per_angle(member: Member) -> float:
     """Normal circular thickness per angle about the member's axis, in the middle of the flank [mm/rad]."""
     middle = member.middle()
-    position, normal = middle.position[:, 0], middle.normal[:, 0]
+    return float(np.hypot(middle.position[0, 0], middle.position[1, 0])) * spiral_cosine(middle, member.section)
+
+
+def spiral_cosine(point: Flank, section: BlankSection) -> float:
+    """Cosine of the spiral angle at the only point of a flank: normal arc over circumferential arc."""
+    position, normal = point.position[:, 0], point.normal[:, 0]
     radius = float(np.hypot(position[0], position[1]))
     # Circumferential arc to normal arc: the flank's normal without its part along the pressure angle.
     circumferential = (position[0] * normal[1] - position[1] * normal[0]) / radius
-    up = np.array([-np.sin(member.section.pitch_angle), np.cos(member.section.pitch_angle)])
+    up = np.array([-np.sin(section.pitch_angle), np.cos(section.pitch_angle)])
     outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
     in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
-    return float(radius * abs(circumferential) / in_pitch_plane)
+    return float(abs(circumferential) / in_pitch_plane)

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits, standard_steps
 from ...cases.deflections import misalignment_at
 from ...cases.mistakes import mistakes
-from ...cases.recording import blank_table, flank_settings
+from ...cases.recording import blank_table, flank_settings, recorded_thicknesses
 from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
 from ...core.errors import GeometryError
@@ -92,15 +92,16 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
 def _case(design: Design, designed: PairDesign) -> Case:
     blank, (convex, concave) = designed.blank, designed.gear
     teeth = designed.assembly.pinion_teeth, designed.assembly.gear_teeth
+    thickness = recorded_thicknesses(designed.pair())
     return Case(
-        easeoff_case=1,
+        easeoff_case=2,
         title=design.title,
         description=design.description,
         pair=design.pair,
         pinion=PinionTable(
             number_of_teeth=teeth[0],
             hand_of_spiral=design.pinion.hand_of_spiral,
-            mean_normal_circular_thickness=_recorded(designed.pinion_thickness),
+            mean_normal_circular_thickness=thickness[0],
             blank=blank_table(blank.pinion, blank.clearance),
             concave=flank_settings(designed.pinion["drive"].surface, teeth[0]),
             convex=flank_settings(designed.pinion["coast"].surface, teeth[0]),
@@ -108,7 +109,7 @@ def _case(design: Design, designed: PairDesign) -> Case:
         ),
         gear=MemberTable(
             number_of_teeth=teeth[1],
-            mean_normal_circular_thickness=_recorded(designed.gear_thickness),
+            mean_normal_circular_thickness=thickness[1],
             blank=blank_table(blank.gear, blank.clearance),
             concave=flank_settings(concave, teeth[1]),
             convex=flank_settings(convex, teeth[1]),
@@ -120,7 +121,3 @@ def _case(design: Design, designed: PairDesign) -> Case:
         friction=design.friction,
         target=TargetsTable(drive=design.target.drive, coast=design.target.coast),
     )
-
-
-def _recorded(thickness: float | None) -> float | None:
-    return None if thickness is None else round(thickness, 10)

@@ -15,7 +15,7 @@ from ..supports_table import CURVE_LENGTH_LIMIT, STIFFNESS_LIMIT, TILTING_STIFFN
 
 # What the schema itself says nothing about, because a type or a table says it there: (meaning, unit).
 MEANINGS = {
-    "easeoff_case": ("version of the format", ""),
+    "easeoff_case": ("version of the format; 1 is read, too", ""),
     "title": ("one line for lists and plots", ""),
     "description": ("where the numbers come from", ""),
     "corrected_flanks": (

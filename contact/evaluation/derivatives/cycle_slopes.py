@@ -15,7 +15,7 @@ from ....core.ordered_values import ordered
 from ....geometry.pair.field_slopes import field_slopes
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.pair.pair_setting import PairSetting
-from ....geometry.pair.thickness_slopes import mean_thicknesses, thickness_slopes
+from ....geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
 from ...compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ...load_capacity.tooth_root_stress import root_stress
 from ...loaded_cases import LoadedCase

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....core.errors import GeometryError
 from ...cutting.generating_surface import GeneratingSurface
 from ...flanks.blank_section import BlankSection
 from ...flanks.flank import solve_flank
-from ...pair.assembly import Assembly, Misalignment
 from ...pair.gear_pair import GearPair, Member
-from ...pair.tooth_body import middle_angle
-from ...tooth.tooth_flanks import placed_flanks, tooth_angle
+from ...pair.tooth_thickness import mean_cone_distances, mean_normal_thickness, mean_thicknesses
 from ..mean_point import MeanPointAngles, angles_of_normal
 from .tooth_proportions import BLADE_FLAT, BLADE_FLAT_SHARE, ToothProportions
-
-Array = NDArray[Any]
-
-TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch
 
 
 def measured_proportions(pair: GearPair) -> ToothProportions:
@@ -47,7 +38,11 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
     3.85
     """
     members, sections = (pair.pinion, pair.gear), (pair.pinion.section, pair.gear.section)
-    distance = _touching(pair.assembly, *sections)
+    distance = mean_cone_distances(pair, must_touch=True)
+    thickness = [
+        mean_normal_thickness(member, middle, r)
+        for member, middle, r in zip(members, mean_thicknesses(pair), distance, strict=True)
+    ]
     heights = [_heights(section, r) for section, r in zip(sections, distance, strict=True)]
     angles = [_angles(member, r) for member, r in zip(members, distance, strict=True)]
     spiral = [sum(abs(each.spiral_angle) for each in both) / 2.0 for both in angles]
@@ -71,10 +66,7 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
         ),
         mean_addendum=(heights[0][0], heights[1][0]),
         mean_dedendum=(heights[0][1], heights[1][1]),
-        mean_normal_thickness=(
-            _thickness(pair, "pinion", distance[0], spiral[0]),
-            _thickness(pair, "gear", distance[1], spiral[1]),
-        ),
+        mean_normal_thickness=(thickness[0], thickness[1]),
         clearance=(heights[1][1] - heights[0][0] + heights[0][1] - heights[1][0]) / 2.0,
         drive_pressure_angle=angles[1][0].pressure_angle,
         coast_pressure_angle=angles[1][1].pressure_angle,
@@ -87,38 +79,10 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
     )
 
 
-def _touching(assembly: Assembly, pinion: BlankSection, gear: BlankSection) -> tuple[float, float]:
-    """Cone distances of pinion and gear [mm] at the point of the gear's pitch cone nearest to the pinion's."""
-    from scipy.optimize import minimize_scalar
-
-    nominal = replace(assembly, misalignment=Misalignment())
-    gear_distance = gear.outer_cone_distance - gear.face_width / 2.0
-    radial = gear_distance * math.sin(gear.pitch_angle)
-    axial = gear_distance * math.cos(gear.pitch_angle) - gear.pitch_apex
-    axis = nominal.pinion_frame[:, 2]
-    from_origin = nominal.gear_origin - nominal.pinion_origin
-
-    def on_pinion(azimuth: float) -> tuple[float, float]:
-        point = from_origin + np.array([radial * math.cos(azimuth), radial * math.sin(azimuth), axial])
-        along = float(point @ axis)
-        return along + pinion.pitch_apex, float(np.linalg.norm(point - along * axis))
-
-    def apart(azimuth: float) -> float:
-        along, out = on_pinion(azimuth)
-        return out * math.cos(pinion.pitch_angle) - along * math.sin(pinion.pitch_angle)
-
-    towards = math.atan2(axis[1], axis[0])
-    found = minimize_scalar(apart, bounds=(towards - 1.2, towards + 1.2), method="bounded", options={"xatol": 1e-10})
-    along, out = on_pinion(float(found.x))
-    if not abs(found.fun) < TOUCH_TOLERANCE * gear_distance:
-        raise GeometryError(f"the pitch cones of pinion and gear are {abs(found.fun):.2f} mm apart, not in touch")
-    return math.hypot(along, out), gear_distance
-
-
 def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
     """Addendum and dedendum at right angles to the pitch cone at a cone distance [mm]."""
     pitch = section.pitch_angle
-    axial, radial = distance * math.cos(pitch) - section.pitch_apex, distance * math.sin(pitch)
+    axial, radial = map(float, section.on_pitch_cone(distance))
 
     def to_cone(angle: float, apex: float) -> float:
         off = (axial + apex) * math.sin(angle) - radial * math.cos(angle)
@@ -127,32 +91,16 @@ def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
     return to_cone(section.face_angle, section.face_apex), -to_cone(section.root_angle, section.root_apex)
 
 
-def _mean_point(section: BlankSection, distance: float) -> tuple[Array, Array]:
-    pitch = section.pitch_angle
-    return np.array([distance * math.cos(pitch) - section.pitch_apex]), np.array([distance * math.sin(pitch)])
-
-
 def _angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
     """Angles of the loaded and of the other flank at a cone distance."""
     found = []
     for surface in (member.loaded, member.from_opposite.loaded):
-        flank = solve_flank(surface, member.section, *_mean_point(member.section, distance))
+        flank = solve_flank(surface, member.section, *member.section.on_pitch_cone(distance)[:, None])
         position, normal = flank.position[:, 0], flank.normal[:, 0]
         if not np.all(np.isfinite(position)):
             raise GeometryError("a flank does not pass through the mean point of its blank")
         found.append(angles_of_normal(position, normal, member.section.pitch_angle, surface.hand))
     return found[0], found[1]
-
-
-def _thickness(pair: GearPair, name: str, distance: float, spiral_angle: float) -> float:
-    """Normal circular thickness at a cone distance [mm]."""
-    member = pair.pinion if name == "pinion" else pair.gear
-    sides = placed_flanks(member, tooth_angle(pair, name)).values()
-    axial, radial = _mean_point(member.section, distance)
-    front, back = (side.at(axial, radial).position[:, 0] for side in sides)
-    turn, _ = middle_angle(member.section, member.loaded, member.from_opposite.loaded)
-    angle = turn * (math.atan2(back[1], back[0]) - math.atan2(front[1], front[0]))
-    return math.remainder(angle, 2.0 * math.pi) * float(radial[0]) * math.cos(spiral_angle)
 
 
 def _cutter_radius(surface: GeneratingSurface, height: float) -> float:

@@ -13,8 +13,8 @@ from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
 from ....geometry.design.mean_point import MeanPointAngles, angles_of_normal
-from ....geometry.flanks.blank_section import BlankSection
 from ....geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
+from ....geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ....geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 
 Array = NDArray[Any]
@@ -31,7 +31,8 @@ ROWS = {
     "convex_pressure_angle": ("normal pressure angle, convex flank", "°"),
     "outer_depth": ("tooth depth at the heel, to the end of the flank", "mm"),
     "mean_depth": ("tooth depth mid face, to the end of the flank", "mm"),
-    "mean_normal_thickness": ("normal tooth thickness in the middle of the flank, as the teeth are built", "mm"),
+    "mean_normal_thickness": ("normal circular thickness at the mean point (ISO 23509)", "mm"),
+    "mid_flank_thickness": ("normal circular thickness in the middle of the flank", "mm"),
     "cutter_radius": ("mean radius of the blade tips", "mm"),
     "point_width": ("difference of the radii of the blade tips", "mm"),
     "toe": ("toe of the pitch cone on the axis, from the crossing point", "mm"),
@@ -88,7 +89,7 @@ def _blank(pair: GearPair, name: str) -> dict[str, float]:
     cosine = math.cos(section.pitch_angle)
     return {
         "outer_pitch_diameter": diameter,
-        "mean_pitch_diameter": 2.0 * _mean_point(section)[1],
+        "mean_pitch_diameter": 2.0 * float(section.on_pitch_cone(section.middle_distance)[1]),
         "outer_transverse_module": diameter / teeth,
         "outer_depth": float(np.linalg.norm(corners[1, 1] - corners[1, 0])),
         "mean_depth": float(np.hypot(axial[1] - axial[0], radial[1] - radial[0])),
@@ -101,11 +102,13 @@ def _flanks(pair: GearPair, name: str) -> dict[str, float]:
     """Spiral angle, pressure angles, module and thickness, measured on both flanks of a tooth at the mean point."""
     member = named_member(pair, name)
     section = member.section
-    axial, radial = _mean_point(section)
+    point = section.on_pitch_cone(section.middle_distance)
     teeth, hand = (getattr(pair.assembly, f"{name}_{what}") for what in ("teeth", "hand"))
     try:
         flanks = placed_flanks(member, tooth_angle(pair, name))
-        found = {side: one.at(np.array([axial]), np.array([radial])) for side, one in flanks.items()}
+        found = {side: one.at(*point[:, None]) for side, one in flanks.items()}
+        middle = thickness_per_angle(member) * tooth_angle(pair, name)
+        mean = mean_normal_thickness(member, middle, mean_cone_distances(pair)[MEMBERS.index(name)])
     except EaseoffError:
         return {}
     angles: dict[str, MeanPointAngles] = {
@@ -116,8 +119,9 @@ def _flanks(pair: GearPair, name: str) -> dict[str, float]:
     return {
         "mean_spiral_angle": math.degrees(spiral),
         **{f"{side}_pressure_angle": math.degrees(one.pressure_angle) for side, one in angles.items()},
-        "mean_normal_module": 2.0 * radial * math.cos(spiral) / teeth,
-        "mean_normal_thickness": thickness_per_angle(member) * tooth_angle(pair, name),
+        "mean_normal_module": 2.0 * float(point[1]) * math.cos(spiral) / teeth,
+        "mean_normal_thickness": mean,
+        "mid_flank_thickness": middle,
     }
 
 
@@ -129,12 +133,3 @@ def _cutters(case: Case, name: str) -> dict[str, float]:
         return {}
     radii = [flank.cutter.blade_point_radius for flank in flanks]
     return {"cutter_radius": 0.5 * sum(radii), "point_width": radii[0] - radii[1]}
-
-
-def _mean_point(section: BlankSection) -> tuple[float, float]:
-    """Axial and radial coordinate of the middle of the face on the pitch cone [mm]."""
-    mean = section.outer_cone_distance - 0.5 * section.face_width
-    return (
-        mean * math.cos(section.pitch_angle) - section.pitch_apex,
-        mean * math.sin(section.pitch_angle),
-    )

@@ -1,0 +1,176 @@
+"""Thickness of the teeth in the middle of the flank and at the mean point, and its derivatives by settings.
+
+Most settings leave it as it is: the other flank of a tooth stands where the thickness puts it. Where a gear is cut from
+one set-up its cutter leaves the tooth, and the pinion's is as thick as the slot is wide.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from ..flanks.flank import solve_flank
+from .assembly import Misalignment
+from .gear_pair import GearPair, Member, spiral_cosine, thickness_per_angle, tooth_angles
+from .pair_setting import PairSetting
+from .tooth_body import middle_angle, opposite_surface
+
+Array = NDArray[Any]
+
+STEP_SHARE = 1e-3  # of the usual step of a setting
+TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch
+STEP_COUNT = 30  # of Newton's method: five do, from the plane of the axes
+
+
+def mean_cone_distances(pair: GearPair, *, must_touch: bool = False) -> tuple[float, float]:
+    """Cone distances of pinion and gear [mm] at the mean point: mid face of the gear, and where the pitch cones touch.
+
+    Parameters
+    ----------
+    pair
+        The pair; its misalignment is not used.
+    must_touch
+        Whether cones that do not touch are refused; the pinion's mean point is mid face, too, if they are not.
+
+    Raises
+    ------
+    GeometryError
+        If the pitch cones must touch and do not.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> [round(distance, 1) for distance in mean_cone_distances(gear_pair(read_case("fm-11x41")))]
+    [95.4, 93.7]
+    """
+    pinion, gear = pair.pinion.section, pair.gear.section
+    nominal = replace(pair.assembly, misalignment=Misalignment())
+    axial, radial = gear.on_pitch_cone(gear.middle_distance)
+    axis = nominal.pinion_frame[:, 2]
+    centre = nominal.gear_origin - nominal.pinion_origin + np.array([0.0, 0.0, axial])
+    sine, cosine = math.sin(pinion.pitch_angle), math.cos(pinion.pitch_angle)
+    azimuth = math.atan2(axis[1], axis[0])
+    for _ in range(STEP_COUNT):
+        arm = radial * np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        tangent = np.array([-arm[1], arm[0], 0.0])
+        point = centre + arm
+        along = float(point @ axis)
+        out = float(np.linalg.norm(point - along * axis))
+        # Half the square of ``out`` and its derivatives by the azimuth give those of ``out``.
+        slope = float(point @ tangent - along * (tangent @ axis)) / out
+        square = float(tangent @ tangent - point @ arm - (tangent @ axis) ** 2 + along * (arm @ axis))
+        first = slope * cosine - float(tangent @ axis) * sine
+        second = (square - slope**2) / out * cosine + float(arm @ axis) * sine
+        if not second > 0.0:
+            break
+        azimuth -= first / second
+    apart = out * cosine - (along + pinion.pitch_apex) * sine
+    if second > 0.0 and abs(apart) < TOUCH_TOLERANCE * gear.middle_distance:
+        return math.hypot(along + pinion.pitch_apex, out), gear.middle_distance
+    if must_touch:
+        raise GeometryError(f"the pitch cones of pinion and gear are {abs(apart):.2f} mm apart, not in touch")
+    return pinion.middle_distance, gear.middle_distance
+
+
+def mid_flank_thickness(member: Member, mean_normal_thickness: float, distance: float) -> float:
+    """Normal circular thickness in the middle of the flank [mm] of a tooth that has the given one at the mean point.
+
+    Parameters
+    ----------
+    member
+        The member; its own thickness is not used.
+    mean_normal_thickness
+        Normal circular thickness on the pitch cone at the mean point [mm], s_mn of ISO 23509:2016.
+    distance
+        Cone distance of the mean point [mm].
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of the blank in either place.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> middle = mid_flank_thickness(gear, 5.0, 81.0)
+    >>> middle > 5.5, abs(mean_normal_thickness(gear, middle, 81.0) - 5.0) < 1e-12
+    (True, True)
+    """
+    per_angle, thicker = _at_mean_point(member, distance)
+    return (mean_normal_thickness / per_angle - thicker) * thickness_per_angle(member)
+
+
+def mean_normal_thickness(member: Member, mid_flank_thickness: float, distance: float) -> float:
+    """Inverse of ``mid_flank_thickness``: s_mn of ISO 23509:2016 [mm]. Takes and raises what that does."""
+    per_angle, thicker = _at_mean_point(member, distance)
+    return (mid_flank_thickness / thickness_per_angle(member) + thicker) * per_angle
+
+
+def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
+    """Normal arc per angle on the pitch cone [mm/rad], and by what angle the tooth is thicker there than mid-flank."""
+    section, flanks = member.section, (member.loaded, member.opposite or opposite_surface(member.loaded))
+    point = section.on_pitch_cone(distance)
+    _, middle = middle_angle(section, *flanks)
+    _, angle = middle_angle(section, *flanks, point)
+    cosines = [spiral_cosine(solve_flank(flank, section, *point[:, None]), section) for flank in flanks]
+    per_angle = point[1] * np.cos(np.mean(np.arccos(cosines)))
+    if not np.isfinite(angle + middle + per_angle):
+        raise GeometryError("a flank does not pass through the mean point of its blank")
+    return float(per_angle), math.remainder(angle - middle, 2.0 * math.pi)
+
+
+def mean_thicknesses(pair: GearPair) -> Array:
+    """Normal circular thickness (2) of the teeth of pinion and gear in the middle of the flank [mm].
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> mean_thicknesses(gear_pair(read_case("nasa-12x36"))).round(2).tolist()
+    [5.27, 5.87]
+    """
+    per_angle = [thickness_per_angle(member) for member in (pair.pinion, pair.gear)]
+    return np.array(tooth_angles(pair)) * per_angle
+
+
+def thickness_slopes(pair: GearPair, settings: Sequence[PairSetting]) -> Array:
+    """Derivatives (2, j) [mm] of the thicknesses of pinion and gear, by mm, rad or the unit of the setting.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    settings
+        By what to differentiate (j).
+
+    Raises
+    ------
+    GeometryError
+        As ``mean_thicknesses``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> by_radius = [PairSetting("gear", "point_radius"), PairSetting("pinion", "point_radius")]
+    >>> slopes = thickness_slopes(gear_pair(read_case("nasa-12x36")), by_radius)
+    >>> bool(slopes[1, 0] > 0.5), bool(abs(slopes[1, 1]) < 1e-9)
+    (True, True)
+    """
+    slopes = np.zeros((2, len(settings)))
+    for number, setting in enumerate(settings):
+        if setting.of in ("pinion", "gear"):
+            step = STEP_SHARE * setting.scale
+            ahead, behind = (mean_thicknesses(setting.moved(pair, sign * step)) for sign in (1.0, -1.0))
+            slopes[:, number] = (ahead - behind) / (2.0 * step)
+    return slopes
