@@ -340,6 +340,18 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
     )
 
 
+def given_pair(case: Case) -> GearPair:
+    """The pair from the drive side, or from the coast side where the case has that alone. Raises as ``gear_pair``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> given_pair(read_case("nasa-12x36")) == gear_pair(read_case("nasa-12x36"), "drive")
+    True
+    """
+    return gear_pair(case, "drive" if case.pinion.concave is not None and case.gear.convex is not None else "coast")
+
+
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     """The gear pair of a case, seen from one pair of flanks.
 

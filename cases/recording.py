@@ -15,7 +15,7 @@ from ..geometry.cutting.machine import MachineSettings
 from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from ..geometry.pair.gear_pair import MEMBERS, GearPair
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
-from .conversion import designed_blanks, gear_pair
+from .conversion import designed_blanks, given_pair
 from .schema.case_schema import Blank, Case
 from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
 
@@ -78,8 +78,7 @@ def with_mean_thickness(case: Case) -> Case:
     given = {name for name, table in tables.items() if table.mid_flank_normal_circular_thickness is not None}
     if not given:
         return case
-    drive = case.pinion.concave is not None and case.gear.convex is not None
-    thicknesses = zip(MEMBERS, recorded_thicknesses(gear_pair(case, "drive" if drive else "coast")), strict=True)
+    thicknesses = zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True)
     return case.model_copy(
         update={
             name: tables[name].model_copy(

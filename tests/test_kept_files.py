@@ -131,6 +131,7 @@ def test_files_of_this_version_are_kept() -> None:
     assert all(record["version"] == name for name, record in RECORDS.items())
 
 
+@pytest.mark.filterwarnings("ignore:.* is of version 1")
 @pytest.mark.parametrize(
     ("folder", "name", "file"), [*(("inputs", *each) for each in INPUTS), *(("results", *each) for each in RESULTS)]
 )

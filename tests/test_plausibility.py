@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from pairs import by_the_dissertation
-from runs import call, output_of, refusal_of
+from runs import call, output_of, refusal_of, replaced, small_text, text_file
 
 import easeoff
-from easeoff.cases import Case, shipped_cases, write_case
+from easeoff.cases import Case, gear_pair, parse_case, shipped_cases, write_case
 from easeoff.geometry import FlankName, Modification
+from easeoff.geometry.pair.tooth_thickness import contradictions
 from easeoff.study import plausibility, result_summary
+from easeoff.study.design.pair_warnings import case_warnings
 from easeoff.study.plot.page import small_print
 from easeoff.study.report.notes.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT
 
@@ -98,6 +100,32 @@ def test_each_limit_has_its_note(
     assert words in note
     assert note in unwrapped(made(beyond))
     assert plausibility(made(within)) == []
+
+
+@pytest.mark.parametrize(
+    ("pattern", "wrong", "words"),
+    [
+        (r"^shaft_angle = 90.0$", "shaft_angle = 91.0", "pitch cones of pinion and gear are 1.42 mm apart"),
+        (r"^hypoid_offset = 0.0$", "hypoid_offset = 15.0", "pitch cones of pinion and gear are"),
+        (r"^number_of_teeth = 12$", "number_of_teeth = 13", "module is 3.231 mm at the pinion and 3.502 mm at"),
+        (r"^number_of_teeth = 36$", "number_of_teeth = 35", "module is 3.500 mm at the pinion and 3.602 mm at"),
+    ],
+)
+def test_blanks_that_contradict_the_axes_or_the_tooth_numbers_are_noted(pattern: str, wrong: str, words: str) -> None:
+    case = parse_case(replaced(small_text("nasa-12x36"), pattern, wrong))
+    (found,) = contradictions(gear_pair(case))
+    assert words in found
+    assert any(words in text for text in case_warnings(case)[1])
+
+
+def test_contradicting_blanks_are_noted_wherever_a_result_is_read(tmp_path: Path) -> None:
+    text = replaced(small_text("nasa-12x36"), r"^shaft_angle = 90.0$", "shaft_angle = 90.5")
+    path = text_file(tmp_path / "angle.toml", text)
+    words = "Warning: the pitch cones of pinion and gear are 0.71 mm apart"
+    assert words in output_of("convert", path, "-o", tmp_path / "angle.rexs")
+    out = tmp_path / "angle.nc"
+    for output in (output_of("run", path, "-o", out), output_of("show", out)):
+        assert words in " ".join(output.split())
 
 
 def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path: Path) -> None:

@@ -204,6 +204,27 @@ def test_unnamed_flanks_are_concave_then_convex(tmp_path: Path) -> None:
     assert unnamed == named
 
 
+@pytest.mark.parametrize(("cones", "shaft_angle"), [(95.0, 95.0), (80.0, 80.0), (90.004, 90.0)])
+def test_the_shaft_angle_follows_from_the_cones_of_a_pair_without_offset(
+    cones: float, shaft_angle: float, tmp_path: Path
+) -> None:
+    sigma = np.radians(cones)
+    pinion = np.degrees(np.arctan2(np.sin(sigma), 3.0 + np.cos(sigma)))
+    text = script("LEFT", MACHINES)
+    for member, angle in (("PINION", pinion), ("GEAR", cones - pinion)):
+        for key, more in (("PITCHANGLE", 0.0), ("FACEANGLE", 2.0), ("ROOTANGLE", -2.0)):
+            text = text.replace(f"{key} {BLANKS[member][key]!r}", f"{key} {angle + more:.7f}")
+    case, notes = read(text, tmp_path)
+    assert case.pair.shaft_angle == pytest.approx(shaft_angle, abs=1e-6)
+    assert f"shaft angle {case.pair.shaft_angle:g} deg, the sum of the pitch angles" in "\n".join(notes)
+
+
+def test_cones_of_a_pair_with_offset_leave_the_axes_to_the_user(tmp_path: Path) -> None:
+    case, notes = read(script("LEFT", MACHINES).replace("PITCHANGLE 18.4333333", "PITCHANGLE 19.5"), tmp_path)
+    assert (case.pair.shaft_angle, case.pair.hypoid_offset) == (90.0, 0.0)
+    assert "give shaft_angle and hypoid_offset in [pair]" in "\n".join(notes)
+
+
 def test_values_arrive_under_our_names(tmp_path: Path) -> None:
     case, notes = read(script("LEFT", with_extras("PINION", PINION_EXTRAS)), tmp_path)
     shipped = read_case("nasa-12x36")

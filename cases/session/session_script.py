@@ -7,6 +7,7 @@ exception: the vertical motion of a gear.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -56,6 +57,9 @@ FORMATE_KEYWORDS = {
     "ROOTANGLE": "machine_root_angle",
 }
 OPTIONAL_FORMATE_KEYWORDS = {"MACHCTRBACK": "machine_center_to_crossing_point"}
+USUAL_SHAFT_ANGLE = 90.0  # [deg]
+ROUNDING = 0.01  # of the sum of two pitch angles as drawings have them [deg]
+RATIO_TOLERANCE = 0.005  # of the ratio of the sines of the pitch angles, which is that of the tooth numbers
 MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
 
 
@@ -104,18 +108,16 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     (12, 72.643)
     """
     settings, unknown = read_settings(path)
-    notes = [
-        "shaft angle 90 deg and offset 0 mm are assumed, since no keyword for them is known: give them in [pair]",
-        "clearance is zero: the flanks begin at the root cones",
-    ]
+    notes = ["clearance is zero: the flanks begin at the root cones"]
     try:
         hand = _hand(settings, notes)
+        pinion, gear = (_member(settings, member, hand, notes) for member in ("PINION", "GEAR"))
         data = {
             "easeoff_case": 2,
             "title": f"{Path(path).stem} (session script)"[:200],
-            "pair": {},
-            "pinion": {**_member(settings, "PINION", hand, notes), "hand_of_spiral": hand.lower()},
-            "gear": _member(settings, "GEAR", hand, notes),
+            "pair": {"shaft_angle": _shaft_angle(pinion, gear, notes)},
+            "pinion": {**pinion, "hand_of_spiral": hand.lower()},
+            "gear": gear,
         }
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
@@ -140,6 +142,26 @@ def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:
     if gear is not None and gear.word("LEFT", "RIGHT") == given[0]:
         notes.append(f"line {gear.line}: HAND of the gear is that of the pinion; the opposite hand is taken")
     return given[0]
+
+
+def _shaft_angle(pinion: Mapping[str, Any], gear: Mapping[str, Any], notes: list[str]) -> float:
+    """Shaft angle [deg] by the pitch cones of a pair without offset; the usual one where they are of another pair."""
+    cones, teeth = [[member[key] for member in (pinion, gear)] for key in ("blank", "number_of_teeth")]
+    angles = [blank["pitch_angle"] for blank in cones]
+    along = [math.sin(math.radians(angle)) / count for angle, count in zip(angles, teeth, strict=True)]
+    if abs(along[0] - along[1]) > RATIO_TOLERANCE * max(along):
+        notes.append(
+            f"shaft angle {USUAL_SHAFT_ANGLE:g} deg and offset 0 mm are assumed, since no keyword for them is known; "
+            "the pitch angles are not those of a pair without offset: give shaft_angle and hypoid_offset in [pair]"
+        )
+        return USUAL_SHAFT_ANGLE
+    angle = round(sum(angles), 6)
+    angle = USUAL_SHAFT_ANGLE if abs(angle - USUAL_SHAFT_ANGLE) < ROUNDING else angle
+    notes.append(
+        f"shaft angle {angle:g} deg, the sum of the pitch angles, and offset 0 mm are taken, since no keyword for them "
+        "is known: the pitch angles are those of such a pair"
+    )
+    return angle
 
 
 def _needed(table: Settings, keys: Mapping[str, str], where: str) -> dict[str, Any]:

@@ -25,6 +25,8 @@ Array = NDArray[Any]
 
 STEP_SHARE = 1e-3  # of the usual step of a setting
 TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch
+GAP_LIMIT = 0.005  # likewise: 3e-4 in pairs of the literature, whose angles are rounded
+MODULE_LIMIT = 0.02  # 1e-3 in shipped pairs; a tooth more or less is 2 % of fifty
 STEP_COUNT = 30  # of Newton's method: five do, from the plane of the axes
 
 
@@ -49,6 +51,17 @@ def mean_cone_distances(pair: GearPair, *, must_touch: bool = False) -> tuple[fl
     >>> [round(distance, 1) for distance in mean_cone_distances(gear_pair(read_case("fm-11x41")))]
     [95.4, 93.7]
     """
+    distance, apart = _nearest(pair)
+    gear = pair.gear.section.middle_distance
+    if abs(apart) < TOUCH_TOLERANCE * gear:
+        return distance, gear
+    if must_touch:
+        raise GeometryError(f"the pitch cones of pinion and gear are {abs(apart):.2f} mm apart, not in touch")
+    return pair.pinion.section.middle_distance, gear
+
+
+def _nearest(pair: GearPair) -> tuple[float, float]:
+    """Where the pinion's pitch cone is nearest to the gear's mid face: cone distance, and how far it is [mm]."""
     pinion, gear = pair.pinion.section, pair.gear.section
     nominal = replace(pair.assembly, misalignment=Misalignment())
     axial, radial = gear.on_pitch_cone(gear.middle_distance)
@@ -68,14 +81,50 @@ def mean_cone_distances(pair: GearPair, *, must_touch: bool = False) -> tuple[fl
         first = slope * cosine - float(tangent @ axis) * sine
         second = (square - slope**2) / out * cosine + float(arm @ axis) * sine
         if not second > 0.0:
-            break
+            return math.nan, math.nan
         azimuth -= first / second
-    apart = out * cosine - (along + pinion.pitch_apex) * sine
-    if second > 0.0 and abs(apart) < TOUCH_TOLERANCE * gear.middle_distance:
-        return math.hypot(along + pinion.pitch_apex, out), gear.middle_distance
-    if must_touch:
-        raise GeometryError(f"the pitch cones of pinion and gear are {abs(apart):.2f} mm apart, not in touch")
-    return pinion.middle_distance, gear.middle_distance
+    return math.hypot(along + pinion.pitch_apex, out), out * cosine - (along + pinion.pitch_apex) * sine
+
+
+def contradictions(pair: GearPair) -> list[str]:
+    """What pitch cones, axes, tooth numbers and flanks of a pair contradict each other in, a sentence each.
+
+    Pitch cones touch at the mean point, and teeth that mesh there have one normal module.
+
+    Parameters
+    ----------
+    pair
+        The pair; its misalignment is not used.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> contradictions(gear_pair(read_case("fm-11x41")))
+    []
+    """
+    found = []
+    assembly, (_, apart) = pair.assembly, _nearest(pair)
+    distances = mean_cone_distances(pair)
+    if not abs(apart) <= GAP_LIMIT * distances[1]:
+        far = f"are {abs(apart):.2f} mm apart" if math.isfinite(apart) else "do not come near each other"
+        found.append(
+            f"the pitch cones of pinion and gear {far} in the middle of the face, where they should touch: check pitch "
+            f"angles and apexes, shaft_angle = {math.degrees(assembly.shaft_angle):.6g} and hypoid_offset = "
+            f"{assembly.hypoid_offset:.6g}"
+        )
+    try:
+        own, mate = (
+            2.0 * _at_mean_point(member, distance)[0] / member.teeth
+            for member, distance in zip((pair.pinion, pair.gear), distances, strict=True)
+        )
+    except GeometryError:
+        return found  # an analysis says so of the flanks
+    if abs(own - mate) > MODULE_LIMIT * max(own, mate):
+        found.append(
+            f"the mean normal module is {own:.3f} mm at the pinion and {mate:.3f} mm at the gear: check the tooth "
+            "numbers, the pitch cones and the settings that make the spiral angles"
+        )
+    return found
 
 
 def mid_flank_thickness(member: Member, mean_normal_thickness: float, distance: float) -> float:

@@ -21,6 +21,7 @@ from ...contact.solvers.compiled.compiled_answer import compiled_code
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
+from ...geometry.pair.tooth_thickness import contradictions
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviations.deviation_source import require_line_contact
 from ..result_layout import RESULT_SCHEMA_VERSION
@@ -216,5 +217,6 @@ def _provenance(state: CaseInMesh, torques: Array, solver: SolverChoice, *, edge
         "solver": solver if isinstance(solver, str) else require_solver(solver),
         "compliance_model": state.case.compliance.model,
         "edge_contact": int(edge_contact),
+        **({"contradictions": "; ".join(found)} if (found := contradictions(state.pair)) else {}),
         "opposite_flanks": "given" if all(flanks) else "assumed from the loaded ones",
     }

@@ -19,6 +19,7 @@ from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES
 from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.gear_pair import MEMBERS, GearPair, Member, bodies
 from ...geometry.pair.tip_mates import unmet_tips
+from ...geometry.pair.tooth_thickness import contradictions
 from ...geometry.tooth.tooth_flanks import MemberName
 from .tooth_spaces import ToothSpaces, tooth_spaces
 
@@ -53,7 +54,7 @@ def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
         proportions = measured_proportions(drive)
     except (InputError, GeometryError) as error:
         return None, (f"the teeth are not checked: {error}",)
-    warnings = list(narrow_top_lands(drive, proportions.mean_normal_module))
+    warnings = [*contradictions(drive), *narrow_top_lands(drive, proportions.mean_normal_module)]
     warnings += [text for _, text in unfinished_teeth(drive, case.compliance.model)]
     for side, pair in zip(SIDES, (drive, coast), strict=True):
         warnings += [f"{side}: {text}" for _, text in missing_flanks(unmet_tips(pair))]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ....core.errors import InputError
+from ....core.errors import EaseoffError, InputError
 from ..command import Command, quick_start
 from ..exit_codes import EXIT_UNCERTIFIED
 from ..options.shared_options import (
@@ -125,8 +125,10 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     problems (.nc, .mat, .npz, .qps, .mps, .hdf5), or a folder of such files with one problem each.
     """
     from ....cases import read_case, read_rexs, read_session_script, write_case, write_rexs
+    from ....cases.conversion import given_pair
     from ....cases.writing import require_replaceable
     from ....core.writing.output_file import check_writable
+    from ....geometry.pair.tooth_thickness import contradictions
     from ...compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
     from ...compare.problem_export import convert_problems
 
@@ -153,6 +155,10 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
             f"{source}: suffix = {suffix!r}: must be .toml, .rexs, .xml, .ses or .txt, or of contact problems "
             f"{', '.join(PROBLEM_SUFFIXES)}"
         )
+    try:
+        notes += [f"Warning: {text}" for text in contradictions(given_pair(case))]
+    except EaseoffError as error:  # teeth that an analysis refuses can be converted
+        notes.append(f"Warning: {error}")
     if target == ".toml":
         write_case(case, output, "\n".join([f"Made by easeoff from {Path(source).name}.", *notes]))
     else:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....cases.conversion import gear_pair
+from ....cases.conversion import given_pair
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
@@ -60,7 +60,7 @@ def implied_dimensions(case: Case) -> dict[str, dict[str, float]]:
     """
     case = with_blanks(case)
     try:
-        pair = gear_pair(case, "drive" if case.pinion.concave is not None and case.gear.convex is not None else "coast")
+        pair = given_pair(case)
     except EaseoffError:
         return {}
     return {name: _blank(pair, name) | _flanks(pair, name) | _cutters(case, name) for name in MEMBERS}

@@ -17,7 +17,7 @@ COMMON_FLANK_LIMIT = 0.3
 
 
 def plausibility(tree: xr.DataTree) -> list[str]:
-    """Notes on the plausibility of a result: one each for ease-off, pressure and common flank.
+    """Notes on the plausibility of a result: one each for ease-off, pressure, common flank and contradicting blanks.
 
     One more says why root stresses are left out, if they were asked for.
 
@@ -59,6 +59,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
             f"Note: the flanks share {100 * common:.0f} % of the gear flank, less than "
             f"{100 * COMMON_FLANK_LIMIT:.0f} %: are blanks, settings and misalignment right?"
         )
+    notes += [f"Warning: {text}." for text in str(tree.attrs.get("contradictions", "")).split("; ") if text]
     left_out = tree.attrs.get("root_stress_left_out")
     if left_out:
         notes.append(f"Note: no root stress. {left_out}")
