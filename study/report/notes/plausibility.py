@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from ....contact.evaluation.flank_region import flank_share
+from ....core.attributes import ROOT_RESOLUTION
 from ....core.ordered_values import ordered
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -19,7 +20,7 @@ COMMON_FLANK_LIMIT = 0.3
 def plausibility(tree: xr.DataTree) -> list[str]:
     """Notes on the plausibility of a result: one each for ease-off, pressure, common flank and contradicting blanks.
 
-    One more says why root stresses are left out, if they were asked for.
+    One more says how far root stresses are resolved, or why they are left out if they were asked for.
 
     Parameters
     ----------
@@ -60,6 +61,8 @@ def plausibility(tree: xr.DataTree) -> list[str]:
             f"{100 * COMMON_FLANK_LIMIT:.0f} %: are blanks, settings and misalignment right?"
         )
     notes += [f"Warning: {text}." for text in str(tree.attrs.get("contradictions", "")).split("; ") if text]
+    if "root_stress" in tree.children:
+        notes.append(f"Note: the root stress is too low, {ROOT_RESOLUTION}.")
     left_out = tree.attrs.get("root_stress_left_out")
     if left_out:
         notes.append(f"Note: no root stress. {left_out}")
