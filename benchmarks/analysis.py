@@ -24,7 +24,8 @@ import numpy as np
 from easeoff.core.compiled.compiled_use import compiling
 from easeoff.cases import gear_pair, read_case
 from easeoff.cases.conversion import elastic_model, finite_elements
-from easeoff.contact import lines_in_mesh, loaded_splines, unloaded_contact
+from easeoff.contact import lines_in_mesh, unloaded_contact
+from easeoff.contact.loaded import loaded_splines
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.loaded import solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments

@@ -20,7 +20,7 @@ import easeoff
 import numpy as np
 from easeoff.friction import FrictionModel, Operation, friction
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.study import contact_analysis
+from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.study import CaseInMesh
 from tabulate import tabulate
 

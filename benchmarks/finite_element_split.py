@@ -10,7 +10,7 @@ from finite_element_teeth import CASES, MEMBERS, pair_of
 from tabulate import tabulate
 
 from easeoff.cases import read_case
-from easeoff.cases import elastic_model
+from easeoff.cases.conversion import elastic_model
 from easeoff.contact import STEEL
 from easeoff.contact import ElasticFoundation
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
@@ -21,7 +21,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_tooth, usual_size
-from easeoff.contact import loaded_contact, loaded_splines
+from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.contact import lines_in_mesh
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
 from easeoff.geometry import tooth_lattice

@@ -25,9 +25,9 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_size, usual_size
 from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
 from easeoff.geometry import GearPair
-from easeoff.geometry import solve_flank
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.geometry import MemberName, named_member
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
 
 Array = NDArray[Any]

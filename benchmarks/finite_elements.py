@@ -28,10 +28,10 @@ from easeoff.contact.compliance.finite_elements.finite_element_tooth import usua
 from easeoff.contact.compliance.shell_kinematics import five_field
 from easeoff.core.writing.output_file import whole_file
 from easeoff.geometry import pair_geometry
-from easeoff.geometry import named_member
+from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.geometry import LatticeSize
 from easeoff.geometry.tooth.tooth_lattice import usual_depth
-from easeoff.verification import thesis_kinematics
+from easeoff.verification.thesis_shell import thesis_kinematics
 
 from finite_element_split import split
 from finite_element_teeth import (

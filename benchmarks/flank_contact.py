@@ -24,9 +24,9 @@ from easeoff.contact import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.bricks import quadratic
 from easeoff.verification import flank_response
-from easeoff.verification import SurfaceCells
-from easeoff.verification import half_space_compliance
-from easeoff.geometry import LatticeSpacing
+from easeoff.verification.flank_contact.surface_cells import SurfaceCells
+from easeoff.verification.flank_contact.surface_contact import half_space_compliance
+from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
 from easeoff.geometry.tooth.lattice_spacing import with_middles
 from easeoff.geometry import LatticeSize, tooth_lattice
 

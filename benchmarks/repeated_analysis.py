@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from easeoff.core.compiled.compiled_use import compiling
 from easeoff import analyze, read_case
-from easeoff.cases import elastic_model, gear_pair
+from easeoff.cases import gear_pair
+from easeoff.cases.conversion import elastic_model
 from easeoff.cases.conversion import finite_elements
 from easeoff.contact import MeshCycle
 from easeoff.geometry import Misalignment, pair_geometry

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from tabulate import tabulate
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact import STEEL, MeshCycle, solid_shells
+from easeoff.contact import STEEL, MeshCycle
+from easeoff.contact.compliance.elastic_model import solid_shells
 from easeoff.contact.compliance.elastic_model import PITCHES_PER_PAIR, member_points
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
@@ -25,8 +26,9 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.neighbouring_teeth import body_modes, ring_size, with_body
-from easeoff.geometry import LatticeSize, MemberName, named_member, pair_geometry, tooth_lattice
-from easeoff.verification import toothed_sector
+from easeoff.geometry import LatticeSize, pair_geometry, tooth_lattice
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
+from easeoff.verification.finite_element_bodies.toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 CASES = (("fm-11x41", 500.0), ("nasa-12x36", 200.0))

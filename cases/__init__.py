@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+    from .conversion import designed_blanks, gear_pair
     from .deflection_table import read_deflections
     from .deflections import Deflections
-    from .load_cases import load_case_misalignment, read_load_cases
+    from .load_cases import read_load_cases
     from .reading import (
         case_text,
         design_text,
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     )
     from .rexs.rexs_reading import read_rexs
     from .rexs.rexs_writing import write_rexs
-    from .schema.case_schema import Case, ContactTable
+    from .schema.case_schema import Case
     from .schema.design_schema import Design
-    from .schema.friction_table import FrictionTable
     from .schema.load_case_table import LoadCase
     from .schema.supports_table import SupportsTable
     from .session.session_script import read_session_script
@@ -37,20 +36,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
-    "ContactTable",
     "Deflections",
     "Design",
-    "FrictionTable",
     "LoadCase",
     "SupportsTable",
     "case_text",
     "case_toml",
     "design_text",
     "designed_blanks",
-    "ease_off_target",
-    "elastic_model",
     "gear_pair",
-    "load_case_misalignment",
     "parse_case",
     "parse_design",
     "read_case",
@@ -70,10 +64,10 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".conversion": ["designed_blanks", "ease_off_target", "elastic_model", "gear_pair"],
+    ".conversion": ["designed_blanks", "gear_pair"],
     ".deflection_table": ["read_deflections"],
     ".deflections": ["Deflections"],
-    ".load_cases": ["load_case_misalignment", "read_load_cases"],
+    ".load_cases": ["read_load_cases"],
     ".reading": [
         "case_text",
         "design_text",
@@ -88,9 +82,8 @@ _ORIGINS = {
     ],
     ".rexs.rexs_reading": ["read_rexs"],
     ".rexs.rexs_writing": ["write_rexs"],
-    ".schema.case_schema": ["Case", "ContactTable"],
+    ".schema.case_schema": ["Case"],
     ".schema.design_schema": ["Design"],
-    ".schema.friction_table": ["FrictionTable"],
     ".schema.load_case_table": ["LoadCase"],
     ".schema.supports_table": ["SupportsTable"],
     ".session.session_script": ["read_session_script"],

@@ -10,34 +10,27 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions, WeberLineContact
-    from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
+    from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions
+    from .compliance.elastic_model import STEEL, ElasticModel
     from .line_contact.line_contact_path import LineContactPath, line_contact_path
     from .line_contact.line_contact_sensitivity import line_contact_sensitivity
-    from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .load_capacity.tooth_root_stress import root_stress
-    from .loaded import loaded_contact, loaded_splines
     from .mesh_cycle import MeshCycle
     from .mesh_harmonics import harmonics, peak_to_peak, rms
-    from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
-    from .problem.compliance_matrix import ModalCompliance
+    from .problem.certificate import Certificate, certify
     from .problem.contact_problem import ContactProblem
-    from .problem.exchange.fclib_file import read_fclib, write_fclib
-    from .problem.exchange.matlab_file import read_mat, write_mat
     from .problem.exchange.problem_checksum import problem_checksum
-    from .problem.exchange.problem_file import read_labels, read_problems, write_problems
+    from .problem.exchange.problem_file import read_problems, write_problems
     from .problem.exchange.problem_formats import export_problems, import_problems
     from .problem.exchange.problem_set import ProblemSet
-    from .problem.exchange.programme_file import read_npz, write_npz
-    from .problem.exchange.qps_file import read_qps, write_qps
+    from .problem.exchange.programme_file import read_npz
     from .problem.exchange.reference_solutions import read_references
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .problem.modal_basis import ModalBasis, SharedModes
     from .problem.operator_compliance import OperatorCompliance
-    from .problem.proof.conditioning import Conditioning
     from .problem.shared_modes import with_shared_modes
     from .solvers import (
         SOLVERS,
@@ -55,20 +48,18 @@ if TYPE_CHECKING:
     from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
     from .supports.assembly_rounds import AssemblyRounds
-    from .supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
+    from .supports.support import BearingReaction, Supports
     from .supports.support_identification import IdentifiedSupport, identified_support
     from .supports.supported_contact import SupportedContact
     from .unloaded import unloaded_contact
 
 __all__ = [
-    "EXACT_TOLERANCE",
     "LCP",
     "SOLVERS",
     "STEEL",
     "AssemblyRounds",
     "BearingReaction",
     "Certificate",
-    "Conditioning",
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
@@ -81,11 +72,9 @@ __all__ = [
     "LiftedQP",
     "LineContactPath",
     "Material",
-    "MemberAxis",
     "MeshCycle",
     "MeshLines",
     "ModalBasis",
-    "ModalCompliance",
     "OperatorCompliance",
     "ProblemGradient",
     "ProblemSet",
@@ -95,12 +84,10 @@ __all__ = [
     "SolutionChange",
     "Solver",
     "Status",
-    "Support",
     "SupportedContact",
     "Supports",
     "ToothDimensions",
     "TorquePath",
-    "WeberLineContact",
     "available_solvers",
     "certify",
     "dual_qp",
@@ -113,33 +100,20 @@ __all__ = [
     "line_contact_path",
     "line_contact_sensitivity",
     "lines_in_mesh",
-    "loaded_contact",
-    "loaded_splines",
-    "member_axes",
     "peak_to_peak",
     "problem_checksum",
-    "read_fclib",
-    "read_labels",
-    "read_mat",
     "read_npz",
     "read_problems",
-    "read_qps",
     "read_references",
     "rms",
     "root_stress",
     "sensitivity",
-    "solid_shells",
     "solve",
-    "solve_line_contact",
     "solve_many",
     "torque_path",
     "unloaded_contact",
     "with_shared_modes",
-    "write_fclib",
-    "write_mat",
-    "write_npz",
     "write_problems",
-    "write_qps",
 ]
 
 _ORIGINS = {
@@ -149,39 +123,31 @@ _ORIGINS = {
         "Material",
         "Shell",
         "ToothDimensions",
-        "WeberLineContact",
     ],
-    ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
+    ".compliance.elastic_model": ["STEEL", "ElasticModel"],
     ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
     ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
-    ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
-    ".loaded": ["loaded_contact", "loaded_splines"],
     ".mesh_cycle": ["MeshCycle"],
-    ".problem.certificate": ["EXACT_TOLERANCE", "Certificate", "certify"],
+    ".problem.certificate": ["Certificate", "certify"],
     ".problem.forms.complementarity_form": ["LCP", "lcp"],
-    ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
     ".problem.modal_basis": ["ModalBasis", "SharedModes"],
     ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
-    ".problem.proof.conditioning": ["Conditioning"],
     ".problem.shared_modes": ["with_shared_modes"],
-    ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
-    ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
-    ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
+    ".problem.exchange.problem_file": ["read_problems", "write_problems"],
     ".problem.exchange.problem_checksum": ["problem_checksum"],
     ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
     ".problem.exchange.problem_set": ["ProblemSet"],
-    ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".problem.exchange.programme_file": ["read_npz"],
     ".solvers.parametric.problem_gradient": ["ProblemGradient"],
     ".solvers.parametric.sensitivity": ["Sensitivity"],
     ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
     ".solvers.parametric.solution_sensitivity": ["sensitivity"],
     ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
-    ".problem.exchange.qps_file": ["read_qps", "write_qps"],
     ".problem.exchange.reference_solutions": ["read_references"],
     ".load_capacity.tooth_root_stress": ["root_stress"],
     ".solvers": [
@@ -195,7 +161,7 @@ _ORIGINS = {
         "solve_many",
     ],
     ".supports.assembly_rounds": ["AssemblyRounds"],
-    ".supports.support": ["BearingReaction", "MemberAxis", "Support", "Supports", "member_axes"],
+    ".supports.support": ["BearingReaction", "Supports"],
     ".supports.support_identification": ["IdentifiedSupport", "identified_support"],
     ".supports.supported_contact": ["SupportedContact"],
     ".unloaded": ["unloaded_contact"],

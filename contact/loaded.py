@@ -97,7 +97,8 @@ def loaded_contact(
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import lines_in_mesh, solid_shells
+    >>> from easeoff.contact import lines_in_mesh
+    >>> from easeoff.contact.compliance.elastic_model import solid_shells
     >>> from easeoff.geometry import pair_geometry
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> geometry = pair_geometry(pair, (9, 7))

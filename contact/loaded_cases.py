@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
-from .compliance import WeberLineContact
+from .compliance.weber_line_contact import WeberLineContact
 from .mesh_harmonics import harmonics, peak_to_peak, rms
 from .problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from .problem.contact_problem import ContactProblem

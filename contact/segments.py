@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
-from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, member_points, unit_loads
 from .compliance.finite_elements.flank_compliance import FlankCompliance
 from .compliance.free_end import end_loads, remaining_depth
 from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
+from .compliance.weber_line_contact import WeberLineContact
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges

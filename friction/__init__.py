@@ -8,16 +8,14 @@ from ..core.lazy_names import lazy_names
 from .rolling_traction import rolling_traction
 
 if TYPE_CHECKING:
-    from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, friction_coefficient
+    from .coefficient import COEFFICIENTS, friction_coefficient
     from .conditions import ContactConditions
     from .contact_temperature.flash_temperature import blok_flash_temperature, flash_temperature
     from .contact_temperature.matched_partition import MatchedBand, matched_band
-    from .contact_temperature.thermal_material import ThermalMaterial
     from .efficiency import friction
     from .feedback import friction_feedback
-    from .formula_range import FLAGS
     from .kolivand_formula import formula_flags
-    from .lubricants.data_sheet import data_sheet_lubricant, lubricant_toml, write_lubricant
+    from .lubricants.data_sheet import data_sheet_lubricant, write_lubricant
     from .lubricants.lubricant import Lubricant, OilState, available_lubricants, lubricant
     from .oil_film.film_thickness import FILMS
     from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
@@ -27,7 +25,6 @@ __all__ = [
     "COEFFICIENTS",
     "FILMS",
     "FILM_FACTORS",
-    "FLAGS",
     "THERMAL_FACTORS",
     "ContactConditions",
     "FrictionModel",
@@ -35,11 +32,8 @@ __all__ = [
     "MatchedBand",
     "OilState",
     "Operation",
-    "ThermalMaterial",
     "available_lubricants",
     "blok_flash_temperature",
-    "coefficient_model",
-    "contact_conditions",
     "data_sheet_lubricant",
     "flash_temperature",
     "formula_flags",
@@ -47,24 +41,21 @@ __all__ = [
     "friction_coefficient",
     "friction_feedback",
     "lubricant",
-    "lubricant_toml",
     "matched_band",
     "rolling_traction",
     "write_lubricant",
 ]
 
 _ORIGINS = {
-    ".coefficient": ["COEFFICIENTS", "coefficient_model", "contact_conditions", "friction_coefficient"],
+    ".coefficient": ["COEFFICIENTS", "friction_coefficient"],
     ".conditions": ["ContactConditions"],
     ".contact_temperature.flash_temperature": ["blok_flash_temperature", "flash_temperature"],
     ".contact_temperature.matched_partition": ["MatchedBand", "matched_band"],
-    ".contact_temperature.thermal_material": ["ThermalMaterial"],
     ".efficiency": ["friction"],
     ".feedback": ["friction_feedback"],
     ".oil_film.film_thickness": ["FILMS"],
-    ".formula_range": ["FLAGS"],
     ".kolivand_formula": ["formula_flags"],
-    ".lubricants.data_sheet": ["data_sheet_lubricant", "lubricant_toml", "write_lubricant"],
+    ".lubricants.data_sheet": ["data_sheet_lubricant", "write_lubricant"],
     ".lubricants.lubricant": ["Lubricant", "OilState", "available_lubricants", "lubricant"],
     ".operation": ["FrictionModel", "Operation"],
     ".oil_film.thermal_factors": ["FILM_FACTORS", "THERMAL_FACTORS"],

@@ -54,7 +54,7 @@ class ContactConditions:
 
     Examples
     --------
-    >>> from easeoff.friction import contact_conditions
+    >>> from easeoff.friction.coefficient import contact_conditions
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> print(f"{1e6 * contact.film_thickness:.3f} um, lambda ratio {contact.lambda_ratio:.3f}")
@@ -88,7 +88,7 @@ class ContactConditions:
 
         Examples
         --------
-        >>> from easeoff.friction import contact_conditions
+        >>> from easeoff.friction.coefficient import contact_conditions
         >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
         ...                              slide_to_roll=0.45, roughness=0.8e-6)
         >>> contact.described(())

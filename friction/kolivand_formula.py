@@ -202,7 +202,8 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
 
     Examples
     --------
-    >>> from easeoff.friction import FLAGS, contact_conditions
+    >>> from easeoff.friction.formula_range import FLAGS
+    >>> from easeoff.friction.coefficient import contact_conditions
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> [name for bit, name in FLAGS.items() if formula_flags(contact) & bit]

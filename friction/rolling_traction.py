@@ -42,7 +42,7 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
 
     Examples
     --------
-    >>> from easeoff.friction import contact_conditions
+    >>> from easeoff.friction.coefficient import contact_conditions
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> print(f"{rolling_traction(contact):.1f} N/m")

@@ -34,7 +34,9 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
     from easeoff.cases import parse_case
     from easeoff.contact.problem.certificate import certify
     from easeoff.core.errors import EaseoffError
-    from easeoff.study import CaseInMesh, contact_analysis, result_summary
+    from easeoff.study import CaseInMesh
+    from easeoff.study.analysis.contact_analysis import contact_analysis
+    from easeoff.study.report.summary.result_summary import result_summary
     from easeoff.study.report.summary.result_summary import uncertified
 
     torques = arguments.get("torques")

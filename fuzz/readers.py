@@ -32,7 +32,7 @@ def reader(kind: str) -> Callable[[Path], Any]:
     from easeoff.cases import read_rexs
     from easeoff.contact import read_problems
     from easeoff.friction import lubricant
-    from easeoff.friction.ehl.study import read_formula
+    from easeoff.friction.ehl.study.friction_formula import read_formula
     from easeoff.geometry.formats import read_cmm_points
     from easeoff.study.sweep import read_sweep
 

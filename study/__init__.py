@@ -12,29 +12,25 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..cases.reading import shipped_deviations
     from . import compare, library, plot, sweep
-    from .analysis.contact_analysis import contact_analysis
     from .analysis.joined_analysis import Analysis
     from .analysis.named_setting import derivative_settings
     from .analysis.setting_derivatives import contact_derivatives, derivatives
     from .case_in_mesh import CaseInMesh
     from .design.case_design import design_case
     from .design.design_check import DesignReport
-    from .design.fitted_settings import fit_modification, recorded_modification
     from .design.rounded_settings import rounded_case, rounding_effect
     from .deviations.case_correction import CaseCorrection, correct_case
-    from .deviations.deviation_source import flank_deviations, measured_file
+    from .deviations.deviation_source import measured_file
     from .export.contact_mesh import export_contact
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
-    from .load_cases.duty_means import duty_means, equivalent_torque
+    from .load_cases.duty_means import equivalent_torque
     from .load_cases.load_case_analysis import analyze_load_cases
     from .plot import write_pictures
     from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
     from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
     from .report.notebook.sweep_accessor import SweepAccessor, SweepPlots, SweepSummary
-    from .report.notes.plausibility import plausibility
-    from .report.summary.result_summary import result_summary
     from .report.summary_sheet import SummarySheet, summary_sheet
     from .vh.vh_check import vh_check
 
@@ -53,24 +49,17 @@ __all__ = [
     "WearLaw",
     "analyze_load_cases",
     "compare",
-    "contact_analysis",
     "contact_derivatives",
     "correct_case",
     "derivative_settings",
     "derivatives",
     "design_case",
-    "duty_means",
     "equivalent_torque",
     "export_contact",
-    "fit_modification",
-    "flank_deviations",
     "key_numbers",
     "library",
     "measured_file",
-    "plausibility",
     "plot",
-    "recorded_modification",
-    "result_summary",
     "rounded_case",
     "rounding_effect",
     "shipped_deviations",

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from easeoff.cases import Case, ease_off_target, read_design
+from easeoff.cases import Case, read_design
+from easeoff.cases.conversion import ease_off_target
 from easeoff.study import DesignReport, design_case
 
 DESIGN = read_design("fm-11x41")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.contact import STEEL, ContactProblem, Material, ModalBasis, WeberLineContact, with_shared_modes
+from easeoff.contact import STEEL, ContactProblem, Material, ModalBasis, with_shared_modes
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.problem.certificate import Certificate, violations
 from easeoff.contact.problem.modal_basis import basis_of_blocks
 from easeoff.contact.solvers.compiled.compiled_answer import compiled_code

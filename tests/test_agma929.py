@@ -16,7 +16,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
-from easeoff.geometry import BlankDesign, GearPair, Member, blank_design_from_symbols, blank_dimensions
+from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.design.agma929.edge_radius_limit import EdgeRadiusLimits
 from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
@@ -24,6 +24,7 @@ from easeoff.geometry.design.agma929.slot_width import SlotWidths
 from easeoff.geometry.design.agma929.tooth_line import ToothLine
 from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
 from easeoff.geometry.design.agma929.top_land import TopLands
+from easeoff.geometry.design.blank import blank_design_from_symbols
 from easeoff.geometry.design.edge_radius import rounded
 from easeoff.geometry.pair.backlash import circular_backlash, filling_thickness
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles

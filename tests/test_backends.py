@@ -26,10 +26,13 @@ from solver_choice import (
     rotation_and_gap,
 )
 
-from easeoff.contact import EXACT_TOLERANCE, SOLVERS, ContactProblem, Status, solve
+from easeoff.contact import SOLVERS, ContactProblem, Status, solve
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers.adapters import cvxpy_programme
-from easeoff.study.library import USUAL_PARTS, entries, generate, reference_answers
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.study.library import entries, generate, reference_answers
+from easeoff.study.library.library_entries import USUAL_PARTS
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 DOCS = Path(__file__).parents[1] / "docs"
 

@@ -20,11 +20,10 @@ from easeoff.geometry import (
     blank_dimensions,
     blank_section,
     formate_gear,
-    generated_gear,
-    hobbing_blade,
-    solve_flank,
 )
+from easeoff.geometry.design.basic_settings import generated_gear, hobbing_blade
 from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import _left_by_cutter
 from easeoff.geometry.pair.tooth_body import tooth_body
 from easeoff.geometry.vectors import rotate_z

@@ -17,9 +17,12 @@ from easeoff.cases import Case, gear_pair, write_case
 from easeoff.contact import lines_in_mesh
 from easeoff.contact.lines.closest_approach import ClosestApproach, closest_approach, one_step
 from easeoff.contact.lines.mesh_lines import gauss_points, lost_contact
-from easeoff.geometry import Deviation, GearPair, deviated_pair, deviation_from_formula, named_member
+from easeoff.geometry import Deviation, GearPair, deviation_from_formula
+from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
-from easeoff.verification import FlanksInMesh, exact_gap, flanks_in_mesh
+from easeoff.geometry.tooth.tooth_flanks import named_member
+from easeoff.verification import FlanksInMesh, flanks_in_mesh
+from easeoff.verification.flank_contact.segment_gap import exact_gap
 
 Array = NDArray[np.float64]
 CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open

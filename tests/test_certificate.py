@@ -24,7 +24,8 @@ from easeoff.contact.problem.proof.first_contact import FirstContact, first_cont
 from easeoff.contact.problem.proof.residuals import Sizes, exact_residuals, rounded_residuals
 from easeoff.contact.problem.proof.unboundedness import is_unbounded
 from easeoff.contact.solvers import registry
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,8 @@ from runs import SHELLS, call, output_of, read_only, refusal_of, small_text, tex
 import easeoff
 from easeoff import InputError
 from easeoff.cases import case_text, design_text, shipped_cases, shipped_designs, shipped_supports
-from easeoff.contact import read_labels, read_problems
+from easeoff.contact import read_problems
+from easeoff.contact.problem.exchange.problem_file import read_labels
 from easeoff.core.processes.forked_process import in_forked_process
 from easeoff.friction import available_lubricants
 from easeoff.study import shipped_deviations

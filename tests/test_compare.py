@@ -27,12 +27,13 @@ from runs import call, output_of, refusal_of
 from solver_choice import BACKENDS, installed
 
 from easeoff import InputError
-from easeoff.contact import EXACT_TOLERANCE, ContactProblem, read_problems, write_problems
 from easeoff.contact import SOLVERS as SOLVER_TABLE
+from easeoff.contact import ContactProblem, read_problems, write_problems
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.core.compiled import compiled_use
-from easeoff.study.compare import compare, read_table, write_comparison, write_test_set
+from easeoff.study.compare import compare, write_comparison
 from easeoff.study.compare.comparison import CHECKPOINT
-from easeoff.study.compare.comparison_table import RESIDUALS
+from easeoff.study.compare.comparison_table import RESIDUALS, read_table
 from easeoff.study.compare.measurement import environment, worker
 from easeoff.study.compare.measurement.attempt import attempt, load_adapter
 from easeoff.study.compare.measurement.method import Method
@@ -42,6 +43,7 @@ from easeoff.study.compare.presentation.former_report import FIGURE_NAMES, TABLE
 from easeoff.study.compare.presentation.profile_figures import draw_performance_profile
 from easeoff.study.compare.presentation.time_figures import draw_growth
 from easeoff.study.compare.statistics.method_statistics import by_problem
+from easeoff.study.compare.test_set import write_test_set
 from easeoff.study.plot.page import save
 from easeoff.verification import problems
 

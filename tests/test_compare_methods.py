@@ -28,8 +28,9 @@ from easeoff.study.compare.measurement.posed_problem import (
     posed_problems,
 )
 from easeoff.study.compare.measurement.posed_residual import posed_residual
-from easeoff.study.library import write_library
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.study.library.library_files import write_library
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 LIARS = ["lie", "zero", "start", "stale"]
 LIMIT = 3600.0

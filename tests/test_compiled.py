@@ -30,7 +30,8 @@ from easeoff.contact.solvers.compiled.compiled_answer import (
 )
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.contact.solvers.problem_batch import plain_solutions
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 Array = NDArray[np.float64]
 

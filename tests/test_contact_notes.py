@@ -15,7 +15,6 @@ from easeoff.cases import Case, read_supports, shipped_cases
 from easeoff.cases.supported_case import with_supports
 from easeoff.contact.evaluation.pressure_place import LineEnd, at_line_end, max_inner_pressure
 from easeoff.geometry import Misalignment
-from easeoff.study import result_summary
 from easeoff.study.plot import pressure_chart
 from easeoff.study.plot.page import page
 from easeoff.study.plot.tooth_view import tooth_view
@@ -23,7 +22,7 @@ from easeoff.study.report.notes.edge_load import EDGE_SHARE_LIMIT, TOLD_SHARE, e
 from easeoff.study.report.notes.end_pressure import end_notes
 from easeoff.study.report.notes.pressure_jumps import JUMP_LIMIT, MESH_POSITION_MINIMUM, jump_notes, pressure_jumps
 from easeoff.study.report.notes.supports_notes import axial_face, supports_notes
-from easeoff.study.report.summary.result_summary import doubts, efficiencies
+from easeoff.study.report.summary.result_summary import doubts, efficiencies, result_summary
 from easeoff.study.vh.shifted_patterns import round_values
 
 

@@ -15,7 +15,8 @@ import xarray as xr
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import STEEL, MeshLines, lines_in_mesh
-from easeoff.geometry import LatticeSize, LatticeSpacing
+from easeoff.geometry import LatticeSize
+from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
 from easeoff.verification import (
     FlankContact,
     FlankResponse,

@@ -15,7 +15,8 @@ from easeoff.contact import Certificate, ContactProblem, certify, solve
 from easeoff.contact.problem.scaling import power_of_two
 from easeoff.contact.solvers.active_set.active_set_system import solve_active_set
 from easeoff.contact.solvers.native import answers
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 
 def small(**changes: Any) -> ContactProblem:

@@ -16,15 +16,7 @@ import easeoff
 from easeoff.cases import write_case
 from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.core.errors import InputError
-from easeoff.friction import (
-    FrictionModel,
-    Operation,
-    ThermalMaterial,
-    blok_flash_temperature,
-    flash_temperature,
-    friction,
-    matched_band,
-)
+from easeoff.friction import FrictionModel, Operation, blok_flash_temperature, flash_temperature, friction, matched_band
 from easeoff.friction.contact_temperature.band_source import (
     Distribution,
     band_temperature,
@@ -40,6 +32,7 @@ from easeoff.friction.contact_temperature.greatest_temperature import (
     greatest_temperature,
     searched_greatest,
 )
+from easeoff.friction.contact_temperature.thermal_material import ThermalMaterial
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.study.report.key_numbers import key_numbers
 from easeoff.study.report.summary.result_summary import result_summary

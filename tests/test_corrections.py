@@ -21,19 +21,23 @@ from easeoff.geometry import (
     corrective_settings,
     departure,
     deviation_from_formula,
-    get_setting,
-    movable_settings,
-    setting_step,
     shares_set_up,
     tooth_angle,
     usual_settings,
-    with_settings,
 )
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS, scale_of
+from easeoff.geometry.cutting.machine_resolution import setting_step
+from easeoff.geometry.cutting.named_settings import (
+    MACHINE_STEPS,
+    MODIFIED_ROLL_ORDERS,
+    get_setting,
+    scale_of,
+    with_settings,
+)
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.deviated_flank import deviated_member
 from easeoff.geometry.deviation.deviation import Deviation
+from easeoff.geometry.deviation.machine_set_up import movable_settings
 from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.gear_pair import Member
@@ -45,8 +49,9 @@ from easeoff.study.report.contact_report.report_file import report_page
 from easeoff.study.report.correction_report import correction_report, root_warnings
 from easeoff.study.report.summary.load_case_summary import load_case_notes
 from easeoff.study.report.summary.result_summary import result_notes
-from easeoff.verification import CORRECTION_LOOPS, correction_loop
+from easeoff.verification import correction_loop
 from easeoff.verification.measuring.correction_loop import (
+    CORRECTION_LOOPS,
     FORMATE,
     GENERATED,
     SIDES,

@@ -21,8 +21,9 @@ from runs import SHELLS, analysed, output_of, refusal_of, small_text, text_file
 import easeoff
 from easeoff import InputError, read_result
 from easeoff.cases import case_text, gear_pair, parse_case, read_case, read_rexs, read_session_script
-from easeoff.contact import ContactProblem, read_npz, read_problems, write_npz, write_problems
+from easeoff.contact import ContactProblem, read_npz, read_problems, write_problems
 from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
+from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.core.checkpoint import Checkpoint
 from easeoff.core.checks import distinct, shown
 from easeoff.core.printable import LINE_LENGTH_LIMIT, message
@@ -30,7 +31,7 @@ from easeoff.core.processes import forked_process
 from easeoff.core.reading.netcdf_file import read_dataset, read_tree
 from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
-from easeoff.friction.ehl.study import read_formula
+from easeoff.friction.ehl.study.friction_formula import read_formula
 from easeoff.geometry.formats import read_measured_grid
 from easeoff.study.deviations.deviation_source import flank_deviations
 from easeoff.study.report.summary.result_summary import result_summary

@@ -22,16 +22,9 @@ from easeoff.contact.supports.assembly_rounds import AssemblyRounds
 from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment, Modification
-from easeoff.study import (
-    CaseInMesh,
-    WearLaw,
-    analyze_load_cases,
-    contact_analysis,
-    result_summary,
-    vh_check,
-    wear,
-    write_pictures,
-)
+from easeoff.study import CaseInMesh, WearLaw, analyze_load_cases, vh_check, wear, write_pictures
+from easeoff.study.analysis.contact_analysis import contact_analysis
+from easeoff.study.report.summary.result_summary import result_summary
 from easeoff.study.sweep import sweep
 from easeoff.verification import verify
 from easeoff.verification.yardsticks.verified_pair import VerifiedPair

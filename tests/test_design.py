@@ -24,7 +24,6 @@ from easeoff.cases import (
     case_toml,
     design_text,
     designed_blanks,
-    ease_off_target,
     gear_pair,
     parse_case,
     parse_design,
@@ -33,12 +32,13 @@ from easeoff.cases import (
     shipped_cases,
     shipped_designs,
 )
-from easeoff.cases.conversion import blank_design
-from easeoff.geometry import BlankDimensions, FlankName, blank_dimensions, ease_off, exact_ease_off
+from easeoff.cases.conversion import blank_design, ease_off_target
+from easeoff.geometry import BlankDimensions, FlankName, blank_dimensions, ease_off
 from easeoff.geometry.design.fit_quality import residual_limits
 from easeoff.geometry.design.mean_point import mean_point_angles
 from easeoff.geometry.design.set_up.pinion_method import PinionMethod
 from easeoff.geometry.pair.backlash import circular_backlash
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import bodies, grid
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect
 from easeoff.study.design import case_design

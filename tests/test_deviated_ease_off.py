@@ -21,25 +21,22 @@ from easeoff import InputError
 from easeoff.cases import gear_pair
 from easeoff.geometry import (
     Deviation,
-    EaseOff,
     GearPair,
     Member,
     PairGeometry,
-    Relief,
-    deviated_ease_off,
-    deviated_pair,
     deviation_from_formula,
-    exact_ease_off,
-    get_setting,
     pair_geometry,
     principal_curvatures,
-    with_settings,
 )
-from easeoff.geometry.deviation.deviated_flank import deviated_member
+from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.named_settings import get_setting, with_settings
+from easeoff.geometry.deviation.deviated_flank import deviated_member, deviated_pair
+from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
 from easeoff.geometry.newton import complex_steps
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.pair.rolling import drift, relative_velocity, rolling
-from easeoff.verification import distance_along_normals
+from easeoff.verification.measuring.measured_distance import distance_along_normals
 
 Array = NDArray[np.float64]
 Formula = Callable[[Array, Array], Array]

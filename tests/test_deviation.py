@@ -16,29 +16,26 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import gear_pair
 from easeoff.geometry import (
-    FREE_SETTINGS,
     Deviation,
     GeneratingSurface,
     GlobalErrors,
     Member,
     angle_errors,
     corrective_settings,
-    deviation_from_dataset,
     deviation_from_formula,
     fit_global_errors,
-    get_setting,
-    named_member,
     usual_settings,
-    with_settings,
 )
-from easeoff.geometry.cutting.named_settings import scale_of
+from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
+from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP
-from easeoff.geometry.deviation.deviation import Method
+from easeoff.geometry.deviation.deviation import Method, deviation_from_dataset
 from easeoff.geometry.deviation.interpolation import smoothed
 from easeoff.geometry.deviation.measurement import zeroed
 from easeoff.geometry.formats import EdgeMargins, cmm_points
 from easeoff.geometry.formats.measuring_points import _grid
-from easeoff.verification import distance_along_normals
+from easeoff.geometry.tooth.tooth_flanks import named_member
+from easeoff.verification.measuring.measured_distance import distance_along_normals
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 5, 9

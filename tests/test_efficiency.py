@@ -18,9 +18,11 @@ from test_friction_kinematics import shape_operators, spur
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import Case, ContactTable
+from easeoff.cases import Case
+from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.contact import Status
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
+from easeoff.friction.coefficient import contact_conditions
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
@@ -28,9 +30,10 @@ from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
-from easeoff.study import Analysis, CaseInMesh, contact_analysis, result_summary
+from easeoff.study import Analysis, CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.study.analysis.friction_analysis import operation_of
-from easeoff.study.report.summary.result_summary import uncertified
+from easeoff.study.report.summary.result_summary import result_summary, uncertified
 
 POSITIONS = 4
 CONTACT = ContactTable(
@@ -116,7 +119,7 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
     }
     for number, roughness in enumerate(OPERATION.roughnesses):
         pair = (1e-6 * roughness[0], 1e-6 * roughness[1])
-        conditions = easeoff.friction.contact_conditions(**arguments, roughness=pair)
+        conditions = contact_conditions(**arguments, roughness=pair)
         found = values.isel(roughness=number)
         assert found["film_thickness"] == pytest.approx(1e6 * float(conditions.film_thickness))
         assert found["lambda_ratio"] == pytest.approx(float(conditions.lambda_ratio))
@@ -198,7 +201,7 @@ def test_whole_sliding_raises_the_ratio_of_the_coefficient(
 ) -> None:
     here: dict[str, Any] = {"hertz_pressure": 1e9, "equivalent_radius": 0.02, "rolling_velocity": 2.0}
     here |= {"roughness": 0.4e-6, "temperature": 90.0}
-    given = easeoff.friction.contact_conditions(**here, slide_to_roll=0.3, sliding_velocity=1.0)
+    given = contact_conditions(**here, slide_to_roll=0.3, sliding_velocity=1.0)
     expected = easeoff.friction.friction_coefficient(**here, slide_to_roll=0.5)
     np.testing.assert_allclose(dissertation.whole_sliding(given), expected, rtol=1e-12)
     other = friction(tree, OPERATION, dissertation.whole_sliding)

@@ -29,22 +29,12 @@ from easeoff.friction.ehl import (
     traction,
     wave,
 )
-from easeoff.friction.ehl.study import (
-    Condition,
-    Design,
-    Resolution,
-    compare,
-    fit_friction,
-    read_formula,
-    run_case,
-    run_study,
-    shipped_formula,
-)
+from easeoff.friction.ehl.study import Design, Resolution, compare, fit_friction, run_study, shipped_formula
 from easeoff.friction.ehl.study import parameter_study as study_module
 from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE
-from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Row
-from easeoff.friction.ehl.study.study_design import numbers, oil_75w90
+from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, read_formula
+from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Row, run_case
+from easeoff.friction.ehl.study.study_design import Condition, numbers, oil_75w90
 
 NAN, INF = math.nan, math.inf
 OIL: dict[str, Any] = {"viscosity": 0.02, "pressure_viscosity": 1.1e-8}

@@ -21,24 +21,21 @@ from easeoff.friction import friction_coefficient
 from easeoff.friction.conditions import STEEL_MODULUS
 from easeoff.friction.ehl import Status
 from easeoff.friction.ehl.study import (
-    Condition,
     Design,
     FrictionFormula,
     Resolution,
     compare,
     fit_friction,
-    read_formula,
-    run_case,
     run_study,
     shipped_formula,
-    study_dataset,
-    study_inputs,
-    write_formula,
 )
 from easeoff.friction.ehl.study import parameter_study as study_module
 from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.study_case import NUMBERS, Row
-from easeoff.friction.ehl.study.study_design import REFINED, oil_75w90
+from easeoff.friction.ehl.study.formula_regression import study_inputs
+from easeoff.friction.ehl.study.friction_formula import read_formula, write_formula
+from easeoff.friction.ehl.study.parameter_study import study_dataset
+from easeoff.friction.ehl.study.study_case import NUMBERS, Row, run_case
+from easeoff.friction.ehl.study.study_design import REFINED, Condition, oil_75w90
 from easeoff.friction.oil_film.film_thickness import pan_hamrock
 
 

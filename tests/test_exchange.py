@@ -15,8 +15,10 @@ import xarray as xr
 from runs import text_file
 
 from easeoff import InputError
-from easeoff.contact import ContactProblem, export_problems, read_labels, read_problems, write_problems
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.contact import ContactProblem, export_problems, read_problems, write_problems
+from easeoff.contact.problem.exchange.problem_file import read_labels
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 
 @cache

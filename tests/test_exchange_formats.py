@@ -25,21 +25,19 @@ from easeoff.contact import (
     ProblemSet,
     export_problems,
     import_problems,
-    read_fclib,
-    read_mat,
     read_problems,
-    read_qps,
     read_references,
     solve,
-    write_fclib,
-    write_mat,
     write_problems,
-    write_qps,
 )
+from easeoff.contact.problem.exchange.fclib_file import read_fclib, write_fclib
+from easeoff.contact.problem.exchange.matlab_file import read_mat, write_mat
+from easeoff.contact.problem.exchange.qps_file import read_qps, write_qps
 from easeoff.contact.problem.exchange.qps_sections import qps_programme
-from easeoff.study.compare import write_test_set
+from easeoff.study.compare.test_set import write_test_set
 from easeoff.study.library import Entry, entries, generate, reference_answers
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 SINGLE = ("npz", "qps", "hdf5")
 

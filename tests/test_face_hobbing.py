@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from easeoff import InputError
 from easeoff.cases import case_text, gear_pair, parse_case, read_case
-from easeoff.contact import ElasticModel, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.contact import ElasticModel, lines_in_mesh
+from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.geometry import (
     Assembly,
     Blade,
@@ -22,16 +23,16 @@ from easeoff.geometry import (
     GeneratingSurface,
     Hand,
     Member,
-    NodeStatus,
     conjugate_pinion,
-    exact_ease_off,
     fit_pinion,
     pair_geometry,
-    work_rotation,
 )
+from easeoff.geometry.cutting.machine import work_rotation
+from easeoff.geometry.flanks.flank import NodeStatus
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
-from easeoff.verification import both_methods, point_differences
+from easeoff.verification.conventional_analysis import both_methods, point_differences
 
 GROUPS = 13
 DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))

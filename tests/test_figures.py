@@ -28,7 +28,7 @@ from easeoff.study.plot.friction_map_chart import loaded_map
 from easeoff.study.plot.page import small_print
 from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
 from easeoff.study.plot.tooth_view import EDGE_NAME
-from easeoff.study.sweep import write_sweep
+from easeoff.study.sweep.sweep_file import write_sweep
 
 
 @pytest.fixture

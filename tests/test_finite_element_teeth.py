@@ -33,19 +33,14 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
-from easeoff.geometry import (
-    GearPair,
-    LatticeSize,
-    ToothLattice,
-    deviated_pair,
-    deviation_from_formula,
-    pair_geometry,
-    solve_flank,
-    tooth_lattice,
-)
+from easeoff.geometry import GearPair, LatticeSize, ToothLattice, deviation_from_formula, pair_geometry, tooth_lattice
+from easeoff.geometry.deviation.deviated_flank import deviated_pair
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.lattice_spacing import graded
-from easeoff.study import CaseInMesh, plausibility, result_summary
+from easeoff.study import CaseInMesh
+from easeoff.study.report.notes.plausibility import plausibility
+from easeoff.study.report.summary.result_summary import result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)

@@ -11,8 +11,9 @@ from pairs import GEAR_BLANK, PINION_BLANK, conjugate_pair
 
 from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
-from easeoff.geometry import BlankSection, NodeStatus, flank, principal_curvatures, solve_flank
+from easeoff.geometry import BlankSection, flank, principal_curvatures
 from easeoff.geometry.flanks.curvature import shape_operator
+from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
 from easeoff.geometry.vectors import dot
 
 INCH = 25.4

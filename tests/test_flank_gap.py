@@ -7,10 +7,14 @@ import pytest
 from pairs import conjugate_pair
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.geometry import PairGeometry, exact_ease_off, pair_geometry
+from easeoff.geometry import PairGeometry, pair_geometry
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
-from easeoff.verification import flank_gap, path_of_contact, smallest_envelope, smallest_gap
+from easeoff.verification import smallest_gap
 from easeoff.verification import smallest_gap as search
+from easeoff.verification.flank_gap import flank_gap
+from easeoff.verification.point_contact import path_of_contact
+from easeoff.verification.smallest_gap import smallest_envelope
 
 
 def test_no_gap_where_the_flanks_touch() -> None:

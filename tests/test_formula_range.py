@@ -16,29 +16,30 @@ from tooth_models import with_teeth
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import ContactTable, FrictionTable
+from easeoff.cases.schema.case_schema import ContactTable
+from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.friction import (
     COEFFICIENTS,
-    FLAGS,
     THERMAL_FACTORS,
     ContactConditions,
     FrictionModel,
     Operation,
-    contact_conditions,
     formula_flags,
     friction,
     friction_coefficient,
     lubricant,
 )
 from easeoff.friction import kolivand_formula as formula
+from easeoff.friction.coefficient import contact_conditions
 from easeoff.friction.ehl.study import shipped_formula
+from easeoff.friction.formula_range import FLAGS
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
-from easeoff.study import result_summary
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_map_chart import draw as draw_maps
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.notes.ranges import INPUTS, range_notes
+from easeoff.study.report.summary.result_summary import result_summary
 
 CONTACT = ContactTable(
     torques=(100.0, 500.0),

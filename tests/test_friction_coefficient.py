@@ -14,14 +14,13 @@ from easeoff.friction import (
     FILMS,
     THERMAL_FACTORS,
     ContactConditions,
-    contact_conditions,
     formula_flags,
     friction_coefficient,
     lubricant,
     rolling_traction,
 )
 from easeoff.friction import kolivand_formula as module
-from easeoff.friction.coefficient import xu_kahraman
+from easeoff.friction.coefficient import contact_conditions, xu_kahraman
 from easeoff.friction.oil_film.film_thickness import dowson_higginson, pan_hamrock
 from easeoff.friction.rolling_traction import isothermal_traction
 

@@ -21,9 +21,9 @@ from easeoff.contact import (
     lifted_qp,
     solve,
     solve_many,
-    write_npz,
     write_problems,
 )
+from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.verification import problems
 
 FORMATS = ["csr", "csc", "coo", "lil", "dok", "dia", "bsr"]

@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import quad
 
 from easeoff import InputError
-from easeoff.contact import STEEL, ContactProblem, Material, WeberLineContact, solve
-from easeoff.contact.compliance import FOOT_OF_NORMAL_CORRECTION
+from easeoff.contact import STEEL, ContactProblem, Material, solve
 from easeoff.contact.compliance.pressed_strip import PressedStrip
+from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 
 BRONZE = Material(105000.0, 0.34)
 

@@ -19,15 +19,14 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, shipped_cases
 from easeoff.cases.recording import with_blanks
-from easeoff.geometry import (
-    BlankDesign,
-    BlankDimensions,
+from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions
+from easeoff.geometry.design.blank import (
+    ISO_INPUT_SYMBOLS,
+    ISO_SYMBOLS,
     PitchCones,
     blank_design_from_symbols,
-    blank_dimensions,
     dimensions_by_symbol,
 )
-from easeoff.geometry.design.blank import ISO_INPUT_SYMBOLS, ISO_SYMBOLS
 from easeoff.geometry.design.iso23509.crown_gear import crown_gear
 from easeoff.geometry.design.iso23509.symbols import is_angle
 from easeoff.study.report.contact_report.cycle_charts import _weighted_mean

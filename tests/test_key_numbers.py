@@ -29,10 +29,11 @@ from easeoff.contact.evaluation.tooth_passage import ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
 from easeoff.contact.lines.mesh_lines import roll_limits
 from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.study import CaseInMesh, key_numbers, result_summary, write_pictures
+from easeoff.study import CaseInMesh, key_numbers, write_pictures
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.summary.contact_tables import loaded_table, unloaded_table
-from easeoff.verification import flank_gap
+from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.verification.flank_gap import flank_gap
 
 Array = NDArray[np.float64]
 NEW = (

@@ -19,15 +19,15 @@ from easeoff.contact import (
     ElasticModel,
     MeshCycle,
     Status,
-    WeberLineContact,
     line_contact_path,
     line_contact_sensitivity,
-    solve_line_contact,
     torque_path,
 )
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness
 from easeoff.contact.line_contact import line_contact_continuation
 from easeoff.contact.line_contact.line_contact_newton import LineContact
+from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.geometry import pair_geometry
 from easeoff.verification import problems

@@ -12,19 +12,11 @@ from runs import call, output_of, refusal_of, small, text_file
 
 import easeoff
 from easeoff import GeometryError, InputError, read_case
-from easeoff.cases import (
-    Case,
-    LoadCase,
-    case_text,
-    case_toml,
-    load_case_misalignment,
-    parse_case,
-    read_load_cases,
-    write_case,
-)
+from easeoff.cases import Case, LoadCase, case_text, case_toml, parse_case, read_load_cases, write_case
+from easeoff.cases.load_cases import load_case_misalignment
 from easeoff.geometry import Misalignment
-from easeoff.study import analyze_load_cases, duty_means, equivalent_torque, key_numbers
-from easeoff.study.load_cases.duty_means import DAMAGE_EXPONENTS
+from easeoff.study import analyze_load_cases, equivalent_torque, key_numbers
+from easeoff.study.load_cases.duty_means import DAMAGE_EXPONENTS, duty_means
 
 ROWS = (
     LoadCase(name="cruise", torque=100.0, speed=2500.0, share=90.0),

@@ -16,7 +16,8 @@ from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import ElasticModel, MeshCycle, available_solvers
 from easeoff.contact.compliance.elastic_model import shells, tooth_dimensions
 from easeoff.geometry import pair_geometry
-from easeoff.study import CaseInMesh, contact_analysis
+from easeoff.study import CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
 
 
 def run(case: Case, **arguments: Any) -> xr.Dataset:

@@ -13,7 +13,8 @@ from runs import SHELLS, output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import FrictionTable, design_text, parse_case, parse_design, read_case, read_design, write_case
+from easeoff.cases import design_text, parse_case, parse_design, read_case, read_design, write_case
+from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.friction import Lubricant, available_lubricants, data_sheet_lubricant, lubricant, write_lubricant
 from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
 from easeoff.study import DesignReport

@@ -11,7 +11,8 @@ import pytest
 from pairs import GENERATED, PARAMETERS
 
 from easeoff import InputError
-from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings, work_rotation
+from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings
+from easeoff.geometry.cutting.machine import work_rotation
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.vectors import cross, dot, rotate_z

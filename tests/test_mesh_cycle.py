@@ -17,38 +17,26 @@ from tooth_models import few_bricks
 
 from easeoff import InputError, analyze
 from easeoff.cases import Deflections, gear_pair, read_case
-from easeoff.contact import (
-    ElasticModel,
-    Material,
-    MeshCycle,
-    Shell,
-    lines_in_mesh,
-    loaded_contact,
-    loaded_splines,
-    solid_shells,
-)
-from easeoff.contact.compliance import WeberLineContact
+from easeoff.contact import ElasticModel, Material, MeshCycle, Shell, lines_in_mesh
+from easeoff.contact.compliance.elastic_model import solid_shells
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.unit_loads import Loads, UnitLoads
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.marking_print import least_gap
 from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness, mesh_stiffnesses
 from easeoff.contact.lines.contact_lines import evenly_spaced
+from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
-from easeoff.geometry import (
-    Misalignment,
-    Modification,
-    PairGeometry,
-    deviated_ease_off,
-    deviated_pair,
-    deviation_from_formula,
-    exact_ease_off,
-    modified_ease_off,
-    pair_geometry,
-)
+from easeoff.geometry import Misalignment, Modification, PairGeometry, deviation_from_formula, pair_geometry
+from easeoff.geometry.deviation.deviated_flank import deviated_pair
+from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
 from easeoff.geometry.newton import complex_steps
-from easeoff.study import CaseInMesh, contact_analysis
+from easeoff.geometry.pair.ease_off import exact_ease_off
+from easeoff.geometry.pair.modification import modified_ease_off
+from easeoff.study import CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
 
 NODES = (9, 7)
 AWAY = Misalignment(offset=0.05, pinion_axial=-0.03, gear_axial=0.02, shaft_angle=1e-4)

@@ -11,9 +11,10 @@ import xarray as xr
 from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
-from easeoff.contact import ElasticModel, lines_in_mesh, loaded_contact, loaded_splines, unloaded_contact
+from easeoff.contact import ElasticModel, lines_in_mesh, unloaded_contact
 from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_tooth
+from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.friction import Operation, friction
 from easeoff.geometry import (
     EaseOffTarget,

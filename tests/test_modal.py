@@ -16,28 +16,22 @@ from runs import small
 
 import easeoff.contact.loaded as loaded_module
 from easeoff import InputError
-from easeoff.contact import (
-    ContactProblem,
-    ContactSolution,
-    Material,
-    ModalCompliance,
-    Status,
-    WeberLineContact,
-    available_solvers,
-    solve,
-    solve_many,
-)
+from easeoff.contact import ContactProblem, ContactSolution, Material, Status, available_solvers, solve, solve_many
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.line_contact.line_contact_law import LineContactLaw
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.loaded_cases import LoadedCase
+from easeoff.contact.problem.compliance_matrix import ModalCompliance
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import modal_newton as method_of_newton
 from easeoff.contact.solvers import problem_batch
 from easeoff.contact.solvers.modal_batch import Amplitudes, ModalBatch
 from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
 from easeoff.contact.solvers.native import METHODS
-from easeoff.study import CaseInMesh, contact_analysis
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.study import CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from easeoff.cases import case_text, case_toml, gear_pair, parse_case, read_case
-from easeoff.contact import STEEL, MeshCycle, solid_shells
-from easeoff.contact.compliance.elastic_model import PITCHES_PER_PAIR, body_coupling, member_points
+from easeoff.contact import STEEL, MeshCycle
+from easeoff.contact.compliance.elastic_model import PITCHES_PER_PAIR, body_coupling, member_points, solid_shells
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
@@ -32,10 +32,11 @@ from easeoff.contact.compliance.finite_elements.neighbouring_teeth import (
 )
 from easeoff.contact.compliance.finite_elements.tooth_ring import RingCompliance, pitch_angle, ring_compliance
 from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import GearPair, LatticeSize, MemberName, ToothLattice, named_member, pair_geometry, tooth_lattice
+from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry, tooth_lattice
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry.tooth.tooth_lattice import Web
 from easeoff.geometry.vectors import rotate_z
-from easeoff.verification import toothed_sector
+from easeoff.verification.finite_element_bodies.toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 SMALL = LatticeSize(3, 2, 2, 1, 0, 1, 1)

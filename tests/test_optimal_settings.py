@@ -18,13 +18,16 @@ from whole_differences import coarse
 import easeoff
 from easeoff import Case, InputError, optimize
 from easeoff.cases import gear_pair, parse_case, write_case
-from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion, get_setting, machine_pose, with_settings
+from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion
+from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.named_settings import (
     BLADE_STEPS,
     CURVATURE_STEPS,
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
+    get_setting,
     scale_of,
+    with_settings,
 )
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.pair_setting import PairSetting

@@ -17,7 +17,8 @@ from easeoff.contact.solvers.active_set.active_set_system import solve_active_se
 from easeoff.contact.solvers.active_set.modal_active_set_system import ModalProblem, solve_modal_active_set
 from easeoff.contact.solvers.active_set.polish import MAX_EXCHANGES, STRICT_POLISH, PolishRule, polished_answer
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 FREE = PolishRule()
 ONE_SOLVE = PolishRule(exchanges=0)

@@ -20,26 +20,32 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from easeoff import InputError
 from easeoff.cases import read_case, shipped_cases
 from easeoff.cases.schema.case_schema import ComplianceTable
-from easeoff.contact import ContactProblem, read_labels, read_problems, solve, write_problems
+from easeoff.contact import ContactProblem, read_problems, solve, write_problems
+from easeoff.contact.problem.exchange.problem_file import read_labels
 from easeoff.geometry import Misalignment
-from easeoff.study import CaseInMesh, contact_analysis
-from easeoff.study.library import (
+from easeoff.study import CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
+from easeoff.study.library import Entry, entries, generate, reference_answers
+from easeoff.study.library import library_files as files
+from easeoff.study.library.library_entries import (
+    BASES,
     KINDS,
     LIBRARY_VERSION,
+    MESH_POSITIONS,
     PARTS,
+    TORQUES,
     USUAL_PARTS,
-    Entry,
-    entries,
-    generate,
-    proved_answer,
-    reference_answers,
-    write_library,
 )
-from easeoff.study.library import library_files as files
-from easeoff.study.library.library_entries import BASES, MESH_POSITIONS, TORQUES
+from easeoff.study.library.library_files import write_library
 from easeoff.study.library.problem_changes import CHANGES, copied_segments, next_contact
 from easeoff.study.library.problem_generation import dense
-from easeoff.study.library.reference_answers import TABLE, condition_number, condition_of, refined_rotation
+from easeoff.study.library.reference_answers import (
+    TABLE,
+    condition_number,
+    condition_of,
+    proved_answer,
+    refined_rotation,
+)
 
 EVERY = {entry.name: entry for entry in entries()}
 BASE = "nasa-12x36"

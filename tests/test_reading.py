@@ -21,7 +21,8 @@ from easeoff.core.processes import forked_process
 from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
 from easeoff.core.reading import netcdf_file
 from easeoff.study import plot
-from easeoff.study.sweep import percentiles, read_sweep, worst_points, write_sweep
+from easeoff.study.sweep import percentiles, read_sweep, worst_points
+from easeoff.study.sweep.sweep_file import write_sweep
 
 
 @pytest.fixture(scope="module")

@@ -26,24 +26,17 @@ from easeoff.geometry import (
     MachineSettings,
     Misalignment,
     PairGeometry,
-    exact_ease_off,
     fit_pinion,
     pair_geometry,
     principal_curvatures,
 )
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import cross, dot
-from easeoff.verification import (
-    BothMethods,
-    DirectionalCurvatures,
-    ShapeOperator,
-    both_methods,
-    directional_curvatures,
-    line_differences,
-    path_of_contact,
-    point_differences,
-    relative_curvature,
-)
+from easeoff.verification import relative_curvature
+from easeoff.verification.conventional_analysis import BothMethods, both_methods, line_differences, point_differences
+from easeoff.verification.directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from easeoff.verification.point_contact import path_of_contact
 from easeoff.verification.relative_curvature import relative_shape_operator, shape_operators, stationary_directions
 
 ERRORS = Misalignment(0.1, -0.1, 0.05)

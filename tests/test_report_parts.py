@@ -27,11 +27,12 @@ from runs import output_of, refusal_of, small
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
 from easeoff.core.ordered_values import ordered
-from easeoff.study import analyze_load_cases, result_summary, write_report
+from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report.contact_report import given_results
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults
 from easeoff.study.report.contact_report.report_file import report_page
 from easeoff.study.report.contact_report.report_tables import load_case_rows
+from easeoff.study.report.summary.result_summary import result_summary
 from easeoff.study.report.summary.supports_report import bearing_loads, supports_tables, supports_words
 from easeoff.study.vh.vh_check import write_vh_check
 

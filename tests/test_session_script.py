@@ -12,7 +12,8 @@ from session_chain import chain, curved, flank_points, straight
 
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_session_script
-from easeoff.geometry import Member, NodeStatus, solve_flank
+from easeoff.geometry import Member
+from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
 
 Machine = dict[str, float]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])

@@ -11,17 +11,8 @@ import numpy as np
 import pytest
 
 from easeoff import EaseoffError, GeometryError, InputError
-from easeoff.cases import (
-    Case,
-    design_text,
-    designed_blanks,
-    ease_off_target,
-    gear_pair,
-    parse_design,
-    read_case,
-    read_design,
-)
-from easeoff.cases.conversion import machine_resolution
+from easeoff.cases import Case, design_text, designed_blanks, gear_pair, parse_design, read_case, read_design
+from easeoff.cases.conversion import ease_off_target, machine_resolution
 from easeoff.geometry import (
     Assembly,
     BlankDesign,
@@ -31,11 +22,10 @@ from easeoff.geometry import (
     blank_section,
     ease_off,
     formate_gear,
-    generated_gear,
-    machine_pose,
-    solve_flank,
 )
+from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.machine_resolution import MachineResolution, step_of
+from easeoff.geometry.design.basic_settings import generated_gear
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion
 from easeoff.geometry.design.mean_point import mean_point_angles
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
@@ -45,6 +35,7 @@ from easeoff.geometry.design.set_up.pinion_method import SettingLimits, SetUpMet
 from easeoff.geometry.design.set_up.set_up_fit import set_up_residual, with_positive_tilt
 from easeoff.geometry.design.set_up.upright_machine import along_the_root
 from easeoff.geometry.design.standard_steps import StandardSteps
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study import DesignReport, design_case
 
 METHODS: tuple[SetUpMethod, ...] = ("fixed_setting", "modified_roll", "tilt", "completing")

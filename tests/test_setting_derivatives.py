@@ -43,7 +43,8 @@ from easeoff.contact.loaded_cases import rotation_numbers
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.core.errors import InputError
 from easeoff.friction import FrictionModel, friction
-from easeoff.geometry import Relief, pair_geometry
+from easeoff.geometry import pair_geometry
+from easeoff.geometry.cutting.blade_sections import Relief
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from easeoff.geometry.pair.field_slopes import field_slopes
 from easeoff.geometry.pair.gap_slopes import gear_gap_slopes, pinion_gap_slopes

@@ -23,17 +23,16 @@ from easeoff.contact import (
     lcp,
     lifted_qp,
     read_npz,
-    read_qps,
     sensitivity,
     solve,
     solve_many,
     torque_path,
     with_shared_modes,
-    write_npz,
-    write_qps,
 )
 from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
+from easeoff.contact.problem.exchange.programme_file import write_npz
+from easeoff.contact.problem.exchange.qps_file import read_qps, write_qps
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
 from easeoff.contact.problem.proof.residuals import exact_residuals

@@ -12,17 +12,13 @@ from shared_problems import three_segments
 from solver_choice import BACKENDS, CHOLESKY, installed
 
 from easeoff import InputError
-from easeoff.contact import (
-    EXACT_TOLERANCE,
-    SOLVERS,
-    ContactProblem,
-    Status,
-    solve,
-    solve_line_contact,
-)
+from easeoff.contact import SOLVERS, ContactProblem, Status, solve
+from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.solver_limits import Limits, StepBudget, backend_keywords
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 PROBLEMS = [next(iter(problems(name, 1, seed=3))) for name in ("realistic", "plain", "lattice", "mixed_arms")]
 REALISTIC = PROBLEMS[0]

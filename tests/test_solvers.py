@@ -19,7 +19,8 @@ from easeoff.contact.solvers.adapters import clarabel as clarabel_adapter
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.core.errors import how_to_install
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 
 def realistic(count: int = 1, seed: int = 0) -> list[ContactProblem]:

@@ -17,7 +17,8 @@ from easeoff.cases import Case, parse_case, read_supports, with_supports, write_
 from easeoff.contact import AssemblyRounds, Supports, read_problems
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import Misalignment
-from easeoff.study import CaseInMesh, WearLaw, contact_analysis, wear
+from easeoff.study import CaseInMesh, WearLaw, wear
+from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.study.analysis.supported_analysis import in_assembly_under_load
 from easeoff.study.report.summary.result_summary import doubts
 

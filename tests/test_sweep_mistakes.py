@@ -20,12 +20,12 @@ from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.report.key_numbers import number_names
-from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
+from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
 from easeoff.study.sweep.batch_store import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
-from easeoff.study.sweep.sweep_file import checked_sweep
+from easeoff.study.sweep.sweep_file import checked_sweep, write_sweep
 from easeoff.study.sweep.sweep_plan import planned_sweep
 from easeoff.study.sweep.sweep_setup import file_digest
 
@@ -231,7 +231,7 @@ def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path
 
 @pytest.mark.usefixtures("points_once")
 def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import easeoff.study.sweep as package
+    import easeoff.study.sweep.sweep_file as package
 
     def full(_dataset: xr.Dataset, path: Path) -> None:
         raise InputError(f"{path} cannot be written: no space left on device")

@@ -13,7 +13,9 @@ from pairs import conjugate_pair
 
 from easeoff import GeometryError
 from easeoff.cases import case_text, gear_pair, parse_case
-from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, machine_pose, solve_flank, tooth_patches
+from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, tooth_patches
+from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.pair.tooth_body import ToothBody, tooth_body
 from easeoff.geometry.tooth import tooth
@@ -240,7 +242,7 @@ def test_foot_of_the_normal_lies_on_the_middle_surface(pair: GearPair) -> None:
     # The foot is half a thickness from the loaded flank, measured around the axis at the foot's own place.
     own = gear.flank(np.array([0.5]), np.array([0.5]))
     assert own.inside.all()
-    from easeoff.geometry import solve_flank
+    from easeoff.geometry.flanks.flank import solve_flank
 
     flank = solve_flank(gear.loaded, gear.section, *gear.section.points(t, h))
     behind = body.turn * (np.arctan2(foot[1], foot[0]) - np.arctan2(flank.position[1], flank.position[0]))

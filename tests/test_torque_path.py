@@ -12,7 +12,8 @@ from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath,
 from easeoff.contact.solvers.parametric import dense_touching, modal_touching, path_following, touching_form
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 
 def torques_of(path: TorquePath, seed: int = 0, few: int = 5) -> NDArray[np.float64]:

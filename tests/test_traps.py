@@ -21,7 +21,8 @@ from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, 
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.measurement.worker import Request, workers
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 
 def in_metres(problem: ContactProblem) -> qpsolvers.Problem:

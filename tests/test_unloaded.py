@@ -39,14 +39,15 @@ from easeoff.geometry import (
     GlobalErrors,
     Misalignment,
     PairGeometry,
-    Relief,
-    deviated_ease_off,
-    deviated_pair,
     deviation_from_formula,
     newton,
     pair_geometry,
 )
-from easeoff.verification import smallest_envelope, smallest_gap
+from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.deviation.deviated_flank import deviated_pair
+from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
+from easeoff.verification import smallest_gap
+from easeoff.verification.smallest_gap import smallest_envelope
 
 PARTS = BOUNDS.index("gear_joint")  # the bounds from there on are infinite on a flank of one part
 

@@ -41,17 +41,16 @@ from easeoff.study import key_numbers
 from easeoff.study.cli import main
 from easeoff.verification import (
     FlankContact,
-    SurfaceCells,
     Verification,
     VerificationRow,
     case_verification,
-    cutter_position,
     envelope_condition,
-    methods_compared,
-    point_differences,
-    segment_gaps,
     verify,
 )
+from easeoff.verification.conventional_analysis import methods_compared, point_differences
+from easeoff.verification.cutter_motion import cutter_position
+from easeoff.verification.flank_contact.segment_gap import segment_gaps
+from easeoff.verification.flank_contact.surface_cells import SurfaceCells
 from easeoff.verification.yardsticks import flank_rows as flank_module
 from easeoff.verification.yardsticks import loaded_rows, unloaded_rows, unsplit_rows
 from easeoff.verification.yardsticks.convergence_rows import LIMITS, changes, convergence_rows, refinements

@@ -21,8 +21,9 @@ from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.load_capacity.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.geometry import FlankName, Misalignment, deviation_from_formula, pair_geometry
 from easeoff.geometry.pair.rolling import rolling
-from easeoff.study import WearLaw, flank_deviations, wear
+from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
+from easeoff.study.deviations.deviation_source import flank_deviations
 
 SEGMENTS = 15
 NODES = (21, 15)

@@ -143,7 +143,7 @@ def relative_curvature(
     --------
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import pair_geometry
-    >>> from easeoff.verification import path_of_contact
+    >>> from easeoff.verification.point_contact import path_of_contact
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.zeros(1))
     >>> found = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)

@@ -12,16 +12,13 @@ if TYPE_CHECKING:
     from .material import Material
     from .shell import Shell
     from .tooth_dimensions import ToothDimensions
-    from .weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 
 __all__ = [
-    "FOOT_OF_NORMAL_CORRECTION",
     "ElasticFoundation",
     "HalfSpaceCompliance",
     "Material",
     "Shell",
     "ToothDimensions",
-    "WeberLineContact",
 ]
 
 _ORIGINS = {
@@ -30,6 +27,5 @@ _ORIGINS = {
     ".material": ["Material"],
     ".shell": ["Shell"],
     ".tooth_dimensions": ["ToothDimensions"],
-    ".weber_line_contact": ["FOOT_OF_NORMAL_CORRECTION", "WeberLineContact"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

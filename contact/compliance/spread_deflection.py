@@ -52,7 +52,8 @@ class SpreadDeflection:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import STEEL, loaded_splines
+    >>> from easeoff.contact import STEEL
+    >>> from easeoff.contact.loaded import loaded_splines
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)

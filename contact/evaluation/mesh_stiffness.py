@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compliance import WeberLineContact
+from ..compliance.weber_line_contact import WeberLineContact
 from ..loaded_cases import LoadedCase
 from ..solvers.parametric.touching_form import touching_stiffness
 

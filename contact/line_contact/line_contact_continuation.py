@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ..compliance import WeberLineContact
+from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
 from .line_contact_law import LineContacts, solve_line_contacts

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compliance import WeberLineContact
+from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, SolverChoice, require_solver

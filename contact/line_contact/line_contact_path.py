@@ -51,7 +51,8 @@ class LineContactPath:
     Examples
     --------
     >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem, Material, WeberLineContact, line_contact_path
+    >>> from easeoff.contact import ContactProblem, Material, line_contact_path
+    >>> from easeoff.contact.compliance.weber_line_contact import WeberLineContact
     >>> steel = Material(206000.0, 0.3)
     >>> line_contact = WeberLineContact(*(np.full(2, value) for value in (1.5, 30.0, 3.0, 3.0)), steel, steel)
     >>> bending = ContactProblem([0.0, 1e-3], [40.0, 40.0], 0.0, (np.zeros(2), np.full((2, 1), 1e-3)))

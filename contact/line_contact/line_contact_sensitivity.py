@@ -51,7 +51,9 @@ def line_contact_sensitivity(
     Examples
     --------
     >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem, Material, WeberLineContact, solve_line_contact
+    >>> from easeoff.contact import ContactProblem, Material
+    >>> from easeoff.contact.compliance.weber_line_contact import WeberLineContact
+    >>> from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
     >>> steel = Material(206000.0, 0.3)
     >>> line_contact = WeberLineContact(*(np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)), steel, steel)
     >>> bending = ContactProblem([0.01, 0.0, 0.01], [40.0] * 3, 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))

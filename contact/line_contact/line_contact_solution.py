@@ -82,7 +82,8 @@ def solve_line_contact(
     Examples
     --------
     >>> import numpy as np
-    >>> from easeoff.contact import Material, WeberLineContact
+    >>> from easeoff.contact import Material
+    >>> from easeoff.contact.compliance.weber_line_contact import WeberLineContact
     >>> steel = Material(206000.0, 0.3)
     >>> sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]  # length, radius and depths [mm]
     >>> bending = (np.zeros(3), np.full((3, 1), 1e-3))

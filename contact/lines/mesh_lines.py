@@ -96,7 +96,7 @@ def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: in
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import loaded_splines
+    >>> from easeoff.contact.loaded import loaded_splines
     >>> from easeoff.geometry import pair_geometry
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> geometry = pair_geometry(pair, (9, 7))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .problem_batch import ContactSolutions, solve_many
     from .registry import available_solvers, require_solver, solve
     from .solution import ContactSolution, Status
-    from .solver_table import SOLVERS, SolverSettings
+    from .solver_table import SOLVERS
 
 __all__ = [
     "SOLVERS",
@@ -20,7 +20,6 @@ __all__ = [
     "ContactSolutions",
     "Solver",
     "SolverChoice",
-    "SolverSettings",
     "Status",
     "available_solvers",
     "require_solver",
@@ -34,6 +33,6 @@ _ORIGINS = {
     ".problem_batch": ["ContactSolutions", "solve_many"],
     ".registry": ["available_solvers", "require_solver", "solve"],
     ".solution": ["ContactSolution", "Status"],
-    ".solver_table": ["SOLVERS", "SolverSettings"],
+    ".solver_table": ["SOLVERS"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

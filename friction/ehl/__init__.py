@@ -5,7 +5,7 @@ from .equations.film_complementarity import State
 from .film import Film, mixed_film, smooth_film
 from .film_dataset import film_dataset, passage_dataset
 from .rolling_contact.asperities import Asperities
-from .rolling_contact.inlet_heating import film_factor, heated_inlet
+from .rolling_contact.inlet_heating import heated_inlet
 from .rolling_contact.lubricated_contact import LubricatedContact
 from .rolling_contact.oil import Oil
 from .rolling_contact.surface_roughness import RoughProfile, asperity, generated_profile, measured_profile, wave
@@ -25,7 +25,6 @@ __all__ = [
     "Traction",
     "asperity",
     "film_dataset",
-    "film_factor",
     "generated_profile",
     "heated_inlet",
     "measured_profile",

@@ -202,7 +202,8 @@ def corrective_settings(
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import departure, with_settings
+    >>> from easeoff.geometry import departure
+    >>> from easeoff.geometry.cutting.named_settings import with_settings
     >>> gear = gear_pair(read_case("fm-11x41")).gear
     >>> wrong = {"radial_distance": gear.loaded.settings.radial_distance + 0.2}
     >>> measured = [departure(m, with_settings(m.loaded, wrong)) for m in (gear, gear.from_opposite)]

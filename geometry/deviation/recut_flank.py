@@ -166,7 +166,7 @@ def departure(
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import with_settings
+    >>> from easeoff.geometry.cutting.named_settings import with_settings
     >>> gear = gear_pair(read_case("fm-11x41")).gear
     >>> wrong = with_settings(gear.loaded, {"radial_distance": gear.loaded.settings.radial_distance + 0.1})
     >>> departure(gear, wrong).value.shape

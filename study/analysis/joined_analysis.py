@@ -70,7 +70,8 @@ def joined_analysis(parts: Sequence[tuple[Sequence[int], Analysis]], common: Map
     --------
     >>> from easeoff.cases import read_case
     >>> from easeoff.geometry import Misalignment
-    >>> from easeoff.study import CaseInMesh, contact_analysis
+    >>> from easeoff.study import CaseInMesh
+    >>> from easeoff.study.analysis.contact_analysis import contact_analysis
     >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))

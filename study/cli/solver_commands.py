@@ -117,7 +117,9 @@ def library(output: Path, parts: str | None) -> None:
 
     Every problem is solved, and its solution compared with the reference answer.
     """
-    from ..library import PARTS, USUAL_PARTS, entries, write_library
+    from ..library import entries
+    from ..library.library_entries import PARTS, USUAL_PARTS
+    from ..library.library_files import write_library
 
     chosen = list(USUAL_PARTS) if parts is None else [part.strip() for part in parts.split(",")]
     if chosen == ["all"]:
@@ -195,9 +197,10 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     the report: the exit code is 0. An interrupted comparison resumes where it stopped.
     """
     from ..compare import compare as run_comparison
-    from ..compare import write_comparison, write_test_set
+    from ..compare import write_comparison
     from ..compare.presentation.former_report import is_of_another_study
     from ..compare.presentation.time_tables import waiting_note
+    from ..compare.test_set import write_test_set
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
 

@@ -143,8 +143,8 @@ def sweep(
     from ...core.errors import EaseoffError
     from ...core.writing.output_file import check_folder, check_writable
     from ..report.sweep_report import outcome, sweep_summary
-    from ..sweep import write_sweep
     from ..sweep.parameter_sweep import batch_store, run_plan
+    from ..sweep.sweep_file import write_sweep
     from ..sweep.sweep_plan import planned_sweep
 
     files = [one for one in (load_cases, supports, options["oil"], *options["deviations"].values()) if one is not None]

@@ -9,10 +9,9 @@ import xarray as xr
 
 from ...core.errors import InputError
 from .comparison import compare
-from .comparison_table import read_table, write_table
-from .test_set import write_test_set
+from .comparison_table import write_table
 
-__all__ = ["compare", "read_table", "write_comparison", "write_test_set"]
+__all__ = ["compare", "write_comparison"]
 
 
 def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> list[Path]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from ...geometry.pair.gear_pair import FlankName
 
-LIBRARY_VERSION = 5
+LIBRARY_VERSION = 6
 
 #: Number of pinion rotations that divide one pitch; a source is at one of them.
 MESH_POSITIONS = 32

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         root_stress,
         transmission_error,
     )
-    from .figures.correction_figures import topography, write_topographies
+    from .figures.correction_figures import topography
     from .figures.friction_figures import efficiency, friction_maps
     from .figures.picture_list import pictures
     from .figures.study_figures import front, load_cases, optimization, sweep, vh_check, wear
@@ -53,7 +53,6 @@ __all__ = [
     "vh_check",
     "wear",
     "write_pictures",
-    "write_topographies",
 ]
 
 _ORIGINS = {
@@ -67,7 +66,7 @@ _ORIGINS = {
         "root_stress",
         "transmission_error",
     ],
-    ".figures.correction_figures": ["topography", "write_topographies"],
+    ".figures.correction_figures": ["topography"],
     ".figures.friction_figures": ["efficiency", "friction_maps"],
     ".figures.picture_list": ["pictures"],
     ".figures.study_figures": ["front", "load_cases", "optimization", "sweep", "vh_check", "wear"],

@@ -1,8 +1,7 @@
 """Sweeps: a case analysed over grids, samples and load cases, and what is read off the numbers."""
 
-from .distribution import Distribution
 from .parameter_sweep import sweep
 from .reductions import percentiles, sensitivities, worst_points
-from .sweep_file import read_sweep, write_sweep
+from .sweep_file import read_sweep
 
-__all__ = ["Distribution", "percentiles", "read_sweep", "sensitivities", "sweep", "worst_points", "write_sweep"]
+__all__ = ["percentiles", "read_sweep", "sensitivities", "sweep", "worst_points"]

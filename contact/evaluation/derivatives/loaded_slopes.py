@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
-from ...compliance import WeberLineContact
+from ...compliance.weber_line_contact import WeberLineContact
 from ...line_contact.line_contact_sensitivity import line_contact_sensitivity
 from ...loaded_cases import LoadedCase
 from ...segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM

@@ -15,7 +15,8 @@ from dissertation_tables import table
 from numpy.typing import NDArray
 
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
-from easeoff.study import Analysis, CaseInMesh, contact_analysis
+from easeoff.study import Analysis, CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.study.plot.friction_map_chart import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 

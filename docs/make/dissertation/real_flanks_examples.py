@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.cases import gear_pair
-from easeoff.geometry import named_member
 from easeoff.geometry.formats import EdgeMargins, cmm_points, measured_grid, write_measured_grid
+from easeoff.geometry.tooth.tooth_flanks import named_member
 
 Array = NDArray[Any]
 FOLDER = Path(easeoff.__file__).parent / "cases" / "deviations"

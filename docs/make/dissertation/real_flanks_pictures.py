@@ -15,7 +15,7 @@ from real_flanks_analyses import CASES, MEMBERS, TORQUE, analysed, files
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.contact.evaluation.pressure_map import pressure_map
-from easeoff.study import flank_deviations
+from easeoff.study.deviations.deviation_source import flank_deviations
 from easeoff.study.plot.ease_off_map import draw_map, ease_off_map
 from easeoff.study.plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels

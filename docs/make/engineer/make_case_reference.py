@@ -15,11 +15,12 @@ from folders import REFERENCE
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from easeoff.cases import FrictionTable, LoadCase
+from easeoff.cases import LoadCase
 from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.cases.schema.misalignment_table import DeflectionRow, MisalignmentTable
 from easeoff.cases.schema.supports_table import (
     BearingTable,

@@ -9,8 +9,8 @@ from dissertation_figures import save_small
 from folders import GUIDES, IMAGES
 
 from easeoff import plot
-from easeoff.verification import CORRECTION_LOOPS, CorrectionLoop, correction_loop
-from easeoff.verification.measuring.correction_loop import greatest, loop_case
+from easeoff.verification import CorrectionLoop, correction_loop
+from easeoff.verification.measuring.correction_loop import CORRECTION_LOOPS, greatest, loop_case
 
 PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"

@@ -19,7 +19,7 @@ from matplotlib.tri import Triangulation
 
 import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
-from easeoff.study import fit_modification, recorded_modification
+from easeoff.study.design.fitted_settings import fit_modification, recorded_modification
 from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import pressure_levels
 

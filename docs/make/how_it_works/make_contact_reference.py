@@ -34,7 +34,8 @@ from easeoff.cases.conversion import materials
 from easeoff.contact import MeshLines, lines_in_mesh
 from easeoff.contact.evaluation.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.core.writing.output_file import whole_file
-from easeoff.geometry import GearPair, MemberName
+from easeoff.geometry import GearPair
+from easeoff.geometry.tooth.tooth_flanks import MemberName
 from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
@@ -45,9 +46,8 @@ from easeoff.verification import (
     contact_of_flanks,
     flank_response,
     flanks_in_mesh,
-    line_stations,
-    response_size,
 )
+from easeoff.verification.flank_contact.line_stations import line_stations, response_size
 
 IMAGE = IMAGES / "finite_elements" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions

@@ -17,7 +17,8 @@ from easeoff.contact import MeshCycle
 from easeoff.geometry import FlankName, Misalignment, pair_geometry
 from easeoff.study.plot.figures.picture_list import PICTURES
 from easeoff.study.plot.page import save
-from easeoff.verification import both_methods, line_differences, point_differences, smallest_envelope
+from easeoff.verification.conventional_analysis import both_methods, line_differences, point_differences
+from easeoff.verification.smallest_gap import smallest_envelope
 
 HERE = Path(__file__).parent
 TORQUES = [50.0, 200.0, 250.0, 500.0]

@@ -18,8 +18,10 @@ from tabulate import tabulate
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.active_set.polish import polished_answer
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
-from easeoff.study import CaseInMesh, contact_analysis
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.study import CaseInMesh
+from easeoff.study.analysis.contact_analysis import contact_analysis
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 PAGE = NOTES / "contact_solvers.md"
 HEADING = "## Agreement"

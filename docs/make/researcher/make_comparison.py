@@ -17,12 +17,13 @@ import numpy as np
 from folders import IMAGES, NOTES, RESEARCHER
 from PIL import Image
 
-from easeoff.study.compare import compare, read_table, write_comparison
+from easeoff.study.compare import compare, write_comparison
+from easeoff.study.compare.comparison_table import read_table
 from easeoff.study.compare.presentation.report_table import milliseconds, ratio, residual
 from easeoff.study.compare.presentation.time_tables import start_table, work_precision_tables
 from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, of_method
 from easeoff.study.compare.statistics.run_time_statistics import RUN_TIME_SHIFT, shifted_geometric_mean
-from easeoff.study.library import write_library
+from easeoff.study.library.library_files import write_library
 
 PAGES = (RESEARCHER / "compare.md", NOTES / "contact_solvers.md")
 PARTS = ("small", "medium")

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, ContactProblem, ContactSolution, HalfSpaceCompliance, solve
 from easeoff.geometry import pair_geometry
-from easeoff.verification import path_of_contact, relative_curvature
+from easeoff.verification import relative_curvature
+from easeoff.verification.point_contact import path_of_contact
 
 Array = NDArray[np.float64]
 

@@ -58,7 +58,9 @@ def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
 
     Examples
     --------
-    >>> from easeoff.friction.ehl.study import Design, run_case, study_dataset
+    >>> from easeoff.friction.ehl.study import Design
+    >>> from easeoff.friction.ehl.study.study_case import run_case
+    >>> from easeoff.friction.ehl.study.parameter_study import study_dataset
     >>> study = study_dataset(Design(), {31499: run_case(Design().condition(31499))})
     >>> pressure, radius, *_ = study_inputs(study)
     >>> print(pressure, radius)
@@ -94,7 +96,8 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
 
     Examples
     --------
-    >>> from easeoff.friction.ehl.study import Design, shipped_formula, study_dataset
+    >>> from easeoff.friction.ehl.study import Design, shipped_formula
+    >>> from easeoff.friction.ehl.study.parameter_study import study_dataset
     >>> from easeoff.friction.ehl.study.study_case import NUMBERS
     >>> row = {**dict.fromkeys(NUMBERS, 0.02), "status": 0.0}
     >>> study = study_dataset(Design(), {int(number): row for number in Design().subset(300)})
@@ -175,7 +178,9 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
 
     Examples
     --------
-    >>> from easeoff.friction.ehl.study import Design, run_case, shipped_formula, study_dataset
+    >>> from easeoff.friction.ehl.study import Design, shipped_formula
+    >>> from easeoff.friction.ehl.study.study_case import run_case
+    >>> from easeoff.friction.ehl.study.parameter_study import study_dataset
     >>> study = study_dataset(Design(), {31499: run_case(Design().condition(31499))})
     >>> [(regime.cases, abs(regime.mean) < 0.2) for regime in compare(study, shipped_formula())]
     [(1, True)]
