@@ -145,10 +145,12 @@ def loaded_dataset(
         "pair": pairs,
     }
     line_contact = next(s.line_contact for s in segments if s is not None)
-    attributes = {
+    attributes: dict[str, Any] = {
         "contact_modulus_MPa": 2.0 / line_contact.flexibility,
         "searched_segments": sum(int(np.count_nonzero(s.searched)) for s in segments if s is not None),
     }
+    failures = [case.solution.message for case in cases if not case.solution.certified]
+    attributes |= {"first_failure": failures[0]} if failures else {}
     return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
 
 

@@ -102,7 +102,8 @@ OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
         "modification_um": "table of numbers",
         "deflection_torques_N_m": 2,
     },
-    "loaded": {"searched_segments": "number"},
+    "loaded": {"searched_segments": "number", "first_failure": "text"},
+    "light_load": {"first_failure": "text"},
     "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
 }
 

@@ -265,6 +265,29 @@ def by_daqp(problem, time_limit=10.0):
 """
 
 
+def test_process_that_ends_at_an_import_is_an_outcome_and_started_once(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It would end the comparison, if that imported what it only looks up."""
+    (tmp_path / "gone").mkdir()
+    for name in ("__init__", "at_import"):
+        (tmp_path / "gone" / f"{name}.py").write_text("import os\nos._exit(5)", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    started: list[str] = []
+    launch = worker.Worker.launch
+
+    def launched(one: worker.Worker) -> None:
+        started.append(one.solver)
+        launch(one)
+
+    monkeypatch.setattr(worker.Worker, "launch", launched)
+    table = compare([file], tmp_path / "out", solvers=["gone.at_import:solver"], repetitions=2, time_limit=LIMIT)
+    assert started == ["gone.at_import:solver"]
+    assert set(table["message"].values) == {"its process ended with code 5"}
+    assert table.sizes["attempt"] == 2
+    assert "file " in table.attrs["solver_versions"]
+
+
 def test_function_of_a_module_is_a_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "my_solver.py").write_text(OWN_SOLVER, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
@@ -282,7 +305,7 @@ def test_function_of_a_module_is_a_solver(tmp_path: Path, monkeypatch: pytest.Mo
 def test_second_call_measures_nothing(
     dataset: xr.Dataset, file: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(worker.Worker, "launch", nobody)
+    monkeypatch.setattr(worker.Worker, "run", nobody)
     again = compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
     assert again.identical(dataset)
 

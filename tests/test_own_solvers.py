@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import importlib
 import json
+import os
+import signal
 import sys
+import threading
+import time
+import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,11 +21,12 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
-from runs import output_of, refusal_of, small
+from click.testing import CliRunner
+from runs import SHELLS, output_of, refusal_of, small, small_file, text_file
 from scipy.sparse.linalg import aslinearoperator
 from shared_problems import three_segments
 
-from easeoff import InputError, analyze, read_result
+from easeoff import InputError, MissingSolverError, analyze, read_result
 from easeoff.contact import (
     ContactProblem,
     OperatorCompliance,
@@ -30,9 +39,16 @@ from easeoff.contact import (
 )
 from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
-from easeoff.contact.solvers.backend_solution import backend_solution
+from easeoff.contact.solvers import backend_solution as backend_solution_module
+from easeoff.contact.solvers.backend_solution import adapter_of, backend_solution
+from easeoff.contact.solvers.declared import solver_lookup
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
+from easeoff.core.processes import foreign_code as foreign_code_module
+from easeoff.core.processes.foreign_code import ForeignCodeError, foreign_code
+from easeoff.study import cli as study_cli
+from easeoff.study.cli import main, run_command
+from easeoff.study.report.summary.result_summary import result_summary
 from easeoff.verification import problems
 
 PROBLEM = next(iter(problems("realistic", 1)))
@@ -312,6 +328,220 @@ def test_warm_start_is_given_to_those_that_take_one(form: str) -> None:
         assert starts[1].size > programme.q.size
 
 
+# Modules that change the process, end it, or raise what is none of an answer
+
+GOOD = """
+import qpsolvers
+def solver(problem):
+    return qpsolvers.solve_problem(problem, "daqp", primal_tol=1e-11, dual_tol=1e-12)
+"""
+DUMB = "    def __str__(self): raise SystemExit(0)\n    __repr__ = __str__\n"
+HOSTILE = {
+    # At their import: what the refusal says.
+    "raise SystemExit(0)": "cannot be loaded: it ended with code 0",
+    "raise BaseException('base')": "BaseException: base",
+    "raise GeneratorExit": "GeneratorExit",
+    "raise KeyboardInterrupt": "KeyboardInterrupt",
+    f"class E(Exception):\n{DUMB}raise E": "E: its text raises an exception, too",
+    f"from easeoff import InputError\nclass E(InputError):\n{DUMB}raise E": "E: its text raises an exception, too",
+    "while True: pass": "time limit met: it was ended after 0.1 s; if only the first import takes long",
+    "import time\ntime.sleep(1e6)": "time limit met: it was ended after 0.1 s",
+    "def __getattr__(name): raise BaseException('lazy')": "BaseException: lazy",
+    "from easeoff.contact import Solver\nclass Own(Solver):\n"
+    "    def __getattribute__(self, name): raise SystemExit(0)\nsolver = object.__new__(Own)": "it ended with code 0",
+    "import qpsolvers\ndef solver(: pass": "SyntaxError",
+    # At their call: what the message of the solution says.
+    "def solver(problem): raise SystemExit(0)": "it ended with code 0",
+    "def solver(problem): raise BaseException('base')": "BaseException: base",
+    "def solver(problem): raise GeneratorExit": "GeneratorExit",
+    "def solver(problem): raise KeyboardInterrupt": "KeyboardInterrupt",
+    f"class E(Exception):\n{DUMB}def solver(problem): raise E": "E: its text raises an exception, too",
+    f"class E(TimeoutError):\n{DUMB}def solver(problem): raise E": "time limit met: its text raises",
+    "class S(str):\n    def __format__(self, how): raise SystemExit(0)\nclass E(Exception):\n"
+    "    def __str__(self): return S('mine')\ndef solver(problem): raise E": "E: mine",
+    "class E(Exception):\n    @property\n    def __class__(self): raise SystemExit(0)\n"
+    "def solver(problem): raise E": "its own words: E",
+    "class R:\n    def __getattr__(self, name): raise BaseException('name')\n"
+    "def solver(problem): return R()": "BaseException: name",
+    f"class T(str):\n{DUMB}def solver(problem): return problem.q, T()": "it ended with code 0",
+    "from easeoff.contact.solvers.scaled_answer import ScaledAnswer\n"
+    "def solver(problem): return ScaledAnswer(problem.q, 0.0, 1, '', 'sure')": "suspicion is no Status",
+    "class F:\n    @property\n    def __signature__(self): raise BaseException\n"
+    "    def __call__(self, problem): return None\nsolver = F()": "no answer",
+    # What they change is put back, at import and after every call.
+    **{
+        first + GOOD + "found = solver\ndef solver(problem):\n    " + second + "\n    return found(problem)\n": ""
+        for first, second in (
+            ("", "pass"),
+            ("import os\nos.chdir('/')", "os.chdir('/')"),
+            ("import numpy as np\nnp.seterr(all='raise')", "np.seterr(all='raise')"),
+            ("print('here')", "import os; print('here'); os.write(1, b'here'); os.system('echo here')"),
+            ("import sys\nsys.stdout.close()\nsys.stdout = sys.stderr = None", "sys.stdout = None"),
+            ("import os\nos.close(1)", "os.close(1)"),
+            ("import warnings\nwarnings.simplefilter('ignore')", "warnings.simplefilter('ignore')"),
+            ("import warnings\nwarnings.showwarning = None", "warnings.showwarning = None"),
+            ("import sys\nsys.setrecursionlimit(100)", "pass"),
+            ("import os\nos.umask(0o777)", "os.umask(0o777)"),
+            ("import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)", "pass"),
+            ("import sys\nsys.path.remove(sys.path[0])", "sys.path.remove(sys.path[0])"),
+        )
+    },
+}
+
+
+def of_the_process() -> list[Any]:
+    """What a solver must not change."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    places = [(os.fstat(number).st_dev, os.fstat(number).st_ino) for number in (1, 2)]
+    handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)]
+    warned = warnings.filters[:], warnings.showwarning
+    streams = sys.stdout, sys.stderr, sys.stdout.closed, places
+    return [os.getcwd(), np.geterr(), *streams, *warned, sys.getrecursionlimit(), mask, *handlers, set(sys.path)]
+
+
+@pytest.mark.parametrize("source", HOSTILE)
+def test_hostile_module_is_a_reason_and_changes_nothing(
+    source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    text_file(tmp_path / "hostile_solver.py", source)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "hostile_solver", raising=False)
+    monkeypatch.setattr(solver_lookup, "IMPORT_TIME_LIMIT", 0.1 if "time limit met: it" in HOSTILE[source] else 1e3)
+    importlib.invalidate_caches()
+    before = of_the_process()
+    try:
+        solution = solve(PROBLEM, "hostile_solver:solver")
+        said = "" if solution.certified else solution.message
+    except InputError as error:
+        said = str(error)
+    assert of_the_process() == before
+    assert HOSTILE[source] in said
+    assert bool(said) == bool(HOSTILE[source])
+    assert capfd.readouterr().out == ""
+    sys.modules.pop("hostile_solver", None)
+
+
+def test_command_tells_the_reason_and_writes_where_it_was_told_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The folder changes once more behind its back, as by a thread of the module."""
+    own = "import os, warnings\ndef solver(problem):\n    warnings.warn('mine', RuntimeWarning)\n    print('here')\n"
+    text_file(tmp_path / "own_hostile.py", own + "    raise ValueError('no luck')\n")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    frozen: list[bool] = []
+    monkeypatch.setattr(gc, "freeze", lambda: frozen.append(True))
+    monkeypatch.setattr(run_command, "check_cost", lambda *given: os.chdir("elsewhere"))
+    monkeypatch.syspath_prepend(tmp_path)
+    small_file(tmp_path, more=SHELLS)
+    done = CliRunner().invoke(
+        main,
+        ["run", "nasa-12x36.toml", "-o", "r.nc", "--torque", "100", "--solver", "own_hostile:solver"],
+        obj="program",
+    )
+    assert not frozen  # what other packages made is cleaned up: some tell of what is not
+    sys.modules.pop("own_hostile")
+    assert done.exit_code == 1
+    assert done.stdout.startswith("wrote r.nc: 0 of 3 mesh positions certified at 100 N m\nnext: easeoff show r.nc, ")
+    assert "here" not in done.stdout
+    assert done.stderr.count("Note: RuntimeWarning: mine\n") == 1
+    assert "RuntimeWarning" not in done.stderr.replace("Note: RuntimeWarning: mine\n", "")
+    reason = "own_hostile:solver, form dense: it failed; its own words: ValueError: no luck"
+    assert f"the first of them: linear problem 1 failed: {reason}" in done.stderr
+    assert reason in " ".join(result_summary(read_result(tmp_path / "r.nc")).split())
+
+
+def test_process_is_not_ended_as_if_all_were_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of a command; copies of it end as they want to."""
+    monkeypatch.setattr(os, "_exit", os._exit)
+
+    def command(obj: str) -> None:
+        child = os.fork()
+        if child == 0:
+            os._exit(7)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+        with pytest.raises(ForeignCodeError, match=r"^it ended with code 0$"), foreign_code():
+            os._exit(0)
+
+    monkeypatch.setattr(study_cli, "main", command)
+    study_cli.program()
+
+
+@pytest.mark.parametrize("swallowed", [True, False])
+def test_interrupt_of_the_user_is_none_of_the_solver(swallowed: bool) -> None:
+    def interrupted(problem: Any) -> Any:
+        with contextlib.suppress(KeyboardInterrupt if swallowed else ValueError):
+            signal.raise_signal(signal.SIGINT)
+        return by_daqp(problem)
+
+    with pytest.raises(KeyboardInterrupt):
+        solve(PROBLEM, interrupted)
+
+
+def test_function_that_takes_no_notice_of_its_time_limit_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also one that passes over the first alarm, of which it is told."""
+    monkeypatch.setattr(backend_solution_module, "GRACE_TIME", 0.01)
+    monkeypatch.setattr(foreign_code_module, "ALARM_INTERVAL", 0.01)
+
+    def endless(problem: Any, time_limit: float, patience: int) -> Any:
+        while patience:
+            try:
+                time.sleep(1e6)
+            except BaseException:
+                patience -= 1
+        time.sleep(1e6)
+
+    solution = solve(PROBLEM, endless, time_limit=0.01, patience=0)
+    assert solution.status is Status.TIME_LIMIT
+    assert "time limit met: it was ended after 0.02 s" in solution.message
+    with pytest.warns(UserWarning, match="goes on after 0.02 s"):
+        assert solve(PROBLEM, endless, time_limit=0.01, patience=2).status is Status.TIME_LIMIT
+    assert signal.setitimer(signal.ITIMER_REAL, 0.0) == (0.0, 0.0)
+
+
+def test_limit_of_what_is_around_foreign_code_is_its_own() -> None:
+    message = r"ended after 0\.02 s"
+    with pytest.raises(ForeignCodeError, match=message), foreign_code(0.02), foreign_code(), foreign_code(1e3):
+        time.sleep(1e6)
+
+
+def test_foreign_code_of_many_threads_leaves_the_process_as_it_was(capfd: pytest.CaptureFixture[str]) -> None:
+    """However their calls overlap; an interrupt is the main thread's, and an alarm is not had."""
+    before, both = of_the_process(), threading.Barrier(2)
+
+    def work(number: int) -> str:
+        said = ""
+        try:
+            with foreign_code(1e-6):
+                both.wait()
+                os.chdir("/")
+                sys.stdout.write("here")
+                if number:
+                    both.wait()
+                raise KeyboardInterrupt
+        except ForeignCodeError as error:
+            said = str(error)
+        if not number:
+            both.wait()
+        return said
+
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(work, range(2))) == ["KeyboardInterrupt"] * 2
+    assert of_the_process() == before
+    assert capfd.readouterr().out == ""
+
+
+def test_package_of_a_solver_that_cannot_be_loaded_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text_file(tmp_path / "pyqpmad.py", "raise SystemExit('broken')")
+    for name in [name for name in sys.modules if name.partition(".")[0] == "pyqpmad"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.syspath_prepend(tmp_path)
+    adapter_of.cache_clear()
+    with pytest.raises(MissingSolverError, match="solver 'pyqpmad' cannot be loaded: it ended with code broken"):
+        solve(PROBLEM, "pyqpmad")
+
+
 # Where they are found
 
 
@@ -404,7 +634,9 @@ def test_entry_point_is_a_solver_by_its_name(installed: Path) -> None:
 
 
 def test_entry_point_that_is_none_says_so(installed: Path) -> None:
-    with pytest.raises(InputError, match=r"entry point a_solver_of_mine:nothing cannot be loaded"):
+    with pytest.raises(
+        InputError, match=r"solver = 'broken': cannot be loaded: .*'a_solver_of_mine' has no attribute 'nothing'"
+    ):
         solve(PROBLEM, "broken")
     with pytest.raises(InputError, match=r"must be a function or a Solver, and a_solver_of_mine:number is 3"):
         solve(PROBLEM, "number")

@@ -21,7 +21,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import STEEL, solve
 from easeoff.contact.unloaded import unloaded_contact
-from easeoff.core.processes.foreign_output import without_foreign_output
+from easeoff.core.processes.foreign_code import foreign_code
 from easeoff.geometry import (
     Blade,
     FlankName,
@@ -580,7 +580,7 @@ def test_a_row_outside_says_what_it_means(quantity: str, words: str) -> None:
 
 
 def test_a_library_that_prints_does_not_reach_the_standard_output(capfd: pytest.CaptureFixture[str]) -> None:
-    with without_foreign_output():
+    with foreign_code(silent=True):
         os.write(1, b"Running HiGHS")
     os.write(1, b"a row")
     assert capfd.readouterr() == ("a row", "")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...core.checks import one_of, shown
-from ...core.errors import InputError
+from ...core.errors import EaseoffError, InputError
 from ..problem.forms.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
@@ -40,7 +40,7 @@ _REPORTED_TIMES = {
 }
 
 
-class NoAnswerError(Exception):
+class NoAnswerError(EaseoffError):
     """A backend ended without numbers; carries its message. Never leaves this folder."""
 
     def __init__(self, message: str, suspicion: Status | None = None, *, claim: str | None = None) -> None:

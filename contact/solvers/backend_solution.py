@@ -6,13 +6,15 @@ import importlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.errors import InputError, MissingSolverError
+from ...core.processes.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code, reason_of
 from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.compliance_matrix import ModalCompliance
@@ -28,15 +30,30 @@ from .solver_table import SOLVERS
 
 #: What is said of a compliance that is known by its products alone.
 ASSUMED = "that the compliance is positive semidefinite is assumed, products cannot prove it"
+#: Time beyond its limit in which a solver of one's own may still end by itself, before it is ended [s].
+GRACE_TIME = 1.0
 #: Polish of `solve`, and no limits.
 DEFAULT_POLISH, NO_LIMITS = PolishRule(), Limits()
 #: Function that calls a backend: takes the scaled problem and the settings of the backend.
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
 
+@cache
 def adapter_of(solver: str) -> Adapter:
-    """Return the adapter of a solver of the table; not of the native one, which has none."""
-    adapter: Adapter = importlib.import_module(f".adapters.{solver}", __package__).solve_scaled
+    """Return the adapter of a solver of the table, not of the native one, which has none; it loads the package.
+
+    Raises
+    ------
+    MissingSolverError
+        Its package is installed, and cannot be loaded.
+    """
+    try:
+        with foreign_code(IMPORT_TIME_LIMIT, silent=True):
+            for package in filter(None, ("qpsolvers", SOLVERS[solver].package)):
+                importlib.import_module(package)
+            adapter: Adapter = importlib.import_module(f".adapters.{solver}", __package__).solve_scaled
+    except ForeignCodeError as error:
+        raise MissingSolverError(f"solver {solver!r} cannot be loaded: {error}") from error
     return adapter
 
 
@@ -82,6 +99,7 @@ def backend_solution(
     """
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None
+    limit = None if declared is None or limits.time_limit is None else limits.time_limit + GRACE_TIME
     tolerance = limits.tolerance or _tolerance(solver, declared)
     scaled = _as_given(problem, structured=declared is not None) if raw else problem.scaled()
     if declared is not None:
@@ -91,12 +109,13 @@ def backend_solution(
     else:
         method, what = "dense", ""
     try:
-        begin = perf_counter()
-        if isinstance(adapter, Solver):
-            given = adapter.solve_scaled(scaled, method, settings)
-        else:
-            given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
-        answered = perf_counter()
+        with foreign_code(limit, silent=declared is None):
+            begin = perf_counter()
+            if isinstance(adapter, Solver):
+                given = adapter.solve_scaled(scaled, method, settings)
+            else:
+                given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
+            answered = perf_counter()
         times = given.times or CallTimes(call=answered - begin)
         if raw:
             found = Polish(of_whole_rotation(problem, given.force, float(given.rotation)), False, 0)
@@ -122,12 +141,14 @@ def backend_solution(
         solution = no_solution(problem.size, status, solver, claim=error.claim, tolerance=tolerance)
         solution = replace(solution, words=str(error), method=method)
     except Exception as error:
-        if own and isinstance(error, TypeError | AttributeError | ValueError):
+        foreign = error if isinstance(error, ForeignCodeError) else None
+        if own and isinstance(error.__cause__ if foreign else error, TypeError | AttributeError | ValueError):
             hint = limit_hint(solver, own)
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
-        status = Status.SOLVER_FAILED
-        solution = no_solution(problem.size, status, solver, claim=RAISED, tolerance=tolerance)
-        solution = replace(solution, words=f"{type(error).__name__}: {error}", method=method)
+        late = foreign is not None and foreign.is_time_limit
+        status, claim = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
+        solution = no_solution(problem.size, status, solver, claim=claim, tolerance=tolerance)
+        solution = replace(solution, words=str(foreign) if foreign else reason_of(error), method=method)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
     missed = not solution.certified and math.isfinite(solution.certificate.worst)

@@ -216,7 +216,8 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
 
 
 def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
-    problem, name = request.problem, require_solver(solver)
+    declared = declared_solver(solver)
+    problem, name = request.problem, require_solver(declared or solver)
     one_of("form", request.form, FORMS)
     if not problem.is_positive_semidefinite:
         message = f"{name}, not begun: the compliance has a negative eigenvalue, some forces would release energy"
@@ -242,7 +243,6 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             message = f"native: it failed; {type(error).__name__}: {error}"
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
-    declared = declared_solver(solver)
     solution = _solve_backend(request, name, declared)
     if solution.status is Status.INFEASIBLE or (
         solution.status is Status.UNBOUNDED and scaled.has_matrix and not is_unbounded(problem)

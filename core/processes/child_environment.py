@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 #: Numbers of threads, which libraries read when they are loaded. Processes that share a machine take one thread each,
 #: and a comparison is of methods, not of how many cores a library takes.
@@ -49,6 +50,23 @@ def child_environment(variables: Mapping[str, str] | None = None) -> Iterator[No
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def end_with_parent() -> None:
+    """Let this process end when the one ends that started it, however that does; for those of multiprocessing."""
+    import multiprocessing
+
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: Any) -> None:
+    from multiprocessing.connection import wait
+
+    with contextlib.suppress(OSError):
+        wait([sentinel])
+    os._exit(1)
 
 
 @contextlib.contextmanager

@@ -146,7 +146,7 @@ def _joined(parts: list[xr.Dataset], places: list[tuple[int, ...]]) -> xr.Datase
             data[str(name)] = xr.Variable(own[0].dims, values, first.attrs)
         else:
             data[str(name)] = first
-    attributes = dict(parts[0].attrs)
+    attributes = {name: value for part in reversed(parts) for name, value in part.attrs.items()}
     attributes |= {name: max(part.attrs[name] for part in parts) for name in COUNTS if name in attributes}
     coordinates = {name: data.pop(str(name)) for name in map(str, parts[0].coords)}
     return xr.Dataset(data, coords=coordinates, attrs=attributes)

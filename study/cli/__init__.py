@@ -10,14 +10,14 @@ import os
 import sys
 import warnings
 from contextlib import suppress
-from typing import Any, TextIO
+from typing import Any, NoReturn, TextIO
 
 import click
 
 from ...core import printable
 from ...core.compiled.compiled_use import compilation_told
 from ...core.errors import EaseoffError
-from .command import PROGRAM
+from .command import PROGRAM, as_given
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .inputs.case_commands import cases, convert, design
@@ -37,8 +37,6 @@ from .verify_command import verify
 from .vh_command import vh
 from .wear_command import wear
 
-_SHOW_WARNING = warnings.showwarning
-
 
 class _Mistake(click.ClickException):
     """Mistake of the user, with its exit code."""
@@ -54,11 +52,14 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Show a warning to users as a note of one line, without the place in the code that it comes from."""
-    if category is UserWarning:
-        echo(f"Note: {' '.join(str(message).split())}", err=True)
-    else:
-        _SHOW_WARNING(message, category, filename, lineno, file, line)
+    """Show a warning to users once, as a note of one line without the place in the code that it comes from."""
+    kind = "" if category is UserWarning else f"{category.__name__}: "
+    note = f"Note: {kind}{' '.join(str(message).split())}"
+    context = click.get_current_context(silent=True)  # of the thread
+    told = context.meta.setdefault("easeoff.notes", set()) if context else set()
+    if note not in told:
+        told.add(note)
+        echo(note, err=True)
 
 
 def _show_waiting(text: str) -> None:
@@ -98,7 +99,7 @@ class _Group(click.Group):
                 warnings.showwarning = _show_warning
                 return super().invoke(ctx)
         except EaseoffError as error:
-            raise _Mistake(str(error)) from error
+            raise _Mistake(as_given(str(error))) from error
         except click.ClickException as error:
             raise _harmless(error) from error
         except MemoryError as error:
@@ -161,4 +162,13 @@ for _command in (
 
 def program() -> None:
     """Run a command in a process that does nothing else, and ends with it."""
+    process, leave = os.getpid(), os._exit
+
+    def leave_copy(status: int) -> NoReturn:
+        """`os._exit` for foreign code, which must not end a command as if all were done; copies of it may end."""
+        if os.getpid() == process:
+            raise SystemExit(status)
+        leave(status)
+
+    os._exit = leave_copy
     main(obj=PROGRAM)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import click
@@ -17,6 +20,8 @@ DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
 PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)
 #: What commands find in the context of click where their process does nothing else.
 PROGRAM = "program"
+#: Key of the folder in which the command was started.
+START = "easeoff.start"
 
 
 class Command(click.Command):
@@ -26,8 +31,13 @@ class Command(click.Command):
     """
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
+        """Run the command; its paths stay what they are wherever code of somebody else may go."""
         keep_freed_memory()
+        with suppress(OSError):  # the current folder is gone
+            ctx.meta[START] = os.getcwd()
+            options = {param.name for param in self.params if isinstance(param, click.Option)}
+            for name, value in ctx.params.items():
+                ctx.params[name] = _absolute(value, option=name in options)
         return super().invoke(ctx)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -48,6 +58,20 @@ class Command(click.Command):
             raise
 
 
+def _absolute(value: Any, *, option: bool) -> Any:
+    """A path, or several, from the root; but an argument without a file may be the name of something shipped."""
+    if isinstance(value, tuple):
+        return tuple(_absolute(one, option=option) for one in value)
+    return value.absolute() if isinstance(value, Path) and (option or value.exists()) else value
+
+
+def as_given(text: str) -> str:
+    """A text for the user, with paths in the folder where the command was started relative to it."""
+    context = click.get_current_context(silent=True)
+    start = os.path.join(context.meta.get(START, "") if context else "", "")
+    return re.sub(rf"(?<![^\s'\"(=]){re.escape(start)}(?=[^\s])", "", text) if len(start) > 1 else text
+
+
 def quick_start(*, alone: bool = True) -> None:
     """Spare a command that does one thing, and imports much for it, what it has no use for.
 
@@ -62,7 +86,7 @@ def quick_start(*, alone: bool = True) -> None:
         Whether the command runs the package's own code only; a solver of somebody else's may use dask.
     """
     context = click.get_current_context()
-    context.with_resource(without_garbage_collection(at_all=context.obj == PROGRAM))
+    context.with_resource(without_garbage_collection(at_all=alone and context.obj == PROGRAM))
     if alone and "xarray" not in sys.modules:  # else it knows dask already
         context.with_resource(without_package("dask"))
 

@@ -12,7 +12,8 @@ from typing import Any
 import xarray as xr
 
 from ...contact.problem.certificate import Certificate
-from ...contact.solvers import available_solvers, require_solver
+from ...contact.solvers import SOLVERS, available_solvers, require_solver
+from ...contact.solvers.declared.solver_lookup import declares_place, entry_point_names
 from ...core.checkpoint import Checkpoint
 from ...core.checks import number, one_of
 from ...core.errors import InputError
@@ -21,8 +22,9 @@ from .comparison_plan import Cell, Choice, cells
 from .comparison_table import Row, comparison_table
 from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt
 from .measurement.environment import machine, solver_version
+from .measurement.method import STARTING_SOLVERS
 from .measurement.posed_problem import PosedProblem, load_factor, posed_problems
-from .measurement.worker import Request, Worker, workers
+from .measurement.worker import Request, Worker, launched, workers
 from .statistics.method_statistics import TIMES, WALL
 
 #: Checkpoint in the output folder, and the study it names.
@@ -117,18 +119,16 @@ def compare(
     checkpoint = Checkpoint(target / CHECKPOINT, STUDY, encode=_stored, decode=_attempts, fresh=fresh)
     made_with = machine(threads)
     versions = {solver: solver_version(solver) for solver in chosen}
-    planned = [
-        (cell, cell.key(choice, made_with, versions[cell.method.solver]))
-        for cell in cells(_posed(paths), chosen, choice)
-    ]
-    rows: list[Row] = []
+    posed, rows = _posed(paths), list[Row]()
     with workers(chosen, threads) as pool:
+        # A function that does not exist comes to light at once.
+        started = launched(pool, (solver for solver in chosen if solver not in SOLVERS))
+        starting = {solver: solver in STARTING_SOLVERS or pool[solver].takes_start for solver in chosen}
+        planned = [
+            (cell, cell.key(choice, made_with, versions[cell.method.solver])) for cell in cells(posed, starting, choice)
+        ]
         needed = {cell.method.solver for cell, key in planned if checkpoint.get(key) is None}
-        for solver in needed:
-            pool[solver].launch()
-        for solver in needed:
-            # Nothing is measured while others load; and a function that does not exist comes to light at once.
-            pool[solver].greet()
+        launched(pool, needed - started)  # nothing is measured while others load
         for done, (cell, key) in enumerate(planned, start=1):
             attempts = checkpoint.get(key)
             if attempts is None:
@@ -166,7 +166,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     Raises
     ------
     InputError
-        If a name is unknown, or a solver of one's own cannot be imported.
+        If a name is unknown, or a text with a colon is no MODULE:FUNCTION.
     MissingSolverError
         If a solver is not installed.
     """
@@ -176,7 +176,9 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
     names = []
     for name in dict.fromkeys(name.strip() for name in solvers if name.strip()):
-        names.append(require_solver(name))
+        # A solver of one's own is imported in its process alone: there it may hang or crash.
+        own = declares_place(name) or name in entry_point_names()
+        names.append(name if own else require_solver(name))
     return list(dict.fromkeys(names))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -18,7 +18,6 @@ from .measurement.method import (
     WARM,
     Method,
     has_tolerance,
-    takes_start,
 )
 from .measurement.posed_problem import PosedProblem
 
@@ -90,22 +89,25 @@ class Cell:
         )
 
 
-def cells(posed: Sequence[PosedProblem], solvers: Sequence[str], choice: Choice) -> Iterator[Cell]:
-    """All measurements. Problems are the outermost loop, so that a disturbance of the machine meets all solvers."""
+def cells(posed: Sequence[PosedProblem], starting: Mapping[str, bool], choice: Choice) -> Iterator[Cell]:
+    """All measurements of solvers, each with whether it makes use of a start.
+
+    Problems are the outermost loop, so that a disturbance of the machine meets all solvers.
+    """
     for item in posed:
-        for solver in solvers:
-            for method in methods_of(solver, choice):
+        for solver, warm in starting.items():
+            for method in methods_of(solver, choice, warm=warm):
                 if method.start == COLD or item.before is not None:
                     yield Cell(item, method)
 
 
-def methods_of(solver: str, choice: Choice) -> Iterator[Method]:
+def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[Method]:
     """Methods in which a solver is measured, the headline first.
 
     The native solver has one: its answer needs no polish, and it takes no tolerance and no problem without scaling.
     """
     yield Method(solver, HEADLINE)
-    if takes_start(solver):
+    if warm:
         yield Method(solver, HEADLINE, WARM)
     if solver == "native":
         return

@@ -298,6 +298,8 @@ def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:
             if bad.size:
                 names = ", ".join(sorted({Status(int(value)).name.lower() for value in bad}))
                 said.append(f"{bad.size} of {values.size} {what} have no certified solution ({names})")
+        if said and "first_failure" in groups["loaded"].attrs:
+            said.append(_reason(groups["loaded"].attrs["first_failure"]))
         found.append(int(PointStatus.UNCERTIFIED if said else PointStatus.CERTIFIED))
         reasons.append("; ".join(said))
     return found, reasons

@@ -10,17 +10,20 @@ import contextlib
 import importlib
 import multiprocessing
 import os
-import threading
 from collections.abc import Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.connection import wait as wait_for
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
-from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
+from ...core.processes.child_environment import (
+    THREAD_VARIABLES,
+    child_environment,
+    children_without_interrupts,
+    end_with_parent,
+)
 from ...core.processes.freed_memory import keep_freed_memory
 from .batch_analysis import Batch, Block, PointStatus, analyze_batch
 
@@ -188,14 +191,6 @@ def _lost(batch: Batch) -> Block:
 
 
 def _prepare_worker() -> None:
-    """Let this process end when the one ends that started it, however that does, and keep freed memory."""
+    """Let this process end with the one that started it, and keep freed memory."""
     keep_freed_memory()
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: Any) -> None:
-    with contextlib.suppress(OSError):
-        wait_for([sentinel])
-    os._exit(1)
+    end_with_parent()

@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from time import perf_counter
 from typing import Any
 
-from ....core.processes.foreign_output import without_foreign_output
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import read_answer, refuse_unknown, run_qpsolvers
 from ..scaled_answer import ScaledAnswer
 from ..solver_limits import limit_met
 
 
-@cache
-def _say_banner() -> None:
-    """Let HiGHS say its name and version, once a process, where nobody hears it: no option leaves that out."""
-    import highspy
-
-    with without_foreign_output():
-        made: Any = highspy.Highs
-        made()
-
-
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Solve the scaled problem."""
     import highspy
 
-    _say_banner()
     refuse_unknown("highs", settings, highspy.HighsOptions())
     start = perf_counter()
     solution = run_qpsolvers("highs", problem, settings)

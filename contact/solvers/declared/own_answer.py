@@ -13,7 +13,7 @@ from ...problem.forms.complementarity_form import forces_and_rotation
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError, read_answer
 from ..scaled_answer import ScaledAnswer
-from ..solution import SOLVED, Status
+from ..solution import SOLVED, CallTimes, Status
 
 Array = NDArray[np.float64]
 
@@ -42,8 +42,11 @@ def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> 
         force = _numbers(returned.force, "forces", (size,))
         turned = _rotation(returned.rotation, problem, force)
         gap = None if returned.gap is None else _numbers(returned.gap, "gaps", (size,))
-        status, steps = returned.suspicion, int(returned.iterations)
-        return ScaledAnswer(force, turned, steps, str(returned.message), status, gap, returned.times)
+        status: Any = returned.suspicion
+        times: Any = returned.times
+        if not isinstance(status, Status | None) or not isinstance(times, CallTimes | None):
+            raise _refused("it returned a ScaledAnswer whose suspicion is no Status, or whose times are no CallTimes")
+        return ScaledAnswer(force, turned, int(returned.iterations), str(returned.message), status, gap, times)
     if all(hasattr(returned, name) for name in ("x", "y", "z_box", "found")):
         return _of_solution(returned, problem, posed)
     if returned is None:

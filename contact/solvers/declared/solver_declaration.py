@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from ....core.checks import number, one_of, shown, truth
 from ....core.errors import InputError
+from ....core.processes.foreign_code import ForeignCodeError, foreign_code
 from ...problem.certificate import EXACT_TOLERANCE
 from ...problem.forms.complementarity_form import eliminated_system
 from ...problem.forms.lifted_form import lifted_programme
 from ...problem.scaled_problem import ScaledProblem
-from ..backend import NoAnswerError
 from ..scaled_answer import ScaledAnswer
-from ..solution import Status
 from .own_answer import own_answer
 
 #: Forms that a solver can declare, and what its function receives.
@@ -126,8 +125,9 @@ class Solver:
     def _keywords(self) -> tuple[frozenset[str], bool]:
         """Names of the keywords that the function takes, and whether it takes any."""
         try:
-            parameters = list(inspect.signature(self.function).parameters.values())
-        except (TypeError, ValueError):  # of a compiled function
+            with foreign_code():
+                parameters = list(inspect.signature(self.function).parameters.values())
+        except ForeignCodeError:  # of a compiled function
             return frozenset(), True
         kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
         named = [p.name for p in parameters[1:] if p.kind in kinds]
@@ -190,13 +190,7 @@ class Solver:
         if chosen.get("initvals") is not None and form == "lifted":
             force = np.asarray(chosen["initvals"])
             chosen["initvals"] = np.concatenate([force, posed.A[1:, : force.size] @ force])
-        try:
-            returned = self.function(posed, **chosen)
-        except TimeoutError as error:
-            raise NoAnswerError(": ".join(filter(None, ("time limit met", str(error)))), Status.TIME_LIMIT) from error
-        except SystemExit as error:
-            raise NoAnswerError(f"it ended with code {error.code}", Status.SOLVER_FAILED) from error
-        return own_answer(returned, problem, form, posed)
+        return own_answer(self.function(posed, **chosen), problem, form, posed)
 
 
 def _has_form(problem: ScaledProblem, form: str) -> bool:

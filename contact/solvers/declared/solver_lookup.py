@@ -18,6 +18,7 @@ from typing import Any
 
 from ....core.checks import shown
 from ....core.errors import InputError
+from ....core.processes.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code
 from ..solver_table import SOLVERS
 from .solver_declaration import Solver
 
@@ -44,17 +45,21 @@ def declared_solver(solver: SolverChoice) -> Solver | None:
     """
     if isinstance(solver, Solver):
         return solver
-    if isinstance(solver, str):
-        if solver == "auto" or solver in SOLVERS:
-            return None
-        if ":" in solver:
-            return _solver_at(solver)
-        return _entry_point_solver(solver, tuple(sys.path))
-    if not callable(solver):
-        raise InputError(
-            f"solver = {shown(solver)}: must be the name of a solver, MODULE:FUNCTION, a function or a Solver"
-        )
-    return Solver(_name_of(solver), solver)
+    if isinstance(solver, str) and (solver == "auto" or solver in SOLVERS):
+        return None
+    try:
+        with foreign_code(IMPORT_TIME_LIMIT):
+            if not isinstance(solver, str):
+                if callable(solver):
+                    return Solver(_name_of(solver), solver)
+                what = shown(solver)
+                raise InputError(
+                    f"solver = {what}: must be the name of a solver, MODULE:FUNCTION, a function or a Solver"
+                )
+            return _solver_at(solver) if declares_place(solver) else _entry_point_solver(solver, tuple(sys.path))
+    except ForeignCodeError as error:
+        once = "; if only the first import takes long, import it in Python once" if error.is_time_limit else ""
+        raise InputError(f"solver = {shown(solver)}: cannot be loaded: {error}{once}") from error
 
 
 def entry_point_names() -> list[str]:
@@ -96,17 +101,25 @@ def _entry_point_solver(name: str, _path: tuple[str, ...]) -> Solver | None:
     if len({point.value for point in points}) > 1:
         owners = ", ".join(sorted(str(point.dist.name) if point.dist else point.value for point in points))
         raise InputError(f"solver = {name!r}: must be brought by one distribution; {owners} bring it")
-    try:
-        found = points[0].load()
-    except Exception as error:  # a foreign module may raise anything
-        raise InputError(f"solver = {name!r}: its entry point {points[0].value} cannot be loaded: {error}") from error
-    return _named(name, found, points[0].value)
+    return _named(name, points[0].load(), points[0].value)
+
+
+def declares_place(text: str) -> bool:
+    """Whether a text is of the form ``module:function``.
+
+    Raises
+    ------
+    InputError
+        It has a colon, and is none.
+    """
+    module, colon, path = text.partition(":")
+    if colon and not (module.replace(".", "a").isidentifier() and path.replace(".", "a").isidentifier()):
+        raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION")
+    return bool(colon)
 
 
 def _solver_at(text: str) -> Solver:
     module, _, path = text.partition(":")
-    if not (module.replace(".", "a").isidentifier() and path.replace(".", "a").isidentifier()):
-        raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION")
     try:
         with current_folder_last():
             found: Any = importlib.import_module(module)
@@ -114,12 +127,8 @@ def _solver_at(text: str) -> Solver:
             found = getattr(found, name)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
-            raise InputError(f"solver = {text!r}: its module cannot be loaded: {error}") from error
+            raise
         raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION; there is no module {error.name!r}") from error
-    except Exception as error:  # a foreign module may raise anything
-        raise InputError(
-            f"solver = {text!r}: must be MODULE:FUNCTION of a module that can be imported; it cannot be loaded: {error}"
-        ) from error
     return _named(text, found, text)
 
 

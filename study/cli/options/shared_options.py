@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ....core.printable import printable_lines
+from ..command import as_given
 from ..terminal.word_completion import deviation_names
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
@@ -135,7 +136,7 @@ def refuse_name_of_output(output: Path, **folders: Path | None) -> None:
 
 def echo(text: str, *, err: bool = False) -> None:
     """Print lines with foreign text in them, which must not steer the terminal."""
-    click.echo(printable_lines(text), err=err)
+    click.echo(printable_lines(as_given(text)), err=err)
 
 
 def next_commands(*commands: Sequence[object]) -> None:

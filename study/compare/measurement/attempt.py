@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ....contact.problem.certificate import NO_CERTIFICATE, Certificate
 from ....contact.problem.contact_problem import ContactProblem
-from ....contact.solvers import SOLVERS, ContactSolution, Solver, solve
+from ....contact.solvers import ContactSolution, Solver, solve
 from ....contact.solvers.active_set.polish import STRICT_POLISH
 from ....contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
 from ....contact.solvers.declared.solver_lookup import declared_solver
@@ -118,13 +118,16 @@ def load_adapter(solver: str) -> Adapter | Solver | None:
     ------
     InputError
         The module cannot be imported or has no such function.
+    MissingSolverError
+        The package of a solver of the table cannot be loaded.
     """
     if solver == "native":
         return None
     declared = declared_solver(solver)
-    for package in ("qpsolvers",) if declared else filter(None, (SOLVERS[solver].package, "qpsolvers")):
-        importlib.import_module(package)  # slow imports are not to be timed
-    return adapter_of(solver) if declared is None else declared
+    if declared is None:
+        return adapter_of(solver)
+    importlib.import_module("qpsolvers")  # slow imports are not to be timed
+    return declared
 
 
 def attempt(

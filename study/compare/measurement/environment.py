@@ -9,7 +9,8 @@ import importlib.util
 import os
 import platform
 import sys
-from importlib.machinery import ModuleSpec
+from collections.abc import Sequence
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from typing import Any
 
@@ -88,14 +89,13 @@ def _digest(module: str) -> str:
 
 def find_module(module: str) -> ModuleSpec | None:
     """Find a module without running it, last of all in the current folder; ``None`` if there is none."""
-    before = list(sys.path)
-    sys.path.append(os.getcwd())
-    try:
-        return importlib.util.find_spec(module)
-    except (ImportError, ValueError, AttributeError):
-        return None
-    finally:
-        sys.path[:] = before
+    places: Sequence[str] | None = [*sys.path, os.getcwd()]
+    found: ModuleSpec | None = None
+    names = module.split(".")
+    for end in range(1, len(names) + 1):  # `importlib.util.find_spec` would run the packages around it
+        found = None if places is None else PathFinder.find_spec(".".join(names[:end]), places)
+        places = None if found is None else found.submodule_search_locations
+    return found
 
 
 def _version(package: str, missing: str = "unknown") -> str:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....contact.solvers import SOLVERS
-from ....contact.solvers.declared.solver_lookup import declared_solver
 
 #: Settings a solver can be run with, and what they mean; the headline first.
 SETTINGS = {
@@ -80,9 +79,3 @@ def has_tolerance(solver: str) -> bool:
 def polishes_itself(solver: str) -> bool:
     """Whether the table's settings have a solver polish its own answer, whatever its tolerance."""
     return solver in SOLVERS and bool(SOLVERS[solver].settings.get("polishing", False))
-
-
-def takes_start(solver: str) -> bool:
-    """Whether a solver makes use of the answer to a neighbouring problem."""
-    declared = declared_solver(solver)
-    return solver in STARTING_SOLVERS if declared is None else declared.warm_start

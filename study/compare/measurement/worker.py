@@ -7,7 +7,7 @@ import importlib
 import multiprocessing
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from typing import Any
@@ -16,16 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....contact.problem.contact_problem import ContactProblem
+from ....contact.solvers import Solver
+from ....contact.solvers.backend_solution import GRACE_TIME
 from ....contact.solvers.compiled.compiled_answer import compiled_code
 from ....core.compiled.compiled_use import compiling
-from ....core.errors import EaseoffError, InputError
-from ....core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
-from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
+from ....core.errors import EaseoffError, InputError, MissingSolverError
+from ....core.processes.child_environment import (
+    THREAD_VARIABLES,
+    child_environment,
+    children_without_interrupts,
+    end_with_parent,
+)
+from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter, plain
 from .method import Method
 from .posed_problem import UNMEASURED_FACTOR, multiplied
 
-#: Seconds beyond the time limit in which a solver may still end by itself, before it is ended.
-GRACE_TIME = 1.0
 #: Seconds in which a process must have imported what it needs.
 START_TIME_LIMIT = 120.0
 
@@ -57,6 +62,8 @@ class Worker:
         self._process: Any = None
         self._greeted = self._tried = False
         self._connection: Connection | None = None
+        self._failed: Attempt | None = None
+        self.takes_start = False
 
     @property
     def running(self) -> bool:
@@ -74,7 +81,12 @@ class Worker:
         theirs.close()
 
     def greet(self) -> Attempt | None:
-        """Wait until the process is ready; return None, or the outcome that stands for a failed start.
+        """Wait until the process is ready and says whether its own solver makes use of a start.
+
+        Returns
+        -------
+        Attempt | None
+            The outcome that stands for a failed start.
 
         Raises
         ------
@@ -86,16 +98,18 @@ class Worker:
             self.stop()
             raise InputError(greeting)
         self._greeted = True
-        return greeting if isinstance(greeting, Attempt) else None
+        self._failed = greeting if isinstance(greeting, Attempt) else None
+        self.takes_start = greeting is True
+        return self._failed
 
     def run(self, request: Request) -> Attempt:
-        """Return the outcome of a request, also if the process crashes."""
-        if not self.running:
+        """Return the outcome of a request, also if the process crashes; one that cannot start is not started again."""
+        if not self.running and self._failed is None:
             self.launch()
         if not self._greeted:
-            failed = self.greet()
-            if failed is not None:
-                return failed
+            self.greet()
+        if self._failed is not None:
+            return self._failed
         if not self._tried:
             # What is slow only once, such as loading and compiling, is left out of the times; with other data, of which
             # nothing is worth keeping.
@@ -153,20 +167,34 @@ def workers(solvers: list[str], threads: int = 1) -> Iterator[dict[str, Worker]]
             worker.stop()
 
 
+def launched(pool: Mapping[str, Worker], solvers: Iterable[str]) -> set[str]:
+    """Start the processes of some solvers at the same time, wait until they are ready, and return their names."""
+    names = set(solvers)
+    for solver in names:
+        pool[solver].launch()
+    for solver in names:
+        pool[solver].greet()
+    return names
+
+
 def serve(connection: Connection, solver: str) -> None:
     """Answer requests until the other side closes: the main function of a worker's process."""
+    end_with_parent()
     _silence()
     if ":" in solver:
         _add_current_folder()
     try:
         adapter = load_adapter(solver)
+    except MissingSolverError as error:
+        connection.send(Attempt(CRASHED, plain(str(error))))
+        return
     except EaseoffError as error:
         connection.send(str(error))
         return
     if solver == "native":
         with compiling():  # now if it has to be, not within the time limit of an attempt
             compiled_code()
-    connection.send(None)
+    connection.send(isinstance(adapter, Solver) and adapter.warm_start)
     while True:
         try:
             request: Request = connection.recv()

@@ -129,13 +129,16 @@ def _with_place(
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:
-    """Lines on uncertified solutions: one a torque that has some, and one for the friction feedback."""
-    lines = [
-        f"{torque:g} N m: {some} of {status.size} mesh positions have no certified solution {reasons}"
-        for loaded in (tree[name].to_dataset() for name in ("light_load", "loaded") if name in tree.children)
-        for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True)
-        for some, reasons in _failures(status)
-    ]
+    """Lines on uncertified solutions: one a torque that has some, their first reason, and one for friction fed back."""
+    lines = []
+    for loaded in (tree[name].to_dataset() for name in ("light_load", "loaded") if name in tree.children):
+        lines += [
+            f"{torque:g} N m: {some} of {status.size} mesh positions have no certified solution {reasons}"
+            for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True)
+            for some, reasons in _failures(status)
+        ]
+        if "first_failure" in loaded.attrs:
+            lines.append(f"the first of them: {loaded.attrs['first_failure']}")
     if "friction" in tree.children and "status" in tree["friction"]:
         status = tree["friction"].to_dataset()["status"].values
         what = "mesh positions and conditions have no load distribution"
