@@ -12,15 +12,13 @@ from numpy.polynomial import legendre
 from pairs import conjugate_pair
 
 from easeoff import GeometryError
-from easeoff.cases import case_text, gear_pair, parse_case
-from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, tooth_patches
-from easeoff.geometry.cutting.machine_pose import machine_pose
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.cases import case_text, gear_pair, parse_case, read_case
+from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, machine_pose, solve_flank, tooth_patches
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.pair.tooth_body import ToothBody, tooth_body
 from easeoff.geometry.tooth import tooth
 from easeoff.geometry.tooth.tooth_flanks import side
-from easeoff.geometry.tooth.tooth_surface import tooth_side
+from easeoff.geometry.tooth.tooth_surface import tooth_side, tooth_surface
 from easeoff.geometry.vectors import dot, rotate_z
 
 NODES = (7, 9)
@@ -307,3 +305,12 @@ def test_fitted_plate_follows_the_tooth(pair: GearPair) -> None:
     # Lengths of the trace at root and tip, by sums over points of the middle surface.
     assert abs(gear.fanning) < 0.003
     assert pinion.fanning > 0.01
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+def test_a_fillet_of_two_nodes_ends_where_one_of_many_does(name: str) -> None:
+    """A long stride along the fillet once led to no points: such teeth were refused, though they can be built."""
+    pair = gear_pair(read_case(name))
+    few, many = (tooth_surface(pair, "pinion", (7, 5), count) for count in (2, 17))
+    for one, other in ((few.loaded, many.loaded), (few.opposite, many.opposite)):
+        np.testing.assert_allclose(one.fillet[:, :, [0, -1]], other.fillet[:, :, [0, -1]], rtol=0, atol=1e-9)

@@ -31,6 +31,7 @@ FILLET_NODES = 9
 ROOT_LAND_NODES = 5
 TOP_LAND_NODES = 5
 FILLET_STEP_LIMIT = np.array([0.05, 0.05])  # of both parameters, in Newton steps along the fillet
+STRIDE_HALVINGS = 3  # of a stride along the fillet that leads to no point
 
 
 @dataclass(frozen=True)
@@ -129,11 +130,34 @@ def _fillet(
     parameters, _, _ = _at_coordinate(lowest, section, lengthwise, 0.0, parameters)
     points: list[Array] = []
     normals: list[Array] = []
-    for coordinate in coordinates[::-1]:
-        parameters, position, normal = _at_coordinate(surface.on("edge"), section, lengthwise, coordinate, parameters)
+    before = 0.0
+    for coordinate in coordinates[::-1].tolist():
+        stride = before, coordinate
+        parameters, position, normal = _followed(surface.on("edge"), section, lengthwise, stride, parameters)
         points.insert(0, position)
         normals.insert(0, normal)
+        before = coordinate
     return np.stack(points, axis=2), np.stack(normals, axis=2)
+
+
+def _followed(
+    surface: GeneratingSurface,
+    section: BlankSection,
+    lengthwise: Array,
+    stride: tuple[float, float],
+    start: Array,
+    halvings: int = STRIDE_HALVINGS,
+) -> tuple[Array, Array, Array]:
+    """As ``_at_coordinate`` after a stride from one coordinate to another, in halves where it leads to no points."""
+    first, last = stride
+    try:
+        return _at_coordinate(surface, section, lengthwise, last, start)
+    except GeometryError:
+        if halvings == 0 or first == last:
+            raise
+    middle = 0.5 * (first + last)
+    start, _, _ = _followed(surface, section, lengthwise, (first, middle), start, halvings - 1)
+    return _followed(surface, section, lengthwise, (middle, last), start, halvings - 1)
 
 
 def _at_coordinate(
