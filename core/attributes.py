@@ -266,6 +266,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "accepted": ("1", "search went on from the answer"),
     "mending": ("1", "began at the step before, to mend it"),
     "programme_status": ("", "programme status by CVXPY"),
+    "refusal": ("", "why the settings were refused", "empty if they were analysed"),
     # optimal settings
     "setting_start": ("", "setting in the case", "in setting_units"),
     "setting_found": ("", "setting found", "in setting_units"),

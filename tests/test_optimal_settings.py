@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from extreme_designs import Extreme
 from pairs import conjugate_pair
-from runs import output_of, refusal_of, small
+from runs import SMALL, output_of, refusal_of, small
 from whole_differences import coarse
 
 import easeoff
-from easeoff import Case, InputError, optimize
-from easeoff.cases import gear_pair, parse_case, write_case
-from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion
-from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff import Case, GeometryError, InputError, optimize
+from easeoff.cases import gear_pair, parse_case, parse_design, write_case
+from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion, get_setting, machine_pose, with_settings
+from easeoff.geometry.cutting.machine_resolution import MachineResolution
 from easeoff.geometry.cutting.named_settings import (
     BLADE_STEPS,
     CURVATURE_STEPS,
@@ -32,6 +33,7 @@ from easeoff.geometry.cutting.named_settings import (
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.pair_setting import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study.design.case_design import design_case
 from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
 from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
@@ -39,6 +41,7 @@ from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, blad
 from easeoff.study.design.optimization.contact_quantity import LOST_TIP, ContactQuantity, QuantityLimit
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
+from easeoff.study.report.setting_report import setting_report
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
 TWO = [RADIAL, ROLL]
@@ -127,6 +130,102 @@ def test_values_are_those_of_an_analysis() -> None:
     loaded = tree["loaded"].to_dataset()
     known = [loaded["peak_to_peak"].item(), loaded["max_pressure"].item(), loaded["harmonic"].sel(order=2).item()]
     assert values == pytest.approx(known, rel=1e-9)
+
+
+def test_differences_of_analyses_come_near_exact_derivatives() -> None:
+    start = begun("peak_to_peak", "max_pressure")
+    (exact,) = start.readings.values()
+    other = start.by_differences()
+    assert other is not None
+    (found,) = other.readings.values()
+    assert other.by_differences() is None
+    for name in ("transmission_error", "ease_off", "blade_tip_gap", "load_centre_lengthwise"):
+        known = exact.slopes[name].transpose(*found.slopes[name].dims)
+        assert float(np.abs(found.slopes[name] - known).max()) < 0.02 * float(np.abs(known).max())
+    greatest = exact.values["pressure"].fillna(0.0).argmax(...)
+    for known, near in ((exact.slopes["pressure"][greatest], found.slopes["pressure"][greatest]),):
+        assert near.values == pytest.approx(known.values, rel=0.05)
+
+
+def without_derivatives(*_args: Any, **_keywords: Any) -> Any:
+    raise GeometryError("a contact line ends at a hole of the flank")
+
+
+def test_where_there_are_no_exact_derivatives_analyses_lead_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair with undercut was once refused, and a search ended where a contact line began to end there."""
+    usual = quick(["max_pressure"], steps=1)["optimal_settings"].to_dataset()
+    monkeypatch.setattr("easeoff.study.analysis.solved_contact.SolvedContact.differentiated", without_derivatives)
+    record = quick(["max_pressure"], steps=1)["optimal_settings"].to_dataset()
+    assert record.attrs["differentiated_analyses"] == 0
+    assert record["accepted"].item() == 1
+    assert record["objective_ratio"].item() == pytest.approx(usual["objective_ratio"].item(), abs=2e-3)
+
+
+def test_refused_proposals_are_named_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once the report said of them that nothing better was found, and asked for more steps."""
+
+    def refused(*_args: Any) -> Any:
+        raise GeometryError("there is no whole tooth")
+
+    monkeypatch.setattr("easeoff.study.design.optimization.analysed_settings.tooth_surface", refused)
+    tree = quick(["max_pressure"])
+    record, said = tree["optimal_settings"].to_dataset(), setting_report(tree)
+    count = record.sizes["programme"]
+    assert record.attrs["ended"] == "no_gain"
+    assert record.attrs["refused_proposals"] == count > 3
+    assert set(record["refusal"].values.tolist()) == {"there is no whole tooth"}
+    assert f"Refused, not analysed: {count} of {count} proposals: there is no whole tooth" in said
+    assert "No proposal could be analysed" in said
+    assert "Nothing better" not in said
+    assert "--steps" not in said
+
+
+@pytest.mark.thorough
+def test_a_pair_at_95_degrees_is_improved_within_its_limits() -> None:
+    """Every proposal was refused, by a check of its teeth that took too long strides along their fillets."""
+    design = Extreme((19, 62), module=3.0, shaft=95.0, spiral=30.0, generated=True).text("modified_roll")
+    case, _ = design_case(parse_design(design))
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=SMALL)})
+    tree = optimize(case, ["peak_to_peak"], limits=["ease_off_change<=15"], steps=3)
+    record = tree["optimal_settings"].to_dataset()
+    assert np.all(np.isfinite(record["fresh_objective"]))
+    assert record["objective_ratio"].item() < 0.97
+    assert record["limited_value"].values[0] <= 15.0
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_settings_are_rounded_within_their_limits(side: float) -> None:
+    """Limits between steps of the machine: the nearest multiple beyond one is not taken."""
+    space = begun("max_pressure").workshop.space
+    low, high = 74.8691, 74.8795
+    free = tuple(replace(one, low=low, high=high) if one.name == RADIAL else one for one in space.free)
+    coarse_steps = replace(space, free=free, resolution=MachineResolution(length=0.004))
+    found = coarse_steps.nearest(np.array([74.87 + side, 3.24]))
+    assert found[0] == (74.872 if side < 0.0 else 74.876)
+    assert coarse_steps.nearest(space.start)[0] == 74.876
+    with pytest.raises(InputError, match=r"pinion.concave.machine.radial_distance = 74.8691:74.8795: must hold a mult"):
+        replace(space, free=free, resolution=MachineResolution(length=0.05))
+
+
+def test_a_search_keeps_limits_between_the_steps_of_the_machine() -> None:
+    start = begun("max_pressure").workshop.space.start[0]
+    limits = {RADIAL: (start - 0.00513, start + 0.00537)}
+    steps = MachineResolution(length=0.004)
+    tree = quick(["max_pressure"], limit_settings=limits, steps=1, resolution=steps)
+    record = tree["optimal_settings"].to_dataset().sel(setting=RADIAL)
+    value = record["setting_value"].item()
+    assert limits[RADIAL][0] <= value <= limits[RADIAL][1]
+    assert value / 0.004 == pytest.approx(round(value / 0.004), abs=1e-9)
+    found = parse_case(tree.attrs["case"])
+    assert found.pinion.concave is not None
+    assert found.pinion.concave.machine.radial_distance == value
+
+
+def test_limits_are_of_the_setting_that_moves_not_of_one_that_follows() -> None:
+    """The sliding base follows the machine centre: its limits were once taken for those of the machine centre."""
+    free = free_settings(coarse_case(), ["drive"])
+    with pytest.raises(InputError, match=r"limit_setting = '\*.sliding_base': must be the key of a free setting"):
+        with_limits(free, np.ones(len(free)), 100.0, {"*.sliding_base": (-1e3, 1e3)})
 
 
 @pytest.mark.thorough

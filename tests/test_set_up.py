@@ -25,7 +25,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.machine_resolution import MachineResolution, step_of
-from easeoff.geometry.design.basic_settings import generated_gear
+from easeoff.geometry.cutting.named_settings import get_setting
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion
 from easeoff.geometry.design.mean_point import mean_point_angles
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
@@ -328,6 +328,27 @@ def test_small_teeth_have_a_tenth_of_the_steps_and_edge_radii_are_rounded_down()
     assert STEPS.edge(0.03) == 0.03
     assert STEPS.width(0.02) == pytest.approx(0.1)
     assert StandardSteps().angle(0.3123) == 0.3123
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_blades_are_rounded_within_the_limits_of_the_design(end: int) -> None:
+    """The nearest step beyond a limit is not taken; without a step between the limits a blade stays as it is."""
+    surface = gear_pair(read_case("nasa-12x36")).pinion.loaded
+    angle, radius = get_setting(surface, "pressure_angle"), get_setting(surface, "point_radius")
+    nearest = STEPS.blade(surface, with_radius=True)
+    one, other = math.radians(0.2), 0.02
+    limits = {
+        "pressure_angle": (angle - one, angle + 3.0 * one) if end else (angle - 3.0 * one, angle + one),
+        "point_radius": (radius - other, radius + 3.0 * other) if end else (radius - 3.0 * other, radius + other),
+    }
+    found = STEPS.blade(surface, with_radius=True, allowed=limits.__getitem__)
+    assert found.keys() == nearest.keys()
+    for name, step in (("pressure_angle", STEPS.blade_angle), ("point_radius", 0.5 * STEPS.point_width)):
+        low, high = limits[name]
+        assert low <= found[name] <= high
+        assert found[name] / step == pytest.approx(round(found[name] / step), abs=1e-9)
+    held = STEPS.blade(surface, with_radius=True, allowed=lambda name: (limits[name][end],) * 2)
+    assert held == {name: get_setting(surface, name) for name in held}
 
 
 def test_negative_steps_are_refused() -> None:

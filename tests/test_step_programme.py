@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog, minimize
 
+from easeoff import GeometryError
 from easeoff.study.design.optimization.composite import Composite
 from easeoff.study.design.optimization.step_programme import (
     LIMIT_MARGIN,
@@ -20,7 +21,7 @@ from easeoff.study.design.optimization.step_programme import (
     StepProgramme,
     judged_objective,
 )
-from easeoff.study.design.optimization.trust_region import Merit, search
+from easeoff.study.design.optimization.trust_region import RADIUS_MINIMUM, Merit, search
 
 Array = NDArray[np.float64]
 RADIUS = 2.0
@@ -167,7 +168,10 @@ class Bowl:
         return LocalModel(((self.rows(),),), ((self.limited(),),), np.eye(2), -far - self.settings, far - self.settings)
 
     def moved(self, step: Array) -> Bowl:
-        return Bowl(self.settings + step, self.limit)
+        return replace(self, settings=self.settings + step)
+
+    def by_differences(self) -> Bowl | None:
+        return None
 
 
 def optimum(limit: float) -> Any:
@@ -198,6 +202,62 @@ def test_a_multiplier_is_what_a_moved_limit_gains() -> None:
     gain = (optimum(0.4).point.merit.objective - optimum(0.6).point.merit.objective) / 0.2
     assert here.last.multipliers[0] == pytest.approx(gain, rel=0.1)
     assert optimum(10.0).last.multipliers[0] == pytest.approx(0.0, abs=1e-5)
+
+
+@dataclass(frozen=True, eq=False)
+class Walled(Bowl):
+    """The same, with no analysis at negative y."""
+
+    def moved(self, step: Array) -> Bowl:
+        if (self.settings + step)[1] < 0.0:
+            raise GeometryError("there is a wall")
+        return super().moved(step)
+
+
+@dataclass(frozen=True, eq=False)
+class Misled(Bowl):
+    """The same with exact derivatives of the wrong sign, but right differences."""
+
+    by_sign: float = -1.0
+
+    def rows(self) -> Composite:
+        found = super().rows()
+        return replace(found, slope=self.by_sign * found.slope)
+
+    def moved(self, step: Array) -> Bowl:
+        return replace(self, settings=self.settings + step, by_sign=-1.0)
+
+    def by_differences(self) -> Bowl | None:
+        return replace(self, by_sign=1.0) if self.by_sign < 0.0 else None
+
+
+def searched(start: Bowl, steps: int = 60) -> Any:
+    shared = StepProgramme(start.model(1.0), np.ones(1), "worst")
+    return search(start, lambda _: shared, steps=steps)
+
+
+def test_a_search_says_why_it_ended_and_why_settings_were_refused() -> None:
+    far = np.array([-2.0, 5.0])
+    assert searched(Bowl(far, 10.0)).ended == "converged"
+    assert searched(Bowl(far, 10.0), steps=2).ended == "steps"
+    # The bowl falls towards its wall: near it smaller and smaller steps gain, until none does.
+    walled = searched(Walled(np.array([3.0, 0.5]), 10.0))
+    refused = [step for step in walled.steps if step.refusal]
+    assert {step.refusal for step in refused} == {"there is a wall"}
+    assert all(np.isnan(step.fresh.objective) == bool(step.refusal) for step in walled.steps)
+    assert walled.point.settings[1] >= 0.0
+    closed = searched(Walled(np.array([-2.0, -20.0]), 10.0))
+    assert closed.ended == "no_gain"
+    assert all(step.refusal == "there is a wall" for step in closed.steps)
+    assert closed.radius < RADIUS_MINIMUM
+
+
+def test_where_exact_derivatives_lead_nowhere_differences_go_on() -> None:
+    misled = searched(Misled(np.array([-2.0, 5.0]), 10.0))
+    assert misled.point.merit.total < Bowl(np.array([-2.0, 5.0]), 10.0).merit.total - 0.1
+    accepted = [step.accepted for step in misled.steps]
+    assert not any(accepted[:2])
+    assert any(accepted)
 
 
 @pytest.mark.parametrize("kind", ["affine", "greatest", "range", "norm"])

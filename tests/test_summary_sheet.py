@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import xml.etree.ElementTree as ET
 from functools import cache
@@ -13,12 +14,13 @@ import numpy as np
 import pytest
 from extreme_designs import EXTREMES
 from pairs import by_the_dissertation
-from runs import call
+from runs import call, output_of, text_file
 
 from easeoff import InputError
 from easeoff.cases import (
     Case,
     case_toml,
+    design_text,
     gear_pair,
     parse_case,
     parse_design,
@@ -356,3 +358,32 @@ def test_design_writes_rounded_settings(tmp_path: Path) -> None:
 def test_steps_must_be_positive() -> None:
     with pytest.raises(InputError, match="resolution of length = 0"):
         MachineResolution(length=0.0)
+
+
+def test_settings_of_a_designed_pinion_are_rounded_within_their_limits() -> None:
+    """Inwards where the nearest step is beyond a limit; without a step between its limits a setting stays as it is."""
+    case = read_case("fm-11x41")
+    concave = case.pinion.concave
+    assert concave is not None
+    tilt, radial = concave.machine.cutter_tilt, concave.machine.radial_distance
+    steps = MachineResolution(angle=0.02, length=0.01)
+    nearest = rounded_case(case, steps).pinion.concave
+    assert nearest is not None
+    assert nearest.machine.cutter_tilt > tilt
+    limits = {"cutter_tilt": (0.0, math.radians(tilt)), "radial_distance": (radial, radial)}
+    found = rounded_case(case, steps, limits)
+    assert found.pinion.concave is not None
+    assert found.pinion.concave.machine.cutter_tilt == pytest.approx(nearest.machine.cutter_tilt - 0.02, abs=1e-9)
+    assert found.pinion.concave.machine.radial_distance == radial
+    assert found.gear == rounded_case(case, steps).gear
+
+
+@pytest.mark.thorough
+def test_limits_of_a_design_reach_its_rounding(tmp_path: Path) -> None:
+    """A tilt at its limit stays within it, as written."""
+    text = design_text("fh-design-a").replace("follow_root = true", 'method = "tilt"')
+    path = text_file(tmp_path / "d.toml", text + "\n[pinion.limits]\ncutter_tilt = 15.0006\n")
+    output_of("design", path, "-o", tmp_path / "c.toml", "--round")
+    tilts = [getattr(read_case(tmp_path / "c.toml").pinion, side).machine.cutter_tilt for side in FLANKS]
+    assert max(tilts) <= 15.0006
+    assert min(tilts) == 15.0

@@ -14,6 +14,7 @@ from ...core.checks import number
 from .named_settings import MODIFIED_ROLL_ORDERS, scale_of
 
 LARGEST_STEP = 10.0  # mm or degrees
+STEP_NOISE = 1e-14  # of a bound: a multiple that passes it by less is on it
 
 
 @dataclass(frozen=True)
@@ -126,13 +127,26 @@ class SettingStep:
         return "straight" if math.isinf(written) else f"{written:.{self.decimals}f}"
 
 
-def nearest_multiple(value: float, step: float) -> float:
-    """The nearest multiple of a step, without the noise of the product.
+def nearest_multiple(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:
+    """The nearest multiple of a step between bounds, without the noise of the product; where none is, the value itself.
 
-    >>> nearest_multiple(70.08634, 0.001)
-    70.086
+    >>> nearest_multiple(70.08634, 0.001), nearest_multiple(70.08634, 0.001, high=70.0859)
+    (70.086, 70.085)
     """
-    return round(round(value / step) * step, 12) + 0.0
+    count = step_count(value, step, low, high)
+    return value if count is None else round(count * step, 12) + 0.0
+
+
+def step_count(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> int | None:
+    """Number of steps nearest to a value between bounds; ``None`` where no multiple of the step is.
+
+    >>> step_count(0.019, 0.01, high=0.019), step_count(0.019, 0.01, 0.015, 0.019)
+    (1, None)
+    """
+    count = round(min(max(value, low), high) / step)
+    low, high = low - STEP_NOISE * abs(low), high + STEP_NOISE * abs(high)
+    count += int(count * step < low) - int(count * step > high)
+    return count if low <= count * step <= high else None
 
 
 ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")

@@ -6,10 +6,12 @@ They are taken before the machine settings are fitted, so that these make up for
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from ...core.checks import number
 from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.machine_resolution import step_count
 from ..cutting.named_settings import get_setting
 
 SMALL_MODULE, SMALL_SHARE = 1.0, 0.1  # [mm]; below it the steps are a tenth
@@ -62,16 +64,18 @@ class StandardSteps:
         """The nearest point width [mm]; one step at least."""
         return max(_nearest(value, self.point_width), self.point_width)
 
-    def radius(self, value: float) -> float:
-        """The nearest radius of a blade's tip [mm]."""
-        return _nearest(value, 0.5 * self.point_width)
-
     def edge(self, value: float) -> float:
         """The next smaller edge radius [mm]; the value itself below one step."""
         step = self.edge_radius
         return value if step == 0.0 or value < step else round(math.floor(value / step + 1e-9) * step, 9)
 
-    def blade(self, surface: GeneratingSurface, *, with_radius: bool) -> dict[str, float]:
+    def blade(
+        self,
+        surface: GeneratingSurface,
+        *,
+        with_radius: bool,
+        allowed: Callable[[str], tuple[float, float]] = lambda _: (-math.inf, math.inf),
+    ) -> dict[str, float]:
         """Settings of a flank's blade at their steps, by name; empty where nothing has one.
 
         Parameters
@@ -80,14 +84,19 @@ class StandardSteps:
             The flank.
         with_radius
             Whether the radius of the blade's tip has steps too.
+        allowed
+            Least and greatest value of a setting by name; one without a step between them stays as it is.
         """
         found = {}
         if self.blade_angle:
-            found["pressure_angle"] = self.angle(get_setting(surface, "pressure_angle"))
+            angle = get_setting(surface, "pressure_angle")
+            found["pressure_angle"] = _nearest(angle, self.blade_angle, *allowed("pressure_angle"))
         if with_radius and self.point_width:
-            found["point_radius"] = self.radius(get_setting(surface, "point_radius"))
+            radius = get_setting(surface, "point_radius")
+            found["point_radius"] = _nearest(radius, 0.5 * self.point_width, *allowed("point_radius"))
         return found
 
 
-def _nearest(value: float, step: float) -> float:
-    return value if step == 0.0 else round(value / step) * step
+def _nearest(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:
+    count = step_count(value, step, low, high) if step else None
+    return value if count is None else count * step

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -230,6 +231,15 @@ def _at_limit(design: Design, designed: PairDesign, side: FlankName) -> tuple[st
     values = {name: value for name, (_, value) in designed.pinion[side].moved.items()}
     limits = setting_limits(design.pinion.limits)
     return at_limit(values, limits, designed.blank.pinion.root_angle, design.blank_design.cutter_radius)
+
+
+def limits_of_moved(design: Design, report: DesignReport) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of the pinion's fitted settings by name [mm or rad]; the closest fit has none."""
+    if design.pinion.method == "closest_fit":
+        return {}
+    limits, radius = setting_limits(design.pinion.limits), design.blank_design.cutter_radius
+    allowed = partial(limits.allowed, root_angle=report.blank.pinion.root_angle, cutter_radius=radius)
+    return {name: allowed(name) for side in report.sides.values() for name in side.moved}
 
 
 def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,13 @@ from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...core.errors import GeometryError
-from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, nearest_multiple, step_of
+from ...geometry.cutting.machine_resolution import (
+    USUAL_RESOLUTION,
+    MachineResolution,
+    nearest_multiple,
+    setting_step,
+    step_of,
+)
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
 
@@ -18,7 +26,11 @@ EFFECT_NODES = (15, 11)
 FLANKS = ("concave", "convex")
 
 
-def rounded_case(case: Case, resolution: MachineResolution | None = None) -> Case:
+def rounded_case(
+    case: Case,
+    resolution: MachineResolution | None = None,
+    pinion_limits: Mapping[str, tuple[float, float]] | None = None,
+) -> Case:
     """The case with the settings of every flank rounded.
 
     Parameters
@@ -27,6 +39,9 @@ def rounded_case(case: Case, resolution: MachineResolution | None = None) -> Cas
         A checked case.
     resolution
         Steps; the usual ones if left out.
+    pinion_limits
+        Least and greatest value of settings of the pinion [mm or rad], by the names in ``named_settings``: they are
+        rounded inwards, and one without a step between its limits stays as it is.
 
     Examples
     --------
@@ -38,7 +53,10 @@ def rounded_case(case: Case, resolution: MachineResolution | None = None) -> Cas
     members: dict[str, Any] = {}
     for name in ("pinion", "gear"):
         member = getattr(case, name)
-        flanks = {side: _flank(getattr(member, side), steps) for side in FLANKS if getattr(member, side) is not None}
+        limits = (pinion_limits or {}) if name == "pinion" else {}
+        flanks = {
+            side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
+        }
         members[name] = member.model_copy(update=flanks)
     return case.model_copy(update=members)
 
@@ -90,14 +108,24 @@ def _change(case: Case, rounded: Case, side: FlankName) -> float:
     return float(np.abs(change - lever * float(lever @ change) / float(lever @ lever)).max())
 
 
-def _flank(settings: FlankSettings, steps: MachineResolution) -> FlankSettings:
-    machine = {key: _to_step(value, step_of_key(steps, "machine", key)) for key, value in settings.machine}
+def _flank(
+    settings: FlankSettings, steps: MachineResolution, limits: Mapping[str, tuple[float, float]]
+) -> FlankSettings:
+    def rounded(value: Any, name: str) -> Any:
+        """The nearest multiple of the step within the limits."""
+        step = step_of(name, steps)
+        if value is None or step is None:
+            return value
+        factor = setting_step(name, steps).factor if name in limits else 1.0
+        return nearest_multiple(value, step, *(factor * end for end in limits.get(name, (-math.inf, math.inf))))
+
+    machine = {key: rounded(value, key) for key, value in settings.machine}
     motions = {
-        key: tuple(_to_step(value, step_of_key(steps, "motions", key)) for value in values)
+        key: tuple(rounded(value, f"{key}_motion_{order}") for order, value in enumerate(values, start=1))
         for key, values in settings.machine.motions
     }
     machine["motions"] = settings.machine.motions.model_copy(update=motions)
-    cutter = {key: _to_step(value, step_of_key(steps, "cutter", key)) for key, value in settings.cutter}
+    cutter = {key: rounded(value, _cutter_name(key)) for key, value in settings.cutter}
     return settings.model_copy(
         update={
             "machine": settings.machine.model_copy(update=machine),
@@ -108,10 +136,9 @@ def _flank(settings: FlankSettings, steps: MachineResolution) -> FlankSettings:
 
 def step_of_key(resolution: MachineResolution, table: str, key: str) -> float | None:
     """Step of a key of the tables ``machine``, ``motions`` or ``cutter``; ``None`` where it is not rounded."""
-    name = f"{key}_motion_1" if table == "motions" else key.removeprefix("blade_").removeprefix("tool_")
-    return step_of(name, resolution)
+    return step_of(f"{key}_motion_1" if table == "motions" else _cutter_name(key), resolution)
 
 
-def _to_step(value: Any, step: float | None) -> Any:
-    """The nearest multiple of the step."""
-    return value if value is None or step is None else nearest_multiple(value, step)
+def _cutter_name(key: str) -> str:
+    """Name of a key of a cutter without its prefix."""
+    return key.removeprefix("blade_").removeprefix("tool_")

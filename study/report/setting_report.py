@@ -7,8 +7,18 @@ import xarray as xr
 from numpy.typing import NDArray
 from tabulate import tabulate
 
+from ..design.optimization.trust_region import RADIUS_MINIMUM
+
 #: Least multiplier that is shown: a smaller one is rounding.
 MULTIPLIER_MINIMUM = 1e-6
+#: Why a search ended, see ``trust_region.Search``; another end is that of an earlier search.
+ENDS = {
+    "converged": "A local optimum: nothing nearby is better",
+    "steps": "Note: the search ended after its --steps, not converged; go on with --resume, or allow more --steps",
+    "no_gain": "Note: the search ended, not converged, where no step gained, down to changes of the ease-off by "
+    f"{RADIUS_MINIMUM:g} um and with derivatives by differences; start elsewhere, or free other settings",
+    "": "Note: the search, an earlier one, has not converged",
+}
 #: Share of a setting's range within which it is at the end of it.
 LIMIT_SHARE = 1e-3
 
@@ -91,16 +101,11 @@ def _notes(record: xr.Dataset) -> list[str]:
             f"Warning: limits are passed by {100.0 * attributes['violation']:.2g} % in all: widen limits, free more "
             "settings, or allow more --move"
         )
-    elif not record["accepted"].values.any():
-        found.append("Nothing better than the start was found")
+    found += _proposals(record)
     held = [str(name) for name in record["setting"].values[_at_limit(record)]]
     if held:
         found.append(f"Note: at the end of its range is {', '.join(held)}; --move or --limit-setting gives it more")
-    found.append(
-        "A local optimum: nothing nearby is better"
-        if attributes["converged"]
-        else "Note: the search has not converged; go on with --resume, or allow more --steps"
-    )
+    found.append(ENDS[attributes["ended"]])
     if not attributes["edge_contact"]:
         found.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
     if "sample_ratio" in record:
@@ -110,6 +115,21 @@ def _notes(record: xr.Dataset) -> list[str]:
             f"In {record.sizes['sample']} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the search "
             f"{known:.3f}"
         )
+    return found
+
+
+def _proposals(record: xr.Dataset) -> list[str]:
+    """What became of the settings that programmes proposed."""
+    reasons, counts = np.unique([one for one in record["refusal"].values.tolist() if one], return_counts=True)
+    count, refused = record.sizes["programme"], int(counts.sum())
+    found = [
+        f"Refused, not analysed: {number} of {count} proposals: {reason}"
+        for reason, number in zip(reasons.tolist(), counts.tolist(), strict=True)
+    ]
+    if refused == count > 0:
+        found.append("No proposal could be analysed: whether there is something better than the start is not known")
+    elif not record["accepted"].values.any():
+        found.append(f"Nothing better than the start was found; {count - refused} proposals were analysed")
     return found
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -218,8 +219,9 @@ def _stepped(
     steps: StandardSteps,
 ) -> dict[FlankName, Synthesis]:
     """The fits with blades at standard steps, and the machine settings fitted once more."""
+    allowed = partial(limits.allowed, root_angle=blank.pinion.root_angle, cutter_radius=cutter_radius)
     blades = {
-        side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0)
+        side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0, allowed=allowed)
         for side, fit in fits.items()
     }
     own = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))

@@ -11,8 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....core.checks import shown
-from ....core.errors import InputError
+from ....core.errors import EaseoffError, InputError
 from ....geometry.pair.gear_pair import FlankName
+from ...analysis.solved_contact import SolvedContact
 from .composite import Composite
 from .contact_quantity import ContactQuantity, QuantityLimit
 from .step_programme import Form, judged_objective
@@ -41,22 +42,33 @@ class Reading:
 
     Parameters
     ----------
+    solved
+        Of which it is.
     values
         Of ``SolvedContact``.
-    edge_contact
-        Whether tooth edges could touch.
     differentiated
-        Makes the derivatives.
+        Makes the exact derivatives; ``None`` where they are not wanted.
+    differences
+        Makes derivatives by differences of analyses.
     """
 
+    solved: SolvedContact
     values: xr.Dataset
-    edge_contact: bool
-    differentiated: Callable[[], xr.Dataset]
+    differentiated: Callable[[], xr.Dataset] | None
+    differences: Callable[[], xr.Dataset]
+
+    @cached_property
+    def exact(self) -> xr.Dataset | None:
+        """The exact derivatives; ``None`` where they have no answer, as at a contact line that ends at undercut."""
+        try:
+            return None if self.differentiated is None else self.differentiated()
+        except EaseoffError:
+            return None
 
     @cached_property
     def slopes(self) -> xr.Dataset:
-        """The derivatives, computed when they are asked for."""
-        return self.differentiated()
+        """The derivatives, computed when they are asked for; raises EaseoffError if there are none of either kind."""
+        return self.differences() if self.exact is None else self.exact
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
-from ....core.errors import EaseoffError
+from ....core.errors import EaseoffError, GeometryError
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName
 from ....geometry.tooth.tooth_surface import tooth_surface
@@ -32,6 +32,8 @@ Readings = Mapping[tuple[FlankName, int], Reading]
 
 #: Corrections of a step, and the least effect of a combination of settings, over the greatest, that takes part.
 CORRECTION_COUNT, CORRECTED_PART = 2, 0.02
+#: Change of a setting to either side for derivatives by differences, by its effect on the ease-off [um].
+DIFFERENCE_REACH = 0.5
 #: Nodes lengthwise, and up flank and fillet, on which a tooth must be whole.
 TOOTH_NODES = (9, 5)
 
@@ -91,9 +93,9 @@ class Workshop:
         for flank, held in self.states.items():
             state = held.recut(case)
             for number, misalignment in enumerate(self.assemblies):
-                at_home = misalignment == state.pair.assembly.misalignment
-                own = state if at_home else state.misaligned(misalignment)
-                found[flank, number] = self._reading(own, flank)
+                solved = self._solved(state, misalignment)
+                ways = partial(self._differentiated, solved), partial(self.differences, solved)
+                found[flank, number] = Reading(solved, self._values(solved), *ways)
         return found
 
     def require_whole_teeth(self, case: Case) -> None:
@@ -110,15 +112,46 @@ class Workshop:
         self.effort.teeth += len(states)
         return replace(self, states=states)
 
-    def _reading(self, state: CaseInMesh, flank: FlankName) -> Reading:
-        solved = SolvedContact.of(state, list(self.torques))
+    def _solved(self, state: CaseInMesh, misalignment: Misalignment) -> SolvedContact:
+        at_home = misalignment == state.pair.assembly.misalignment
+        solved = SolvedContact.of(state if at_home else state.misaligned(misalignment), list(self.torques))
         self.effort.analyses += 1
-        changes = partial(self._differentiated, solved, flank)
-        values = solved.values(unloaded=self.unloaded).assign(blade_tip_gap=blade_tip_gaps(state.pair))
-        return Reading(values, solved.edge_contact, changes)
+        return solved
 
-    def _differentiated(self, solved: SolvedContact, flank: FlankName) -> xr.Dataset:
+    def _values(self, solved: SolvedContact) -> xr.Dataset:
+        return solved.values(unloaded=self.unloaded).assign(blade_tip_gap=blade_tip_gaps(solved.state.pair))
+
+    def differences(self, solved: SolvedContact) -> xr.Dataset:
+        """Derivatives by the free settings, each moved a little to both sides; to one where the other has no analysis.
+
+        Segments of several analyses are not the same: their quantities count with the greatest of a mesh position.
+        Raises GeometryError if neither side has an analysis.
+        """
+        state = solved.state
+        here, values = self.space.values_of(state.case), self._values(solved)
+        columns: dict[str, list[Array]] = {str(name): [] for name in values.data_vars}
+        for row, (one, unit) in enumerate(zip(self.space.free, self.units, strict=True)):
+            ends, refusal = {0.0: values}, ""
+            for side in (-DIFFERENCE_REACH, DIFFERENCE_REACH) if any(_acts(k, state.flank) for k in one.moves) else ():
+                there = here.copy()
+                there[row] += side * unit
+                try:
+                    moved = self.states[state.flank].recut(self.space.case_at(there))
+                    ends[side] = self._values(self._solved(moved, state.pair.assembly.misalignment))
+                except EaseoffError as error:
+                    refusal = str(error)
+            low, high = min(ends), max(ends)
+            if low == high and refusal:
+                raise GeometryError(f"{one.name}: must have an analysis to one side at least: {refusal}")
+            for name, column in columns.items():
+                first, last = (_peaks(ends[side][name]) for side in (low, high))
+                column.append(np.broadcast_to((last - first) / (high - low or 1.0), values[name].shape))
+        data = {name: ((*values[name].dims, "setting"), np.stack(column, -1)) for name, column in columns.items()}
+        return xr.Dataset(data).fillna(0.0)
+
+    def _differentiated(self, solved: SolvedContact) -> xr.Dataset:
         """Derivatives by the free settings."""
+        flank = solved.state.flank
         keys = sorted({key for one in self.space.free for key in one.moves if _acts(key, flank)})
         _, by_key = solved.differentiated(keys or ["E"], unloaded=self.unloaded)
         self.effort.differentiated += 1
@@ -132,9 +165,20 @@ class Workshop:
         return _times(by_key, columns)
 
 
-def in_units(reading: Reading, units: Array) -> Reading:
-    """A reading with derivatives by settings in other units, of so much (n) of the present ones each."""
-    return replace(reading, differentiated=lambda: _times(reading.slopes, np.diag(units)))
+def in_units(reading: Reading, workshop: Workshop, units: Array) -> Reading:
+    """A reading with derivatives by the settings of a workshop in other units, so much (n) of the present ones each."""
+    exact = reading.exact
+    scaled = None if exact is None else lambda: _times(exact, np.diag(units))
+    return replace(reading, differentiated=scaled, differences=partial(workshop.differences, reading.solved))
+
+
+def _peaks(values: xr.DataArray) -> Array:
+    """Values, of segments the greatest, in an array that broadcasts to them."""
+    if "segment" not in values.dims:
+        return np.asarray(values.values)
+    known = values.fillna(-np.inf).max("segment")
+    peaks = known.where(np.isfinite(known)).expand_dims("segment").transpose(*values.dims)
+    return np.asarray(peaks.values)
 
 
 def _acts(key: str, flank: FlankName) -> bool:
@@ -211,21 +255,29 @@ class AnalysedSettings:
         ]
         return float(np.max(np.abs(np.concatenate(changes))))
 
-    def moved(self, step: Array) -> AnalysedSettings | None:
-        """Other settings (n), analysed, with the ease-off that a step gives to first order; ``None`` if that fails."""
+    def moved(self, step: Array) -> AnalysedSettings:
+        """Other settings (n), analysed, with the ease-off that a step gives to first order.
+
+        Raises EaseoffError if they have no teeth or no certified analysis.
+        """
         workshop = self.workshop
-        try:
-            settings = self.settings + step
-            for _ in range(CORRECTION_COUNT):
-                case = workshop.space.case_at(self._values(settings))
-                settings = self._bounded(settings + self._correction(case, step))
-            values = self._values(settings)
-            case = workshop.space.case_at(values)
-            workshop.require_whole_teeth(case)
-            readings = workshop.readings(case)
-        except EaseoffError:
+        settings = self.settings + step
+        for _ in range(CORRECTION_COUNT):
+            case = workshop.space.case_at(self._values(settings))
+            settings = self._bounded(settings + self._correction(case, step))
+        values = self._values(settings)
+        case = workshop.space.case_at(values)
+        workshop.require_whole_teeth(case)
+        return replace(self, values=values, settings=settings, readings=workshop.readings(case))
+
+    def by_differences(self) -> AnalysedSettings | None:
+        """The same with derivatives by differences of analyses alone; ``None`` if it has no others."""
+        if all(one.exact is None for one in self.readings.values()):
             return None
-        return replace(self, values=values, settings=settings, readings=readings)
+        own = {
+            key: one if one.exact is None else replace(one, differentiated=None) for key, one in self.readings.items()
+        }
+        return replace(self, readings={**self.readings, **own})
 
     def _values(self, settings: Array) -> Array:
         return np.asarray(self.workshop.space.start + self.workshop.units * settings)
@@ -247,7 +299,7 @@ class AnalysedSettings:
 
     @cached_property
     def differentiable(self) -> bool:
-        """Whether there is a model: not where a contact line ends within the flank."""
+        """Whether there is a model."""
         try:
             return all(reading.slopes.sizes for reading in self.readings.values())
         except EaseoffError:

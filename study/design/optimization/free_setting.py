@@ -18,7 +18,13 @@ from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution, SettingStep, setting_step
+from ....geometry.cutting.machine_resolution import (
+    USUAL_RESOLUTION,
+    MachineResolution,
+    nearest_multiple,
+    setting_step,
+    step_count,
+)
 from ....geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
 from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
@@ -29,6 +35,8 @@ from ...sweep.swept_quantity import swept_quantity
 
 Array = NDArray[np.float64]
 
+#: Share of a setting's usual step that changes the ease-off by some micrometres.
+ROUGH_SHARE = 0.01
 CENTRE, BASE = "machine_center_to_crossing_point", "sliding_base"
 
 
@@ -56,6 +64,11 @@ class FreeSetting:
     start: float
     low: float = -math.inf
     high: float = math.inf
+
+    @property
+    def own_keys(self) -> list[str]:
+        """Its name and the keys of which it is the value: not of those that follow it."""
+        return [self.name, *(key for key, factor in self.moves.items() if factor == 1.0)]
 
 
 def free_settings(
@@ -185,11 +198,24 @@ class SettingSpace:
         The settings.
     resolution
         Of the machine.
+
+    Raises
+    ------
+    InputError
+        If the limits of a setting hold no multiple of its step.
     """
 
     case: Case
     free: tuple[FreeSetting, ...]
     resolution: MachineResolution = USUAL_RESOLUTION
+
+    def __post_init__(self) -> None:
+        for one, step in zip(self.free, self.steps.tolist(), strict=True):
+            if step_count(one.start, step, one.low, one.high) is None:
+                raise InputError(
+                    f"limits of {one.name} = {one.low:.10g}:{one.high:.10g}: must hold a multiple of the machine's "
+                    f"step, {step:g} [{one.units}]: give wider limits, more --move or a finer --resolution"
+                )
 
     @property
     def start(self) -> Array:
@@ -199,18 +225,18 @@ class SettingSpace:
     @property
     def steps(self) -> Array:
         """Steps (n) of the machine, in the units of the case file."""
-        return np.array([self._step(one).step for one in self.free])
+        return np.array([setting_step(internal_name(next(iter(one.moves))), self.resolution).step for one in self.free])
+
+    @property
+    def scales(self) -> Array:
+        """Changes (n) of some micrometres of ease-off, in the units of the case file."""
+        settings = [pair_setting(next(iter(one.moves))) for one in self.free]
+        return ROUGH_SHARE * np.array([(math.degrees(1.0) if is_angle(one) else 1.0) * one.scale for one in settings])
 
     def nearest(self, values: Array) -> Array:
-        """The nearest values (n) that can be set."""
-        found = []
-        for one, value in zip(self.free, values, strict=True):
-            step = self._step(one)
-            found.append(step.written(step.rounded(float(value) / step.factor)))
-        return np.array(found)
-
-    def _step(self, one: FreeSetting) -> SettingStep:
-        return setting_step(internal_name(next(iter(one.moves))), self.resolution)
+        """The nearest values (n) that can be set, within the limits."""
+        each = zip(values.tolist(), self.steps.tolist(), self.free, strict=True)
+        return np.array([nearest_multiple(value, step, one.low, one.high) for value, step, one in each])
 
     def case_at(self, values: Array, *, rounded: bool = False) -> Case:
         """The case with other values (n) of the free settings; ``rounded`` to the resolution.
@@ -296,7 +322,7 @@ def with_limits(
         for one, u in zip(free, units, strict=True)
     }
     for pattern, (low, high) in limits.items():
-        names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in (one.name, *one.moves))]
+        names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in one.own_keys)]
         if not names:
             raise InputError(
                 f"limit_setting = {shown(pattern)}: must be the key of a free setting such as {next(iter(found))}, or "

@@ -18,7 +18,7 @@ from ....core.errors import GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
-from .trust_region import GAIN_TOLERANCE, Tolerance
+from .trust_region import GAIN_TOLERANCE, Ending, Tolerance
 
 Array = NDArray[np.float64]
 
@@ -78,16 +78,17 @@ class FrontPoint:
         """Its settings, analysed with their own teeth."""
         if self.outcome is not None:
             return self.outcome.point.judged_by(judgement)
-        return searching.anew(self.rounded, judgement, rounded=True)
+        return searching.anew(self.rounded, judgement)
 
     def resumed(self, searching: SettingSearch, judgement: Judgement) -> Outcome:
         """The outcome of its search, analysed again if the point was read."""
         if self.outcome is not None:
             return self.outcome
         point = self.analysed(searching, judgement)
-        case = point.workshop.space.case_at(self.rounded, rounded=True)
+        case = point.workshop.space.case_at(point.values, rounded=True)
         effect = self.rounding_change, self.rounding_loss
-        return Outcome(self.values, self.rounded, case, point, (), self.converged, self.prices, *effect)
+        ended: Ending | None = "converged" if self.converged else None
+        return Outcome(self.values, point.values, case, point, (), ended, self.prices, *effect)
 
 
 def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
@@ -104,7 +105,7 @@ def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
         outcome.prices,
         judgement.merit(point.read).violation,
         ceiling if np.isfinite(ceiling) else np.nan,
-        outcome.converged,
+        outcome.ended == "converged",
         outcome.rounding_change,
         outcome.rounding_loss,
         point.workshop.effort.analyses,

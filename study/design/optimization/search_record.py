@@ -75,13 +75,15 @@ def search_record(
     found = labelled(xr.Dataset(data, coords=coords))
     found.attrs |= {
         "form": aim.form,
-        "converged": int(outcome.converged),
+        "converged": int(outcome.ended == "converged"),
+        "ended": outcome.ended or "",
+        "refused_proposals": sum(bool(step.refusal) for _, step in steps),
         "objective_total": merit.objective,
         "violation": merit.violation,
         "rounding_change_um": outcome.rounding_change,
         "rounding_loss": outcome.rounding_loss,
         "flanks": ", ".join(aim.flanks),
-        "edge_contact": int(start.readings[aim.flanks[0], 0].edge_contact),
+        "edge_contact": int(start.readings[aim.flanks[0], 0].solved.edge_contact),
     }
     return found
 
@@ -109,6 +111,7 @@ def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> d
         "accepted": ("programme", np.array([step.accepted for _, step in steps], dtype=np.int8)),
         "mending": ("programme", np.array([step.mending for _, step in steps], dtype=np.int8)),
         "programme_status": ("programme", np.array([step.answer.status for _, step in steps], dtype=np.str_)),
+        "refusal": ("programme", np.array([step.refusal for _, step in steps], dtype=np.str_)),
         "programme_settings": (("programme", "setting"), np.reshape(settings, (len(steps), workshop.units.size))),
     }
 

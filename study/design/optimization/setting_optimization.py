@@ -172,7 +172,7 @@ def optimize(
     if stage is not None:
         stage("search")
     unloaded = any(one.unloaded for one in aim.quantities)
-    rough = Workshop(space, aim.torques, tuple(assemblies), states, np.ones(len(space.free)), unloaded)
+    rough = Workshop(space, aim.torques, tuple(assemblies), states, space.scales, unloaded)
     workshop, readings = first_workshop(rough)
     bounded = with_limits(space.free, workshop.units, move, limit_settings or {})
     workshop = replace(workshop, space=replace(space, free=bounded))
@@ -296,7 +296,7 @@ def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
 def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
     """The settings of a result, analysed."""
     values = np.asarray(tree["optimal_settings"].to_dataset()["setting_value"].values)
-    return searching.anew(values, judgement, rounded=True)
+    return searching.anew(values, judgement)
 
 
 def _fresh_samples(

@@ -31,7 +31,6 @@ def rounded_settings(point: AnalysedSettings) -> Array:
     """
     space, units = point.workshop.space, point.workshop.units
     model, judgement = point.model(1.0), point.judgement
-    low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
 
     def reach(values: Array) -> float:
         """Change of the ease-off [um]; that by one setting alone counts as in a programme."""
@@ -53,7 +52,7 @@ def rounded_settings(point: AnalysedSettings) -> Array:
             for count in (sign * size for size in STEP_COUNTS for sign in (1, -1)):
                 tried = best.copy()
                 tried[number] += count * step
-                tried = np.clip(space.nearest(tried), low, high)
+                tried = space.nearest(tried)
                 if reach(tried) > most:
                     continue
                 found = merit(tried)

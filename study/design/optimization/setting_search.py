@@ -20,14 +20,12 @@ from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
 from .setting_rounding import rounded_settings
 from .step_programme import LocalModel, StepAnswer, StepProgramme
-from .trust_region import FIRST_RADIUS, USUAL_TOLERANCE, Search, Step, Tolerance, search
+from .trust_region import FIRST_RADIUS, LATER_RADIUS, USUAL_TOLERANCE, Ending, Search, Step, Tolerance, search
 
 Array = NDArray[np.float64]
 
 #: The most searches, each with teeth built anew.
 ROUND_LIMIT = 3
-#: A later search begins with at least this trust region, and with at most the first one [um].
-LATER_RADIUS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +73,8 @@ class Outcome:
         Its analyses, with its own teeth.
     steps
         All programmes, with the number of the search.
-    converged
-        Whether the last programme had nothing left to gain.
+    ended
+        See ``Search``; nothing if it is not known any more.
     prices
         Multipliers of the last programme.
     rounding_change
@@ -90,7 +88,7 @@ class Outcome:
     case: Case
     point: AnalysedSettings
     steps: tuple[tuple[int, Step], ...]
-    converged: bool
+    ended: Ending | None
     prices: Prices
     rounding_change: float
     rounding_loss: float
@@ -141,10 +139,10 @@ class SettingSearch:
         origin = self._workshop.space.start
         return AnalysedSettings(origin, np.zeros(origin.size), self._start, self._start, judgement, self._workshop)
 
-    def anew(self, values: Array, judgement: Judgement, *, rounded: bool = False) -> AnalysedSettings:
-        """Settings (n) analysed with their own teeth. Raises as ``Workshop.with_teeth`` and ``readings``."""
-        case = self._workshop.space.case_at(values, rounded=rounded)
-        own = self._workshop.space.values_of(case) if rounded else values
+    def anew(self, values: Array, judgement: Judgement) -> AnalysedSettings:
+        """Settings (n), rounded, analysed with their own teeth. Raises as ``Workshop.with_teeth`` and ``readings``."""
+        own = self._workshop.space.nearest(values)
+        case = self._workshop.space.case_at(own, rounded=True)
         workshop = self._workshop.with_teeth(case, self._stage)
         self.name()
         changes = (own - workshop.space.start) / workshop.units
@@ -172,7 +170,7 @@ class SettingSearch:
                 progress=self._progress,
             )
             done += [(number, step) for step in found.steps]
-            if outcomes and found.point is here:
+            if outcomes and not any(step.accepted for step in found.steps):
                 break
             outcomes.append(self._rounded(found, judgement))
             enough = outcomes[-1].rounding_loss <= self._tolerance.gain or len(done) >= self._steps
@@ -180,14 +178,14 @@ class SettingSearch:
                 break
             here, radius = outcomes[-1].point, float(np.clip(found.radius, LATER_RADIUS, FIRST_RADIUS))
         best = min(outcomes, key=lambda one: one.point.merit.total)
-        return replace(best, steps=tuple(done), converged=found.converged)
+        return replace(best, steps=tuple(done), ended=found.ended)
 
     def _rounded(self, found: Search, judgement: Judgement) -> Outcome:
         """The settings of a search as they are set on the machine, with their own teeth."""
         best: AnalysedSettings = found.point
         space, units = self._workshop.space, self._workshop.units
         try:
-            point = self.anew(rounded_settings(best), judgement, rounded=True)
+            point = self.anew(rounded_settings(best), judgement)
         except EaseoffError as error:
             raise GeometryError(f"the settings found, rounded, cannot be analysed: {error}") from error
         case = space.case_at(point.values, rounded=True)
@@ -197,7 +195,7 @@ class SettingSearch:
             case,
             point,
             (),
-            found.converged,
+            found.ended,
             Prices.of(found.last, judgement, units),
             best.ease_off_change(case),
             point.merit.total - best.merit.total,
@@ -216,4 +214,5 @@ def first_workshop(workshop: Workshop) -> tuple[Workshop, Readings]:
     readings = workshop.readings(workshop.space.case)
     reach = np.max([np.abs(EaseOffForm.of(one).slopes).max(axis=0) for one in readings.values()], axis=0)
     units = 1.0 / np.maximum(reach, 1e-12)
-    return replace(workshop, units=units), {key: in_units(one, units) for key, one in readings.items()}
+    own = replace(workshop, units=units * workshop.units)
+    return own, {key: in_units(one, own, units) for key, one in readings.items()}

@@ -8,19 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from itertools import takewhile
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.errors import EaseoffError
 from .step_programme import VIOLATION_PRICE, LocalModel, StepAnswer, StepProgramme
 
 Array = NDArray[np.float64]
+Ending = Literal["converged", "steps", "no_gain"]
 
 #: Least ratios of the gain to the predicted one for a step to be taken, and for a larger trust region after it.
 TAKEN_GAIN_RATIO, FAIR_GAIN_RATIO, GOOD_GAIN_RATIO = 0.05, 0.25, 0.75
 #: Of the first programme, and below which a search ends, as rounding to the machine's steps changes as much [um].
 FIRST_RADIUS, RADIUS_MINIMUM, RADIUS_LIMIT = 3.0, 0.2, 40.0
+#: Least of the first programme of a later search, or of one with derivatives by differences [um].
+LATER_RADIUS = 0.5
 #: A predicted gain below this ends the search; in proportion within a smaller trust region than the first, but no less
 #: than a share of it.
 GAIN_TOLERANCE, TOLERANCE_SHARE = 1e-3, 0.25
@@ -90,8 +95,11 @@ class Point(Protocol):
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
 
-    def moved(self, step: Array) -> Point | None:
-        """Other settings after a step (n), analysed; ``None`` if they have no certified analysis."""
+    def moved(self, step: Array) -> Point:
+        """Other settings after a step (n), analysed. Raises EaseoffError if they have no certified analysis."""
+
+    def by_differences(self) -> Point | None:
+        """The same with derivatives by differences of analyses, which see kinks ahead; ``None`` if it has them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +120,8 @@ class Step:
         Whether the search went on from there.
     mending
         Whether it began at the step before, to mend that one, and not at the best settings so far.
+    refusal
+        Why the settings have no certified analysis or, though they are better, no derivatives; empty otherwise.
     """
 
     radius: float
@@ -120,6 +130,7 @@ class Step:
     fresh: Merit
     accepted: bool
     mending: bool = False
+    refusal: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +143,9 @@ class Search:
         The best settings, analysed.
     steps
         All programmes.
-    converged
-        Whether the last programme had nothing left to gain.
+    ended
+        Why: ``converged``, as the last programme had nothing left to gain; ``steps``, as there were no more of them; or
+        ``no_gain``, as no step gained within the smallest trust region, with derivatives of either kind.
     last
         Answer of the last programme at the best settings, with its multipliers.
     radius
@@ -142,7 +154,7 @@ class Search:
 
     point: Any
     steps: tuple[Step, ...]
-    converged: bool
+    ended: Ending
     last: StepAnswer
     radius: float
 
@@ -179,14 +191,25 @@ def search(
         Of no higher merit than the start; a local optimum at best.
     """
     best, done = start, list[Step]()
-    converged = False
     while True:
         model = best.model(radius)
         answer = programme(model).solve(model, radius)
         predicted = best.merit.total - answer.merit
-        converged = answer.solved and predicted < tolerance.within(radius)
-        if converged or len(done) >= steps or radius < RADIUS_MINIMUM:
-            return Search(best, tuple(done), converged, answer, radius)
+        # A trust region that is small because steps were refused shows no optimum.
+        refused = any(step.refusal for step in takewhile(lambda step: not step.accepted, reversed(done)))
+        ended: Ending | None = None
+        if answer.solved and predicted < tolerance.within(radius) and not refused:
+            ended = "converged"
+        elif len(done) >= steps:
+            ended = "steps"
+        elif radius < RADIUS_MINIMUM:
+            other = best.by_differences()
+            if other is not None and other.differentiable:
+                best, radius = other, LATER_RADIUS
+                continue
+            ended = "no_gain"
+        if ended is not None:
+            return Search(best, tuple(done), ended, answer, radius)
         here = best
         for mending in range(1 + MENDING_LIMIT):
             span = radius * MENDING_RADIUS_RATIO**mending
@@ -195,12 +218,14 @@ def search(
             if mending:
                 model = here.model(span)
                 answer = programme(model).solve(model, span)
-            found = here.moved(answer.step) if answer.solved else None
+            found, refusal = _moved(here, answer)
             wanted = here.settings + answer.step if found is None else found.settings
             fresh = Merit(np.nan, np.nan) if found is None else found.merit
             came_true = (best.merit.total - fresh.total) / predicted
-            accepted = bool(came_true > TAKEN_GAIN_RATIO) and found is not None and found.differentiable
-            done.append(Step(span, answer, wanted, fresh, accepted, mending > 0))
+            accepted = bool(came_true > TAKEN_GAIN_RATIO) and found.differentiable
+            if came_true > TAKEN_GAIN_RATIO and not accepted:
+                refusal = "analysed, and better, but without derivatives of either kind"
+            done.append(Step(span, answer, wanted, fresh, accepted, mending > 0, refusal))
             if progress is not None:
                 progress()
             if found is None or accepted or fresh.total > best.merit.total + HOPELESS_LOSS:
@@ -214,3 +239,13 @@ def search(
             radius *= 0.6
         elif came_true > GOOD_GAIN_RATIO and not done[-1].mending:
             radius = min(2.0 * radius, RADIUS_LIMIT)
+
+
+def _moved(here: Any, answer: StepAnswer) -> tuple[Any, str]:
+    """The point that a programme proposes; or none, and why it has no analysis."""
+    if not answer.solved:
+        return None, f"the programme has no answer: {answer.status}"
+    try:
+        return here.moved(answer.step), ""
+    except EaseoffError as error:
+        return None, str(error)
