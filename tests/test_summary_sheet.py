@@ -366,6 +366,7 @@ def test_settings_of_a_designed_pinion_are_rounded_within_their_limits() -> None
     concave = case.pinion.concave
     assert concave is not None
     tilt, radial = concave.machine.cutter_tilt, concave.machine.radial_distance
+    assert radial is not None
     steps = MachineResolution(angle=0.02, length=0.01)
     nearest = rounded_case(case, steps).pinion.concave
     assert nearest is not None
