@@ -178,10 +178,14 @@ def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
     force = np.concatenate([solution.force for solution in solutions])
     contact, known = WeberLineContact.joined([here.line_contact for here in segments]), np.isfinite(force)
     point = np.concatenate([here.point for here in segments], axis=1)
+    pressure = contact.pressure(force)
+    # Of the strip that the pressure is of, the whole one also where an edge cuts it, as of flash temperatures.
+    half_width, hertzian = contact.half_width(force), pressure > 0.0
+    np.divide(2.0 * force, np.pi * contact.length * pressure, out=half_width, where=hertzian)
     return {
         "force": force,
-        "pressure": np.where(known, contact.pressure(force), np.nan),
-        "half_width": np.where(known, contact.half_width(force), np.nan),
+        "pressure": np.where(known, pressure, np.nan),
+        "half_width": np.where(known, half_width, np.nan),
         "gap": 1e3 * np.concatenate([solution.gap for solution in solutions]),
         "separation": np.concatenate([here.separation for here in segments]),
         "length": contact.length,

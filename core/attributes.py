@@ -112,7 +112,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "separation": ("mm", "normal gap before loading", "at the nominal rotation"),
     "length": ("mm", "length of a segment"),
     "equivalent_radius": ("mm", "equivalent radius across the contact line"),
-    "half_width": ("mm", "half width of the contact band"),
+    "half_width": ("mm", "half width of the contact band", "on contact lines of the whole strip, as pressure"),
     "tooth": ("1", "tooth pair of a segment"),
     "overhang": ("mm", "overhang beyond a tooth edge", "NaN on contact lines"),
     "edge_share": ("1", "torque share of edges beside contact lines"),
@@ -195,7 +195,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "shaft_angle": ("rad", "Sigma: increase of the shaft angle"),
     # supports
     "whole_rotation": ("urad", "whole rotation of the gear", "with supports, from first contact without load"),
-    "support_rotation": ("urad", "mean rotation of the gear by supports"),
+    "support_rotation": ("urad", "mean rotation of the gear by supports", "whole rotation less transmission error"),
     "pinion_support_rotation": ("urad", "own rotation of the pinion", "by the supports about its axis, drive sense"),
     "gear_support_rotation": ("urad", "own rotation of the gear", "by the supports about its axis, drive sense"),
     "teeth_rotation": ("urad", "whole rotation, part of teeth and roots"),

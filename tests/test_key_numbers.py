@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from test_mirror import mirrored
 import easeoff
 from easeoff import InputError, analyze, read_case, read_result, write_result
 from easeoff.cases import Case, gear_pair, shipped_cases
-from easeoff.contact import ElasticModel, MeshCycle, Status
+from easeoff.contact import AssemblyRounds, ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio
 from easeoff.contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
@@ -28,6 +29,7 @@ from easeoff.contact.evaluation.projection_plane import ProjectionPlane
 from easeoff.contact.evaluation.tooth_passage import ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
 from easeoff.contact.lines.mesh_lines import roll_limits
+from easeoff.friction import FrictionModel, flash_temperature
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.study import CaseInMesh, key_numbers, write_pictures
 from easeoff.study.plot.tooth_view import tooth_view
@@ -615,3 +617,177 @@ def test_the_share_of_a_flank_does_not_depend_on_the_grid(angle: float) -> None:
         assert abs(flank_share(inside(nodes)) - exact) < 0.015
         assert abs(flank_share(inside(nodes)) - exact) < abs(inside(nodes).mean() - exact) + 0.004
     assert flank_share(np.ones((7, 5), dtype=bool)) == 1.0
+
+
+# --- what is stored is what was used
+
+
+@cache
+def stored() -> dict[str, xr.Dataset]:
+    """Groups of an analysis whose lines end at edges, with friction, on supports, as they are read back."""
+    case = read_case("nasa-12x36")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=SMALL | {"mesh_positions": 4})})
+    model = FrictionModel(rolling_frame="contact_line")  # flash temperatures are by velocities over the line
+    tree = analyze(
+        case,
+        torques=[50.0, 300.0],
+        supports="gearbox-nasa-12x36",
+        rounds=AssemblyRounds("none"),
+        speed=[500.0, 1500.0],
+        temperature=90.0,
+        roughness=[0.4, 0.8],
+        friction_model=model,
+    )
+    return {name: group.to_dataset() for name, group in tree.children.items()}
+
+
+CYCLE, POINT = ("mesh_position",), ("mesh_position", "segment")
+
+
+def share_of(moment: xr.DataArray, chosen: xr.DataArray) -> xr.DataArray:
+    return moment.where(chosen, 0.0).sum("segment") / moment.sum("segment")
+
+
+def amplitudes(error: xr.DataArray, orders: int) -> NDArray[np.float64]:
+    """Of the harmonics of an even number of positions (torque, order), zero where there are none."""
+    count = error.sizes["mesh_position"]
+    found = np.zeros((error.sizes["torque"], orders))
+    whole = np.abs(np.fft.rfft(error.values, axis=1))[:, 1:] * 2.0 / count
+    whole[:, -1] /= 2.0
+    found[:, : whole.shape[1]] = whole
+    return found
+
+
+def at_greatest(place: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
+    """A place over torque, mesh position and segment, or over the mesh position, where something is greatest."""
+    which = of.stack(z=POINT).fillna(-np.inf).argmax("z")
+    flat = (place + xr.zeros_like(of)).stack(z=POINT).drop_vars(("z", *POINT))
+    return flat.isel(z=which)
+
+
+def recomputed() -> dict[str, dict[str, xr.DataArray]]:
+    """By group what the words of results.md make of other variables there."""
+    tree = stored()
+    loaded, friction, ease_off, supports = (tree[name] for name in ("loaded", "friction", "ease_off", "supports"))
+    unloaded, ratio = tree["unloaded"], ease_off.attrs["ratio"]
+    on_line, force, error = loaded["overhang"].isnull(), loaded["force"], loaded["transmission_error"]
+    moment = (force * loaded["lever_arm"]).fillna(0.0)
+    line_load = force / loaded["length"]
+    modulus = loaded.attrs["contact_modulus_MPa"]
+    band = np.sqrt(8.0 * line_load * loaded["equivalent_radius"] / (np.pi * modulus))
+    whole = xr.where(on_line & (force > 0.0), 2.0 * line_load / (np.pi * loaded["half_width"]), 0.0)
+    pressure, total = loaded["pressure"], force.sum(POINT)
+    centre = {name: (force * loaded[name]).sum(POINT) / total for name in ("lengthwise", "profile")}
+    shares = [share_of(moment, loaded["tooth"] == pair) for pair in loaded["pair"].values]
+    of_load = {
+        "half_width": band.where(on_line, loaded["half_width"]),
+        "pressure": whole.where(pressure.notnull()),
+        "max_pressure": pressure.max(POINT),
+        **{f"max_pressure_{name}": at_greatest(loaded[name], pressure) for name in ("lengthwise", "profile")},
+        "max_pressure_pair": at_greatest(loaded["tooth"], pressure),
+        "max_pressure_position": at_greatest(loaded["mesh_position"], pressure),
+        "peak_to_peak": error.max(CYCLE) - error.min(CYCLE),
+        "mean_level": error.mean(CYCLE),
+        "harmonic": loaded["harmonic"].copy(data=amplitudes(error, loaded.sizes["order"])),
+        "rms": np.sqrt((loaded["harmonic"].sel(order=slice(1, 3)) ** 2).sum("order")),
+        "pinion_peak_to_peak": ratio * loaded["peak_to_peak"],
+        "pinion_mean_level": ratio * loaded["mean_level"],
+        "edge_share": share_of(moment, ~on_line),
+        "load_share": xr.concat(shares, loaded["pair"]),
+        "max_load_share": loaded["load_share"].max(("mesh_position", "pair")),
+        "mean_mesh_stiffness": loaded["mesh_stiffness"].mean(CYCLE),
+        "negative_force": (-force.min("segment")).clip(0.0) / force.max("segment"),
+        **{f"load_centre_{name}": found for name, found in centre.items()},
+        **{
+            f"load_extent_{name}": np.sqrt((force * (loaded[name] - found) ** 2).sum(POINT) / total)
+            for name, found in centre.items()
+        },
+    }
+    omega = 2.0 * np.pi / 60.0 * friction["speed"]
+    sliding, rolling = friction["sliding_velocity"], friction["rolling_velocity"]
+    heat = friction["friction_coefficient"] * 1e3 * line_load * sliding
+    over_line = [rolling + sign * 0.5 * friction["sliding_across"] for sign in (-1.0, 1.0)]
+    given = xr.broadcast(heat, 1e-3 * loaded["half_width"], *over_line)
+    flash = flash_temperature(given[0].values, given[1].values, (given[2].values, given[3].values))
+    loss, film = friction["power_loss"], friction["film_thickness"].where(on_line)
+    flags = friction["formula_flags"].astype(int)
+    by_flag = [loss.where(flags & int(flag) > 0, 0.0).sum(POINT) for flag in friction["formula_flag"].values]
+    least = {name: at_greatest(loaded[name], -film) for name in ("lengthwise", "profile")}
+    hottest = {name: at_greatest(loaded[name], friction["flash_temperature"]) for name in ("lengthwise", "profile")}
+    of_friction = {
+        "sliding_velocity": np.hypot(friction["sliding_along"], friction["sliding_across"]),
+        "slide_to_roll": (np.abs(friction["sliding_across"]) / rolling).isel(speed=0, drop=True),
+        "lambda_ratio": friction["film_thickness"] / np.hypot(friction["roughness_pinion"], friction["roughness_gear"]),
+        "flash_temperature": given[0].copy(data=flash).where(on_line),
+        "pressure_velocity": pressure.where(force > 0.0) * sliding,
+        "mesh_power_loss": loss.sum("segment"),
+        "input_power": friction["torque"] * omega,
+        "mesh_efficiency": 1.0 - friction["mesh_power_loss"] / friction["input_power"],
+        "mean_power_loss": friction["mesh_power_loss"].mean(CYCLE),
+        "mean_sliding_loss": (friction["friction_coefficient"] * force * sliding).sum("segment").mean(CYCLE),
+        "mean_rolling_loss": friction["mean_power_loss"] - friction["mean_sliding_loss"],
+        "efficiency": friction["mesh_efficiency"].mean(CYCLE),
+        "mean_friction_coefficient": friction["mean_sliding_loss"] / (force * sliding).sum("segment").mean(CYCLE),
+        "flagged_share": xr.concat(by_flag, friction["formula_flag"]) / loss.sum(POINT),
+        "max_flash_temperature": friction["flash_temperature"].max(POINT),
+        "max_contact_temperature": friction["bulk_temperature"] + friction["max_flash_temperature"],
+        "max_pressure_velocity": friction["pressure_velocity"].max(POINT),
+        "max_flash_position": at_greatest(loaded["mesh_position"], friction["flash_temperature"]),
+        **{f"max_flash_{name}": found for name, found in hottest.items()},
+        "min_film_thickness": film.min(POINT),
+        "min_film_position": at_greatest(loaded["mesh_position"], -film),
+        **{f"min_film_{name}": found for name, found in least.items()},
+    }
+    parts = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")
+    return {
+        "loaded": of_load,
+        "friction": of_friction,
+        "ease_off": {"ease_off": 1e3 * ease_off["ease_off_angle"] * ease_off["lever_arm"]},
+        "unloaded": {
+            "transmission_error_envelope": unloaded["transmission_error"].sel(pair=unloaded["carrying_pair"]),
+            "pinion_peak_to_peak": xr.DataArray(ratio * unloaded.attrs["peak_to_peak"]),
+        },
+        "supports": {
+            "whole_rotation": sum((supports[name] for name in parts[1:]), supports[parts[0]]),
+            "transmission_error": supports["whole_rotation"] - supports["support_rotation"],
+        },
+    }
+
+
+#: Words of a formula, and variables that have them of what is not stored.
+FORMULA = re.compile(
+    r"\b(peak to peak|mean|greatest|least|share|sum|over|times|less|residual|efficiency|ratio|amplitude|part of)\b"
+)
+NOT_STORED = {
+    "loaded": {
+        *("equilibrium", "negative_gap", "complementarity", "duality_gap", "cancellation", "contact_ratio"),
+        *("max_pressure_line_end", "pattern_length", "pattern_height"),
+    },
+    "friction": {
+        # Which contacts these are of is not stored, nor the velocity of either surface.
+        *("film_thinning", "thinned_share", "extrapolated_share", "transition_share", "friction_coefficient"),
+        *("film_thickness", "rolling_velocity", "sliding_across"),
+    },
+    "ease_off": {"blade_distance"},
+    "unloaded": {"contact_ratio", "geometric_contact_ratio", "least_gap", "pattern_length", "pattern_height"},
+    "supports": {"last_change", "support_rotation", "teeth_rotation", "contact_rotation", "supports_rotation"}
+    | {"ease_off_rotation"},
+}
+
+
+@pytest.mark.thorough
+def test_every_variable_with_a_formula_is_what_it_makes_of_stored_ones() -> None:
+    """Widths at the ends of contact lines were once not those of pressures and flash temperatures there."""
+    for group, formulas in recomputed().items():
+        known = stored()[group]
+        worded = {
+            str(name)
+            for name, one in known.data_vars.items()
+            if FORMULA.search(f"{one.attrs['long_name']} {one.attrs.get('comment', '')}")
+        }
+        assert worded <= formulas.keys() | NOT_STORED[group] | {"fine_envelope"}, group
+        for name, made in formulas.items():
+            one = known[name]
+            found = (made + xr.zeros_like(one).fillna(0.0)).transpose(*one.dims)
+            scale = float(np.abs(one).max())
+            np.testing.assert_allclose(found, one, rtol=1e-9, atol=1e-12 * scale, err_msg=f"{group}/{name}")
