@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
-from runs import SMALL, call, output_of, refusal_of
+from runs import SMALL, call, output_of, refusal_of, small
 from test_mirror import mirrored
 
 import easeoff
@@ -638,6 +638,7 @@ def stored() -> dict[str, xr.Dataset]:
         roughness=[0.4, 0.8],
         friction_model=model,
     )
+    tree["root_stress"] = analyze(small("fm-11x41", "fe"), torques=[200.0])["root_stress"]
     return {name: group.to_dataset() for name, group in tree.children.items()}
 
 
@@ -747,6 +748,7 @@ def recomputed() -> dict[str, dict[str, xr.DataArray]]:
             "transmission_error_envelope": unloaded["transmission_error"].sel(pair=unloaded["carrying_pair"]),
             "pinion_peak_to_peak": xr.DataArray(ratio * unloaded.attrs["peak_to_peak"]),
         },
+        "root_stress": {"max_root_stress": tree["root_stress"]["root_stress_history"].max(("mesh_position", "pair"))},
         "supports": {
             "whole_rotation": sum((supports[name] for name in parts[1:]), supports[parts[0]]),
             "transmission_error": supports["whole_rotation"] - supports["support_rotation"],
@@ -770,6 +772,7 @@ NOT_STORED = {
     },
     "ease_off": {"blade_distance"},
     "unloaded": {"contact_ratio", "geometric_contact_ratio", "least_gap", "pattern_length", "pattern_height"},
+    "root_stress": {"root_stress", "root_stress_history"},  # each along the face or over the cycle, not both
     "supports": {"last_change", "support_rotation", "teeth_rotation", "contact_rotation", "supports_rotation"}
     | {"ease_off_rotation"},
 }
