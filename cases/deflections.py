@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, one_of
+from ..core.checks import array, frozen_arrays, one_of
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from .schema.usual_torques import TORQUE_LIMIT
@@ -30,6 +30,7 @@ NONE = Misalignment()
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Deflections:
     """Misalignment over the torque, as deflections of shafts, bearings and housing make it.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance.elastic_model import ElasticTeeth, member_points, unit_loads
 from .compliance.finite_elements.flank_compliance import FlankCompliance
@@ -37,6 +38,7 @@ END_MIDDLES = np.stack([np.linspace([0.0, 1.0], [0.25, 0.75], 5, axis=1), np.ful
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Segments:
     """Potential contact segments of one mesh position (n).
@@ -132,6 +134,7 @@ class Segments:
         return ContactProblem.of_modes(separation, self.lever_arm, 0.0, nothing, basis)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class LineSegments:
     """Contact lines of a mesh cycle in even segments (n), and how the teeth bend under a unit load on each of them.
@@ -273,6 +276,7 @@ def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
     return np.concatenate(found)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CycleSegments:
     """Potential contact segments at every mesh position of a cycle.

@@ -6,17 +6,20 @@ number; an array without dimensions is one.
 
 from __future__ import annotations
 
+import functools
 import operator
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from numbers import Real
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
 from .printable import printable, shortened
+
+Record = TypeVar("Record")
 
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
 
@@ -244,6 +247,74 @@ def read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Forbid writing to an array and return it."""
     values.setflags(write=False)
     return values
+
+
+def frozen_arrays(record: type[Record]) -> type[Record]:
+    """Class decorator of a frozen dataclass: the arrays that it keeps are read-only, those given are copied.
+
+    So are arrays in tuples, lists and mappings, those of its cached properties, and those of a copy or of a pickle.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @frozen_arrays
+    ... @dataclass(frozen=True, eq=False)
+    ... class Line:
+    ...     position: np.ndarray
+    >>> given = np.zeros(2)
+    >>> Line(given).position.flags.writeable, given.flags.writeable
+    (False, True)
+    """
+    for name in ("__init__", "__setstate__"):
+        method: Any = getattr(record, name, _restored)
+        setattr(record, name, _freezing(method))
+    for value in vars(record).values():
+        if isinstance(value, functools.cached_property):
+            value.func = functools.wraps(value.func)(lambda self, compute=value.func: frozen(compute(self)))
+    return record
+
+
+def _freezing(method: Callable[..., None]) -> Callable[..., None]:
+    """A method of a record that freezes its arrays at the end."""
+
+    @functools.wraps(method)
+    def freeze(self: Any, *values: Any, **named: Any) -> None:
+        method(self, *values, **named)
+        for name in (*getattr(self, "__dict__", ()), *getattr(self, "__slots__", ())):
+            value = getattr(self, name)
+            kept = frozen(value)
+            if kept is not value:
+                object.__setattr__(self, name, kept)
+
+    return freeze
+
+
+def _restored(record: Any, state: dict[str, Any]) -> None:
+    """Give a copy or what was pickled its state, as Python does."""
+    record.__dict__.update(state)
+
+
+def frozen(value: Any) -> Any:
+    """Return an array, or tuple, list or dict of some, that cannot be written to: the value itself where it is that."""
+    if isinstance(value, np.ndarray):
+        within: Any = value
+        while isinstance(within, np.ndarray) and not within.flags.writeable:
+            within = within.base
+        if within is None:
+            return value
+        own = np.array(value, subok=True)
+        own.setflags(write=False)
+        return own
+    named = isinstance(value, tuple) and hasattr(value, "_make")
+    if not named and type(value) not in (tuple, list, dict):
+        return value
+    entries = list(value.values() if isinstance(value, dict) else value)
+    kept = [frozen(entry) for entry in entries]
+    if all(own is entry for own, entry in zip(kept, entries, strict=True)):
+        return value
+    if isinstance(value, dict):
+        return dict(zip(value, kept, strict=True))
+    return type(value)._make(kept) if named else type(value)(kept)
 
 
 def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[np.float64]:

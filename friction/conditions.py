@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from .lubricants.lubricant import THERMAL_CONDUCTIVITY
 from .oil_film.film_thickness import film_formula
 from .oil_film.thermal_factors import THERMAL_FACTORS
@@ -17,6 +18,7 @@ Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ContactConditions:
     """Operating conditions of line contacts; all arrays broadcast against each other, everything in SI.

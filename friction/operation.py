@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, distinct, instance, number, one_of
+from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .contact_temperature.thermal_material import (
@@ -44,6 +44,7 @@ def _mean_roughness(pairs: Array) -> Array:
     return np.where(pairs[:, 0] == pairs[:, 1], pairs[:, 0], np.sqrt(np.mean(pairs**2, axis=1)))
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Operation:
     """Speeds, temperatures and roughnesses; every combination is computed.

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from collections import Counter
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import fields, replace
 from fractions import Fraction
 from typing import Any
 
@@ -15,7 +18,16 @@ from contact_problems.drawn_problem import drawn_problem
 from contact_problems.rational_solution import RationalProblem, solution
 from numpy.typing import NDArray
 
-from easeoff.contact import Certificate, ContactProblem, Status, certify, solve, solve_many
+from easeoff.contact import (
+    Certificate,
+    ContactProblem,
+    ContactSolution,
+    ModalBasis,
+    Status,
+    certify,
+    solve,
+    solve_many,
+)
 from easeoff.contact.problem import contact_problem
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, violations
 from easeoff.contact.problem.modal_basis import modal_basis
@@ -398,3 +410,31 @@ def test_a_status_prints_as_its_name_and_is_an_integer_in_arrays() -> None:
     kept = np.array([status, Status.TIME_LIMIT])
     assert kept.dtype.kind == "i"
     assert kept.tolist() == [0, 7]
+
+
+# Certificates stay true
+
+
+@pytest.mark.parametrize("again", [lambda s: s, copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+def test_no_number_of_a_proved_solution_can_be_changed(again: Callable[[ContactSolution], ContactSolution]) -> None:
+    solution = again(solve(far(0.0)))
+    assert solution.problem is not None
+    for numbers in (solution.force, solution.gap, solution.answer.force, solution.conditioning.force_error):
+        with pytest.raises(ValueError, match="read-only"):
+            numbers[:] = 0.0
+    for numbers in (solution.problem.separation, solution.problem.compliance, solution.sensitivity().force):
+        with pytest.raises(ValueError, match="read-only"):
+            numbers[:] = 0.0
+    assert solution.certified
+    assert solution.force.min() > 0.0
+
+
+def test_what_a_record_was_given_stays_the_users_own() -> None:
+    """And changes nothing in the record."""
+    modes = np.ones((1, 2, 1))
+    basis = ModalBasis(2, np.array([[0, 1]]), modes)
+    modes[:] = 7.0
+    assert basis.modes.tolist() == [[[1.0], [1.0]]]
+    assert not basis.columns.columns.flags.writeable
+    found = solve_many(far(0.0), torque=[1e6, 2e6])
+    assert not any(getattr(found, field.name).flags.writeable for field in fields(found))

@@ -1,4 +1,4 @@
-"""Every example in a docstring works."""
+"""Every example in a docstring works, and no array of a record that one makes can be written to."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ import importlib
 import linecache
 import pkgutil
 from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
 
+import numpy as np
 import pytest
 from shared import Shared, replace_everywhere
 
@@ -62,9 +65,39 @@ def shared() -> Iterator[None]:
 def tried_in(module: str) -> int:
     """Number of examples in a module, all of which work."""
     linecache.clearcache()  # before each docstring, doctest has a look at every file that is in it
-    outcome = doctest.testmod(importlib.import_module(module))
-    assert outcome.failed == 0, module
-    return outcome.attempted
+    runner = doctest.DocTestRunner()
+    for example in doctest.DocTestFinder().find(importlib.import_module(module)):
+        runner.run(example, clear_globs=False)
+        records = [value for value in example.globs.values() if is_record(value)]
+        assert [place for record in records for place in writeable(record, example.name, set())] == []
+        example.globs.clear()
+    assert runner.failures == 0, module
+    return runner.tries
+
+
+def writeable(value: Any, place: str, seen: set[int]) -> Iterator[str]:
+    """Places of arrays that can be written to, in a record and in what it holds."""
+    entries: list[Any] = []
+    if isinstance(value, np.ndarray) and not is_frozen(value):
+        yield place
+    elif isinstance(value, list | tuple | dict):
+        entries = [(place, entry) for entry in (value.values() if isinstance(value, dict) else value)]
+    elif is_record(value) and id(value) not in seen:
+        seen.add(id(value))
+        names = {*getattr(value, "__dict__", ()), *(field.name for field in fields(value))}
+        entries = [(f"{place} {type(value).__name__}.{name}", getattr(value, name)) for name in sorted(names)]
+    for within, entry in entries:
+        yield from writeable(entry, within, seen)
+
+
+def is_record(value: Any) -> bool:
+    """Whether a value is a dataclass of the package."""
+    return is_dataclass(value) and type(value).__module__.startswith("easeoff.")
+
+
+def is_frozen(values: np.ndarray[Any, Any]) -> bool:
+    """Whether neither an array nor what it is a view of can be written to."""
+    return not values.flags.writeable and (values.base is None or is_frozen(values.base))
 
 
 @pytest.mark.parametrize("folder", sorted({name.split(".")[1] for name in MODULES if "." in name} | {""}))

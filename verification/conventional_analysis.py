@@ -20,6 +20,7 @@ from ..contact.lines.contact_lines import contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
+from ..core.checks import frozen_arrays
 from ..geometry.flanks.seed_lattice import seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
@@ -32,6 +33,7 @@ EDGE_MARGIN = 0.02  # fraction of face and profile; nearer to an edge the contac
 BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class BothMethods:
     """Analysis of a pair by both methods at n rotations, tooth pair by tooth pair.

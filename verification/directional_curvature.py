@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.curvature import Curvatures
 from ..geometry.newton import complex_steps
@@ -21,6 +22,7 @@ from ..geometry.vectors import cross, dot
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ShapeOperator:
     """Shape operator of a surface at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
@@ -61,6 +63,7 @@ class ShapeOperator:
         return Curvatures(np.stack([middle + radius, middle - radius]), direction)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class DirectionalCurvatures:
     """Normal curvature and geodesic torsion along the two parameter curves, at n points.

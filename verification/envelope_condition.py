@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank
 from ..geometry.flanks.flank_parts import on_parts
@@ -26,6 +27,7 @@ ANGLE_STEP = 5e-3  # [rad]; with it the difference's error and rounding are both
 EDGE_STEP = 0.05  # [mm]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class EnvelopeCondition:
     """Flank against cutter at n nodes; NaN where there is no flank.

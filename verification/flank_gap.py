@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.vectors import column, rotate
@@ -21,6 +22,7 @@ ITERATION_LIMIT = 25
 RESIDUAL_TOLERANCE = 1e-9  # [mm]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankGap:
     """Gap at points (n) of the gear flank; NaN where no pinion flank was found.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank
 from ..geometry.newton import complex_steps
@@ -22,6 +23,7 @@ from ..geometry.vectors import column, rotate
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class PointContact:
     """Contact points at the given pinion rotations (n); columns that did not converge are NaN.

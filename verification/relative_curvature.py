@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import frozen_arrays
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.curvature import Curvatures
 from ..geometry.pair.conjugate_motion import ConjugateMotion
@@ -22,6 +23,7 @@ from .point_contact import PointContact
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class RelativeCurvature:
     """Second-order gap at n points of contact, vectors in the gear's frame.

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..core.checks import frozen_arrays
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank, NodeStatus, solve_flank
 from ..geometry.flanks.flank_parts import deepest, pick
@@ -43,6 +44,7 @@ LIMIT_ITERATIONS = 12
 EDGES = {"toe": (0, 0.0), "heel": (0, 1.0), "root": (1, 0.0), "tip": (1, 1.0)}
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SmallestGap:
     """Smallest gap at pinion rotations (n); NaN where no point of one flank lies opposite a point of the other.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen, frozen_arrays
 from ..problem.modal_basis import SharedModes
 
 Array = NDArray[Any]
@@ -16,6 +17,7 @@ DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which ch
 EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class BodyCoupling:
     """Compliance between tooth pairs through the bodies of the members.
@@ -69,5 +71,6 @@ class BodyCoupling:
             whole = self.compliance(pairs)
             values, vectors = np.linalg.eigh(whole.reshape(len(pairs) * whole.shape[1], -1))
             kept = values > EIGENVALUE_RATIO_LIMIT * values[-1]
-            self.known[pairs] = (vectors[:, kept] * np.sqrt(values[kept])).reshape(*whole.shape[:2], -1)
+            root = (vectors[:, kept] * np.sqrt(values[kept])).reshape(*whole.shape[:2], -1)
+            self.known[pairs] = frozen(root)
         return self.known[pairs]

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import positive
+from ...core.checks import frozen_arrays, positive
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -26,6 +26,7 @@ from .tooth_dimensions import ToothDimensions
 from .trial_polynomials import PolynomialFamily, legendre
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Shell:
     """Bending, shear and membrane compliance of one tooth by the Rayleigh-Ritz method (Kolivand 2009, Eq. 3.1-3.11).
@@ -111,8 +112,6 @@ class Shell:
                 f"modes = {self.modes}: must leave the shell's stiffness matrix positive definite to working "
                 "precision; use fewer modes, or Legendre polynomials"
             )
-        for array in (factor, order, scale):
-            array.setflags(write=False)
         object.__setattr__(self, "_factor", factor)
         object.__setattr__(self, "_order", order)
         object.__setattr__(self, "_scale", scale)

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..lines.flank_splines import FlankSplines
 from .material import Material
 
@@ -34,6 +35,7 @@ NODES_BEYOND = 2.5  # mean standard deviations beyond the flank
 SAMPLES = np.linspace(0.0, 1.0, 9)  # of the flank in either direction, for means and limits
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SpreadDeflection:
     """Spread deflection of one member.

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays, read_only
 from ..problem.modal_basis import ModalBasis, basis_of_blocks, compressed_block
 from .body_coupling import BodyCoupling
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Loads:
     """Unit loads on segments (n).
@@ -35,6 +37,7 @@ class Loads:
     on_bodies: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class UnitLoads:
     """Unit loads on both teeth, and the bodies through which tooth pairs are coupled.
@@ -82,7 +85,7 @@ class UnitLoads:
         key = rows.tobytes()
         if key in self.known:
             return self.known[key]
-        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
+        compressed = read_only(compressed_block(self._rows(rows, lambda loads: loads.own)))
         if np.all(rows < len(self.on_lines.on_bodies)):
             self.known[key] = compressed
         return compressed

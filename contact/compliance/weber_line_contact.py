@@ -38,7 +38,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import number, positive, shown
+from ...core.checks import frozen_arrays, number, positive, shown
 from ...core.errors import InputError
 from .material import Material
 from .pressed_strip import PressedStrip
@@ -50,6 +50,7 @@ FOOT_OF_NORMAL_CORRECTION = 0.14
 q (1 - nu^2) / E per body: mean of plane strain finite elements of tapered teeth, which give 0.12 to 0.17."""
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class _Bodies:
     """The exact formula for both bodies at once (first axis), for positive line loads."""
@@ -119,6 +120,7 @@ _OF_SEGMENTS = (
 )
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class WeberLineContact:
     """Local compliance of line contact segments, one independent spring each.
@@ -189,7 +191,6 @@ class WeberLineContact:
                 allowed, bad = "positive and finite [mm]", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
                 raise InputError(f"{name} = {shown(array[bad][0])}: must be {allowed}")
-            array.setflags(write=False)
             object.__setattr__(self, name, array)
         positive("foot_correction", self.foot_correction, zero=True)
         number("floor_ratio", self.floor_ratio, above=0.0, below=1.0)

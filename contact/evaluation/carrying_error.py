@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from .monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
@@ -20,6 +21,7 @@ Array = NDArray[Any]
 FINE_STEP_COUNT = 32  # between two mesh positions
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CarryingError:
     """Transmission error of a tooth pair over its passage through the mesh, and the least of all pairs.

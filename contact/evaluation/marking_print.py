@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import number
+from ...core.checks import frozen_arrays, number
 from ...core.compiled.compiled_use import compiled_code_of
 from ...core.errors import InputError
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS, gap_beside, still_opens
@@ -159,6 +159,7 @@ def _kernel() -> Any:
     return least_gap_kernel
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class MarkingPrint:
     """Print of a marking compound on the gear flank.

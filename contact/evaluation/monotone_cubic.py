@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
+
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class MonotoneCubic:
     """Piecewise cubic with a continuous slope, monotone wherever the values are.

@@ -12,12 +12,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.ordered_values import ordered
 from ...geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ProjectionPlane:
     """Bilinear map from the fractions of a flank to its projection plane.

@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
+
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothPassage:
     """Values of a tooth pair from entering the mesh to leaving it.

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.contact_problem import ContactProblem
@@ -38,6 +39,7 @@ CUBIC_PLACES = np.linspace(0.0, 1.0, 17)[1:-1]
 MAX_GUIDED_DIVISIONS, MAX_DIVISIONS = 12, 200
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class PathNode:
     """A certified point of the path.

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import array, number
+from ...core.checks import array, frozen_arrays, number
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, Status
 from ..solvers.parametric.path_table import path_table, torque_on
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 TORQUE_TOLERANCE = 1e-9
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class LineContactPath:
     """Solutions of a contact problem with load-dependent line contact between two torques.

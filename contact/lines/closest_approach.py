@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.newton import cramers_rule
 from .contact_lines import curvature_and_skew
 from .flank_splines import BENDS, SLOPES, VALUE_AND_SLOPES, FlankSplines
@@ -49,6 +50,7 @@ def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]
     return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class AcrossLine:
     """Gap and roll angle across the contact curve through each of the points (...).
@@ -175,6 +177,7 @@ def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     )
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ClosestApproach:
     """Closest approach of the flanks next to points (...) of contact curves.

@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.ordered_values import ordered
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
@@ -76,6 +77,7 @@ def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
     return SEPARATION_CURVATURE_SCALE * share, SEPARATION_CURVATURE_SCALE * (1.0 + share**2) * slope
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ContactLines:
     """Clipped contact curves of one tooth pair at many pinion rotations.

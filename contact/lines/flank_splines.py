@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .tensor_spline import TensorSpline
 
@@ -20,6 +21,7 @@ VALUE_AND_SLOPES = [(0, 0), *SLOPES]
 BENDS = [(2, 0), (1, 1), (0, 2)]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankSplines:
     """Splines of named fields on the unit square (lengthwise, profile).

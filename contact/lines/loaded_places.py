@@ -8,6 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.pair.gear_pair import MEMBERS
 from .flank_splines import FlankSplines
 from .tooth_ends import ToothEnds, tooth_ends
@@ -15,6 +16,7 @@ from .tooth_ends import ToothEnds, tooth_ends
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class LoadedPlaces:
     """Points at which both members are loaded.

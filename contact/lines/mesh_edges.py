@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from .closest_approach import AcrossLine, across_line
 from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
@@ -253,6 +254,7 @@ class _TouchingParts:
     share: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankEdge:
     """Nodes (k) of one edge, and where on the gear they are in conjugate contact.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
 from .contact_lines import BOUNDARY_FIELDS, ContactLines, distance_inside, trace
@@ -32,6 +33,7 @@ def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
     return (np.arange(positions) / positions - 0.5) * pinion_pitch
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class MeshLines:
     """Contact lines (m) of every tooth pair at every pinion rotation (k) of a mesh cycle.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.newton import cramers_rule, determinant
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines
 
@@ -26,6 +27,7 @@ PINION_FRACTIONS = ("pinion_lengthwise", "pinion_profile")
 PASSING_FIELDS = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in PINION_FRACTIONS)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class OppositePoints:
     """Fractions on the pinion flank opposite points (n) of the gear.

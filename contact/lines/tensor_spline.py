@@ -17,6 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.compiled.compiled_use import compiled_code_of
 
 Array = NDArray[Any]
@@ -25,6 +26,7 @@ BLOCK_SIZE = 60_000  # numbers that are read from the table at a time
 PARTS_PER_INTERVAL = 8  # of the length, in the table that finds the interval of a point
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class KnotIntervals:
     """The polynomial pieces of the B-splines of one direction.
@@ -105,6 +107,7 @@ def _product(polynomials: Array, value: Array, rise: Array) -> Array:
     return np.asarray(result)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class TensorSpline:
     """Spline of several components on a grid; ``through`` makes one.

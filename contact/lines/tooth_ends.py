@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothEnds:
     """Toe and heel of a member seen from points (...) of its flank.

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError, InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..lines.flank_splines import FlankSplines, fit
@@ -58,6 +59,7 @@ def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> Flank
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **pinion})
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Engagement:
     """One tooth's way through the mesh: samples (n) at the contact segments.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
 from ..mesh_cycle import MeshCycle
 from ..problem.compliance_matrix import ComplianceMatrix, ModalCompliance
@@ -56,6 +57,7 @@ def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:
     return [slopes[lines.position == k].reshape(-1, len(names)) for k in range(lines.rotations.size)]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ModifiedContact:
     """A pair whose ease-off may be modified, with contact on lines.

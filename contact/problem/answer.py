@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import shown
+from ...core.checks import frozen_arrays, shown
 from ...core.errors import InputError
 from .certificate import NO_CERTIFICATE, Certificate, resolved_rotation, violations
 from .contact_problem import ContactProblem
@@ -16,6 +16,7 @@ from .contact_problem import ContactProblem
 Array = NDArray[np.float64]
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class Answer:
     """Forces, rotation and gaps, right or wrong: the certificate tells.

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import array, read_only
+from ...core.checks import array, frozen_arrays, read_only
 from ...core.errors import InputError
 from .given_compliance import factor_of, formed, is_operator, is_pair
 from .modal_basis import BendingFactor, ModalBasis
@@ -28,6 +28,7 @@ NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 ASYMMETRY_TOLERANCE = 1e-10
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class DenseCompliance:
     """A compliance given as one matrix.
@@ -77,6 +78,7 @@ class DenseCompliance:
         return DenseCompliance(read_only(dense))
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class ModalCompliance:
     """A compliance of local springs and bending modes, C = diag(d) + V V^T.

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .modes.mode_columns import ModeColumns, mode_columns
 from .modes.shared_columns import few_directions, shared_columns
@@ -29,6 +30,7 @@ DROP_TOLERANCE = 1e-15
 RIGID_DIRECTIONS = 6
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class SharedModes:
     """Modes W that all blocks share: a segment i of block b has the row W_i = columns_i mixing_b.
@@ -56,6 +58,7 @@ class SharedModes:
     mixing: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class ModalBasis:
     """Blocks of a compressed factor, padded to the size of the largest, and modes that all blocks share.
@@ -118,7 +121,6 @@ class ModalBasis:
         factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
         if self.shared_factor.shape[1]:
             factor = np.concatenate([factor[:-1], self.shared_factor], axis=1)
-        factor.setflags(write=False)
         return factor[: self.size]
 
     @cached_property
@@ -171,6 +173,7 @@ class ModalBasis:
         return self
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class BendingFactor:
     """A factor V as it was given; its blocks are found and compressed when they are first asked for.
@@ -287,8 +290,7 @@ def basis_of_blocks(
         modes[number, : own.size, : block.shape[1]] = block
     basis = ModalBasis(size, index, modes, shared)
     shapes = [block.shape for block in compressed]
-    known = [(own, modes[number, :m, :k]) for number, (own, (m, k)) in enumerate(zip(rows, shapes, strict=True))]
-    basis.__dict__["blocks"] = known
+    basis.__dict__["blocks"] = [(basis.index[b, :m], basis.modes[b, :m, :k]) for b, (m, k) in enumerate(shapes)]
     return basis
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, read_only, shown
+from ...core.checks import array, frozen_arrays, read_only, shown
 from ...core.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 ASYMMETRY_TOLERANCE = 1e-10
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class OperatorCompliance:
     """A compliance given by its products with forces.

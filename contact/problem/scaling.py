@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from .compliance_matrix import ComplianceMatrix, ModalCompliance
 from .operator_compliance import OperatorCompliance
 from .scaled_problem import ScaledModes, ScaledOperator, ScaledProblem
@@ -43,6 +44,7 @@ CLIP_MARGIN = 2.0
 SAFE_ENERGY_RANGE = (1e-200, 1e200)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class Scaling:
     """The scales of one contact problem, and what was learnt in finding them.

@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array
+from ...core.checks import array, frozen_arrays
 from ...core.compiled.compiled_use import FEWEST_PROBLEMS_TO_COMPILE, compiling
 from ...core.errors import InputError
 from ..problem.certificate import RESOLUTION_LIMIT
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 BATCH_SIZE = 64
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class ContactSolutions:
     """Solutions of problems that differ in separations and torques alone, in arrays; a row is a problem.

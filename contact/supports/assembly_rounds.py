@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import one_of, positive, whole
+from ...core.checks import frozen_arrays, one_of, positive, whole
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.gear_pair import PairGeometry
 from ..lines.mesh_lines import MeshLines
@@ -93,6 +93,7 @@ class CycleInAssembly(Protocol):
         """The same pair at other pinion rotations [rad]."""
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Round:
     """Contact on supports at torques (t) and mesh positions (k), as one round solved it.

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.ordered_values import ordered
 from ...geometry.pair.datasets import first_contact
 from ...geometry.pair.gear_pair import PairGeometry
@@ -22,6 +23,7 @@ from .wrench import unit_wrenches
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class MeshWrenches:
     """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank.

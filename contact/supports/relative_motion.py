@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.pair.assembly import Assembly, Misalignment
 from .support import member_axes
 
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 PARTS = ("offset", "pinion_axial", "gear_axial", "shaft_angle", "pinion_rotation", "gear_rotation")
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class RelativeMotion:
     """The twist of the pinion relative to the gear, about the origin of the global frame, by its six parts.

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, read_only
+from ...core.checks import array, frozen_arrays, read_only
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support_matrix import checked_compliance, checked_stiffness, held, inverse
@@ -17,6 +17,7 @@ from .wrench import ORIGIN, shift_matrix, shifted_compliance
 Array = NDArray[np.float64]
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class MemberAxis:
     """Axis of a member, about which it is free to turn.
@@ -63,6 +64,7 @@ def member_axes(assembly: Assembly) -> tuple[MemberAxis, MemberAxis]:
     return MemberAxis(assembly.pinion_origin, frame[:, 2]), MemberAxis(assembly.gear_origin, np.array([0.0, 0.0, 1.0]))
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class BearingReaction:
     """Load on one bearing under a wrench on the member that it holds.
@@ -97,6 +99,7 @@ class BearingReaction:
         return np.asarray(wrench @ np.asarray(self.reaction).T)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Support:
     """Support of one member: how it moves as a rigid body under a wrench.
@@ -180,6 +183,7 @@ class Support:
         return shifted_compliance(np.asarray(self.compliance), self.reference, ORIGIN)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Supports:
     """Supports of pinion and gear.

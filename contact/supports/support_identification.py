@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array
+from ...core.checks import array, frozen_arrays
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .relative_motion import RelativeMotion
@@ -21,6 +21,7 @@ RIDGE = 1e-6  # of the data; what the deflections do not determine is as small a
 RANK_SHARE = 1e-6  # of the greatest singular value; a smaller one is no independent datum
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class IdentifiedSupport:
     """A support identified from deflections (n).

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..problem.modal_basis import ModalBasis
 from ..problem.shared_modes import with_shared_modes
 
@@ -16,6 +17,7 @@ ROTATION_LENGTH = 100.0  # [mm]; makes rotations comparable with translations, m
 DROPPED_SHARE = 1e-15  # of the greatest eigenvalue of the compliance
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class SupportModes:
     """What supports add to the contact problem of a mesh position.

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..loaded_cases import LoadedCase, loaded_dataset, rotation_numbers
 from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound
 from .relative_motion import PARTS
@@ -18,6 +19,7 @@ from .supported_pair import SupportedPair, cycle_mean
 Array = NDArray[np.float64]
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class SupportedContact:
     """Loaded contact on supports at torques (t) and mesh positions (k).

@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import kve
 
-from ...core.checks import positive, whole
+from ...core.checks import frozen_arrays, positive, whole
 from .flash_temperature import STEEL_PAIR, peclet_number
 from .thermal_material import ThermalMaterial
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class MatchedBand:
     """Temperature across a contact whose flanks are equally warm.

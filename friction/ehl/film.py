@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...core import checks
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .equations.elastic_deflection import Deflection
 from .equations.film_certificate import Certificate, Status, certify, judge
@@ -32,6 +33,7 @@ START_VELOCITY_FACTORS = (1.0, 2.0, 4.0, 8.0, 16.0)
 START_FILM_FACTORS = (1.0, 2.0, 0.5, 4.0, 8.0)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Film:
     """Pressure and film of a lubricated line contact.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import checks
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ...core.processes.memory import require_memory
 from .equations.elastic_deflection import Deflection
@@ -30,6 +31,7 @@ TOUCHING_FILM = 4e-9
 ROUGH_INLET_GAP_RATIO = 25.0
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class RoughPassage:
     """Passage of rough surfaces through the contact, step by step; (t) arrays unless said otherwise.

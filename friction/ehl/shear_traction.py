@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core import checks
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .equations.reynolds_equation import Array
 from .rolling_contact.lubricated_contact import LubricatedContact
@@ -33,6 +34,7 @@ TEMPERATURE_TOLERANCE, NEWTON_ITERATIONS = 1e-6, 30
 SPACING_TOLERANCE, PRESSURE_ROUNDING = 1e-6, 1e-12
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Traction:
     """Shear in a contact.

@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import array, number, one_of, shown
+from ...core.checks import array, frozen_arrays, number, one_of, shown
 from ...core.errors import InputError
 from ...core.reading.regular_file import named
 from ...core.reading.text_file import TOML_SIZE_LIMIT, read_text
@@ -49,6 +49,7 @@ KELVIN = 273.15  # of 0 degC
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class OilState:
     """A lubricant at temperatures (...).
@@ -83,6 +84,7 @@ class OilState:
     clamped: NDArray[np.bool_]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Lubricant:
     """A lubricant's properties at some temperatures (n).

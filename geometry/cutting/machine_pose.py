@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..vectors import cos_sin, cross, turn_z
 from .machine import MOVING_SETTINGS, IncrementSense, MachineSettings, work_rotation
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class MachinePose:
     """The machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).

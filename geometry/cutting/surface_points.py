@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..newton import NewtonResult, complex_steps, solve_by
 from .generating_surface import GeneratingSurface, area_ratio
 
@@ -21,6 +22,7 @@ Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
 LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its tangents are followed linearly
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SurfacePoints:
     """Points of a generating surface (n) in the member's frame.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
@@ -82,6 +83,7 @@ class EaseOffTarget:
         return np.asarray(second + self.spiral_angle_error * t + self.pressure_angle_error * h)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Synthesis:
     """A pinion flank fitted to a target.

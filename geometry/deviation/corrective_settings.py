@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
@@ -34,6 +35,7 @@ Array = NDArray[Any]
 MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found may not cut
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CorrectedFlank:
     """One measured flank before and after the correction, a rotation left out.

@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import one_of
+from ...core.checks import frozen_arrays, one_of
 from ...core.errors import InputError
 from ..flanks.blank_section import BlankSection
 from .interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
@@ -38,6 +38,7 @@ def require_method(name: str) -> None:
     one_of("interpolation", name, get_args(Method))
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Deviation:
     """Deviation of one flank, given at the nodes of a grid.

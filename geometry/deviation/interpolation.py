@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..newton import cramers_rule, determinant
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class WeightedAverage:
         return value, (by_point * (self.value - value[..., None])).sum(axis=-1) / total
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class GridSpline:
     """A bicubic spline through the nodes, in the grid's own coordinates.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -22,6 +23,7 @@ from .normal_distance import normal_distance
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class RecutFlank:
     """The designed flank at measuring points, from where flanks of other settings are found.

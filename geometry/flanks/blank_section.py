@@ -14,11 +14,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 
 Array = NDArray[np.float64]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class BlankSection:
     """Axial section of one member's blank.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..cutting.generating_surface import GeneratingSurface
 from ..newton import complex_steps
 from ..vectors import dot
@@ -17,6 +18,7 @@ from .flank_parts import on_parts
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Curvatures:
     """Principal curvatures of a flank at n nodes.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.surface_points import axial_and_radial, points_at
 from .blank_section import BlankSection
@@ -34,6 +35,7 @@ class NodeStatus(IntEnum):
     OUTSIDE_BLANK = 4
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Flank:
     """A flank on a set of nodes.

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import one_of, shown
+from ...core.checks import frozen_arrays, one_of, shown
 from ...core.errors import InputError
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import side
@@ -34,6 +34,7 @@ WANTED = {
 EDGES = ("toe", "heel", "root", "tip")
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class DeviationTable:
     """Table of deviations.

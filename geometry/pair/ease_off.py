@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.surface_points import SurfacePoints, points_at
@@ -28,6 +29,7 @@ from .conjugate_motion import ConjugateMotion
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class EaseOff:
     """Ease-off of a pair at the nodes of the gear flank; all arrays (n) unless said.

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -131,6 +132,7 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
     return np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1])
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class MemberGeometry:
     """What the geometry of a pair has of each member alone: no assembly error changes it.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank_parts import on_parts
 from ..newton import complex_steps
@@ -81,6 +82,7 @@ def _across(tangents: Array, slopes: Array) -> Array:
     return np.asarray(np.sqrt((first * second - mixed**2) / squared))
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Drift:
     """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n).

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -28,6 +29,7 @@ EDGE_THICKNESS_LIMIT = 0.1  # of the root thickness
 LEGENDRE_ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ShellCoordinates:
     """Where contact forces meet the middle of a tooth; n forces.
@@ -50,6 +52,7 @@ class ShellCoordinates:
     direction: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothBody:
     """One tooth of a member between its two flanks.

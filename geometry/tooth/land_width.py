@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
@@ -20,6 +21,7 @@ LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is
 SIDE_NODES = 5  # up the flank, of which the ends are used
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class LandWidths:
     """Lands of one member (n) [mm]; NaN where a flank is undercut or missing.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import whole
+from ...core.checks import frozen_arrays, whole
 
 Array = NDArray[Any]
 
@@ -60,6 +60,7 @@ class LatticeSize:
         )
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothLattice:
     """Nodes and bricks of one tooth on its body, in the member's frame.

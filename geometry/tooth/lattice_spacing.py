@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from .lattice_numbering import LatticeSize
 
 Array = NDArray[Any]
@@ -30,6 +31,7 @@ def with_middles(ends: Array) -> Array:
     return fractions
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class LatticeSpacing:
     """Ends and middles of the bricks of a tooth, from 0 to 1: an odd number of increasing fractions each.

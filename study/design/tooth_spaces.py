@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design.agma929.edge_radius_limit import EdgeRadiusLimits
@@ -28,6 +29,7 @@ TOE_HALF = np.linspace(0.0, 0.5, 6)
 NO_VALUE = "-"
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothSpaces:
     """Spaces of a pair by the formulas and on the generated teeth; arrays have the pinion first.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import shown
+from ...core.checks import frozen_arrays, shown
 from ...core.errors import InputError
 from .distribution import Distribution
 from .swept_quantity import Stage, SweptQuantity, swept_quantity
@@ -19,6 +19,7 @@ VALUE_COUNT_LIMIT = 10_000_000
 DIGIT_COUNT = 14  # of the greatest value of an even grid
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Axis:
     """A dimension of a sweep with its coordinates.

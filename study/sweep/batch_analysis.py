@@ -17,6 +17,7 @@ from ...cases.changes import changed_case
 from ...cases.conversion import misalignment as own_misalignment
 from ...cases.deflections import Deflections
 from ...contact.solvers import Status
+from ...core.checks import frozen_arrays
 from ...core.compiled.compiled_use import compiling
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
@@ -77,6 +78,7 @@ class Batch:
     columns: Mapping[str, Array]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Block:
     """Numbers of the points of a batch.

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...core.stored_status import StoredStatus
 
 Array = NDArray[Any]
@@ -50,6 +51,7 @@ REASONS = {
 }
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Found:
     """The nearest place that a search came to.

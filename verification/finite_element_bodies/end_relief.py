@@ -19,6 +19,7 @@ from scipy.interpolate import PchipInterpolator
 from ...contact.compliance.finite_elements.bricks import quadratic
 from ...contact.compliance.finite_elements.elastic_body import elastic_body
 from ...contact.compliance.material import Material
+from ...core.checks import frozen_arrays
 from ...geometry.tooth.lattice_spacing import with_middles
 
 Array = NDArray[Any]
@@ -27,6 +28,7 @@ FIRST_BRICK = 0.03  # [mm]
 GROWTH = 2.0  # of the bricks' borders away from the end of the load
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class EndRelief:
     """What a free end adds to the displacements under a line load of 1 N/mm.

@@ -17,6 +17,7 @@ from ...contact.compliance.finite_elements.elastic_body import ElasticBody, elas
 from ...contact.compliance.finite_elements.flank_compliance import flank_loads, foot_displacements
 from ...contact.compliance.finite_elements.tooth_ring import pitch_angle
 from ...contact.compliance.material import Material
+from ...core.checks import frozen_arrays
 from ...geometry.tooth.tooth_lattice import ToothLattice
 from ...geometry.vectors import rotate_z
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothedSector:
     """Teeth (t) on one body.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...contact.compliance.material import Material
 from ...contact.lines.mesh_lines import MeshLines
-from ...core.checks import positive
+from ...core.checks import frozen_arrays, positive
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
@@ -24,6 +24,7 @@ ROTATION_LIMIT = 0.1  # [rad]; flanks without cells at this rotation cannot touc
 BORROWED_LINE_DISTANCE = 0.25  # [pitch], from a mesh position without a line to the one whose line it takes
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankContact:
     """Solved contact of one mesh position.

@@ -17,6 +17,7 @@ from scipy.sparse import csr_array
 from ...contact.compliance.finite_elements.array_store import kept, key_of
 from ...contact.compliance.finite_elements.finite_element_tooth import unfilled
 from ...contact.compliance.material import Material
+from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
@@ -34,6 +35,7 @@ LOADED_PROFILE_LIMIT = 0.02  # of the nodes that are loaded; the fillet below is
 STORE_VERSION = 2  # of what is kept; raise it when the same input gives other arrays
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankResponse:
     """Compliance that a tooth's body adds to the half space under normal forces on its loaded flank.

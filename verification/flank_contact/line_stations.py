@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import frozen_arrays
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
@@ -21,6 +22,7 @@ FEWEST_BRICKS, MOST_BRICKS = 24, 32  # along the face
 THIN_BRICKS = 4  # of these
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class LineStations:
     """Stations (n) across the contact lines that carry load.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...contact.loaded_cases import LoadedCase
 from ...contact.mesh_cycle import MeshCycle
+from ...core.checks import frozen_arrays
 from ...geometry.flanks.flank import solve_flank
 from ..flank_gap import flank_gap
 from .surface_cells import FlanksInMesh
@@ -17,6 +18,7 @@ from .surface_cells import FlanksInMesh
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SegmentGaps:
     """Gaps of the segments (n) of one solved case, as gear rotations [rad].

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...contact.lines.closest_approach import closest_approach
 from ...contact.lines.contact_lines import arc_length, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
+from ...core.checks import frozen_arrays
 from ...geometry.flanks.flank import solve_flank
 from ...geometry.pair.conjugate_motion import ConjugateMotion
 from ...geometry.pair.gear_pair import DEFAULT_NODES, GearPair, PairGeometry, pair_geometry
@@ -86,6 +87,7 @@ def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
     return FlanksInMesh(geometry.pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SurfaceCells:
     """Cells (n) of one tooth pair at one mesh position.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...cases.conversion import gear_pair
 from ...cases.reading import read_case
 from ...cases.schema.case_schema import Case
+from ...core.checks import frozen_arrays
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.cutting.named_settings import get_setting, with_settings
 from ...geometry.flanks.flank import solve_flank
@@ -45,6 +46,7 @@ CORRECTION_LOOPS: dict[str, tuple[str, MemberName, dict[Side, dict[str, float]]]
 }
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CorrectionLoop:
     """A member before and after its correction.

@@ -14,6 +14,7 @@ from ...cases.conversion import misalignment as case_misalignment
 from ...cases.deflection_table import MisalignmentSource, misalignment_of
 from ...cases.deflections import misalignment_at
 from ...cases.schema.case_schema import Case
+from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
@@ -26,6 +27,7 @@ from ..flank_contact.surface_cells import FlanksInMesh, flanks_of
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class VerifiedPair:
     """A case's pair in mesh with its analysis, and what makes others of it.

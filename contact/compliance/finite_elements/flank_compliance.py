@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ....geometry.tooth.end_faces import EndFace
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from .bricks import quadratic
@@ -31,6 +32,7 @@ SPREAD_POINT_COUNT = 8  # points over a brick on which a force is spread
 EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach the digits of a force
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SharedBody:
     """The body that all teeth (N) of a member share, in modes (q) on the nodes of a flank.
@@ -49,6 +51,7 @@ class SharedBody:
     coupling: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class FlankCompliance:
     """Bending of one tooth between points of its loaded flank.

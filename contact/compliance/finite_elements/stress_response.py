@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
 from .bricks import brick_gradients, gauss_rule, shape_functions
@@ -25,6 +26,7 @@ FORCE_SETS_PER_BATCH = 512  # bounds the memory
 STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class StressResponse:
     """Stress at the root of the loaded side under unit forces on the nodes of the flank.

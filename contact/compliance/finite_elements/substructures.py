@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ....core.errors import GeometryError
 
 Array = NDArray[Any]
@@ -22,6 +23,7 @@ SMALLER_HALF_MINIMUM = 0.4  # share of a piece's bricks, where its lattice allow
 NO_NODES = np.empty(0, dtype=np.int64)
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Elimination:
     """Displacements that were eliminated when pieces were joined.
@@ -42,6 +44,7 @@ class Elimination:
     coupling: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Substructures:
     """A factored body of bricks.

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....core.attributes import labelled
+from ....core.checks import frozen_arrays
 from ....core.ordered_values import ordered
 from ....geometry.pair.field_slopes import field_slopes
 from ....geometry.pair.gear_pair import MEMBERS
@@ -56,6 +57,7 @@ def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, 
     return {name: ((*_GRID, "setting"), values) for name, values in fields.items()}
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CycleSlopes:
     """Derivatives of a mesh cycle by settings, and last by the torque; ``of`` makes them.

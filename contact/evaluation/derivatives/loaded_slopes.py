@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ....core.errors import InputError
 from ...compliance.weber_line_contact import WeberLineContact
 from ...line_contact.line_contact_sensitivity import line_contact_sensitivity
@@ -29,6 +30,7 @@ OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a differenc
 SIZES = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class CaseSlopes:
     """Derivatives of one torque at one mesh position by settings (j), of which the last is the torque at the pinion.

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import shown
+from ....core.checks import frozen_arrays, shown
 from ....core.errors import InputError
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class ProblemSet:
     """Contact problems with labels and reference solutions.

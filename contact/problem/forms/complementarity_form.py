@@ -27,11 +27,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.checks import frozen_arrays
 from ..answer import Answer, require_convex, unscaled, vector_of
 from ..contact_problem import ContactProblem
 from ..scaled_problem import ScaledProblem
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class LCP:
     """Linear complementarity form of a contact problem, scaled; `lcp` makes it.

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ..compliance_matrix import ModalCompliance
 from ..contact_problem import ContactProblem
 from ..operator_compliance import OperatorCompliance
@@ -45,6 +46,7 @@ LOADED_FRACTION = 1e-6
 MARGIN = 1.0 + 1e-6
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Conditioning:
     """What the conditions of a contact problem say about its solution, given an answer.

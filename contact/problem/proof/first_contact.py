@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import read_only
+from ....core.checks import frozen_arrays, read_only
 from .error_free import split, two_product, two_sum
 
 Array = NDArray[np.float64]
@@ -29,6 +29,7 @@ MAX_CHANGES = 4
 ERROR_FREE, PLAIN = 2.0**-103, 2.0**-51
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class FirstContact:
     """Where the rigid bodies touch first.

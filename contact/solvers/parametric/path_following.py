@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ...problem.answer import Answer, with_certificate
 from ...problem.certificate import EXACT_TOLERANCE
 from ...problem.contact_problem import ContactProblem
@@ -37,6 +38,7 @@ STEPS_BEYOND = (1e-10, 1e-8, 1e-6)
 MAX_EVENTS_PER_SEGMENT = 50
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class PathPiece:
     """A part of the path with one touching set.

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.checks import array
+from ....core.checks import array, frozen_arrays
 from ....core.errors import InputError
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
@@ -43,6 +43,7 @@ class Changes(NamedTuple):
     gap: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
     """Derivatives of one solution; see `sensitivity`.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ....core.stored_status import StoredStatus
 
 Array = NDArray[np.float64]
@@ -26,6 +27,7 @@ class Differentiability(StoredStatus):
     FORCES_NOT_UNIQUE = 2
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class SolutionChange:
     """Derivative of a solution in one direction of its data; NaN where there is none.

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.checks import array
+from ....core.checks import array, frozen_arrays
 from ....core.errors import InputError
 from ...problem.certificate import EXACT_TOLERANCE
 from ...problem.contact_problem import ContactProblem
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 METHOD = "torque_path"
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class TorquePath:
     """Solutions of a contact problem between two torques.

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import number, shown
+from ....core.checks import frozen_arrays, number, shown
 from ....core.errors import InputError
 from ...compliance.material import Material
 from ..wrench import shift_matrix
@@ -28,6 +28,7 @@ STEP_COUNT_LIMIT = 500  # of bearings whose stiffness depends on the load
 STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Shaft:
     """A shaft along z on bearings, with a member on it that is rigid.

@@ -28,6 +28,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ..rolling_contact.asperities import Asperities
 from ..rolling_contact.lubricated_contact import LubricatedContact
 from . import hierarchical_matrix as hierarchical
@@ -84,6 +85,7 @@ SMOOTH = (Pace(0.3), Pace(3.0))
 ROUGH = (Pace(3.0, 0.1, 30), Pace(10.0, 0.1, 40), Pace(10.0, 1e-4, 40), Pace(3.0, 1.0, 60), Pace(1.0, 0.1, 60))
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Problem:
     """One steady state or one step in time, in units of the Hertz contact.
@@ -115,6 +117,7 @@ class Problem:
     asperities: Asperities | None = None
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Point:
     """A point of the iteration.
@@ -148,6 +151,7 @@ class Point:
     clearance: Array
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """End of an iteration.

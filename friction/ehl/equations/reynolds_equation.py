@@ -29,6 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from ..rolling_contact.lubricated_contact import LubricatedContact
 
 Array = NDArray[np.float64]
@@ -57,6 +58,7 @@ class History:
     weight: float
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class Balance:
     """Mass balance of all nodes.

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from ....core import checks
+from ....core.checks import frozen_arrays
 from ....core.errors import InputError
 
 Array = NDArray[np.float64]
@@ -27,6 +28,7 @@ POINTS_PER_LENGTH = 12
 FLATNESS_TOLERANCE = 1e-12
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class RoughProfile:
     """A profile that repeats itself, given by heights at equal distances with a cubic spline in between.

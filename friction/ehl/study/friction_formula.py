@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ....core import checks
+from ....core.checks import frozen_arrays
 from ....core.errors import InputError
 from ....core.reading.json_text import parsed_json
 from ....core.reading.text_file import TOML_SIZE_LIMIT, read_text
@@ -77,6 +78,7 @@ class RegimeError:
     worst: float
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class FrictionFormula:
     """Fitted friction coefficient with its range and its errors.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from .slot_width import SlotWidths
 from .tooth_proportions import ToothProportions
 
@@ -18,6 +19,7 @@ LEAST_ROUGHING_RADIUS = 0.254  # [mm]
 LIMITS = ("interference", "manufacture", "mutilation")
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class EdgeRadiusLimits:
     """Limits of the edge radii (AGMA 929-B22, 4.6); arrays have members first (pinion, gear), then drive and coast.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from .tooth_line import ToothLine
 from .tooth_proportions import ToothProportions
 
@@ -18,6 +19,7 @@ Array = NDArray[Any]
 BLADE_OVERLAP = 0.025  # [mm] by which a blade point passes the middle of the slot, or two roughing blades one another
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class SlotWidths:
     """Slot widths of both members; arrays have the pinion first (AGMA 929-B22, 4.4 and 4.5).

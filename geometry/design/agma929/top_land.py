@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import frozen_arrays
 from .slot_width import SlotWidths
 from .tooth_line import ToothLine
 
 Array = NDArray[Any]
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class TopLands:
     """Normal top lands of both members; arrays have the pinion first (AGMA 929-B22, 4.7).

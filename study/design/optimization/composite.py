@@ -13,13 +13,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import one_of
+from ....core.checks import frozen_arrays, one_of
 
 Array = NDArray[np.float64]
 Kind = Literal["affine", "greatest", "range", "norm"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Composite:
     """Function of affine rows.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
+from ....core.checks import frozen_arrays
 from ....core.errors import EaseoffError, GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
@@ -57,6 +58,7 @@ class Prices:
         return cls(limits, answer.low_multipliers / units, answer.high_multipliers / units, of_ceiling)
 
 
+@frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """What a search found.
