@@ -19,11 +19,14 @@ from contact_problems.rational_solution import RationalProblem, solution
 from numpy.typing import NDArray
 
 from easeoff.contact import (
+    SOLVERS,
     Certificate,
     ContactProblem,
     ContactSolution,
     ModalBasis,
+    Solver,
     Status,
+    available_solvers,
     certify,
     solve,
     solve_many,
@@ -36,8 +39,12 @@ from easeoff.contact.problem.proof.first_contact import FirstContact, first_cont
 from easeoff.contact.problem.proof.residuals import Sizes, exact_residuals, rounded_residuals
 from easeoff.contact.problem.proof.unboundedness import is_unbounded
 from easeoff.contact.solvers import registry
-from easeoff.verification import problems
-from easeoff.verification.problem_classes import PROBLEM_CLASSES
+from easeoff.contact.solvers.backend import NoAnswerError
+from easeoff.contact.solvers.backend_solution import backend_solution
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.solution import OWN_ENDS
+from easeoff.contact.solvers.solver_limits import Limits
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
 
@@ -323,7 +330,7 @@ def test_large_structured_problems_are_bounded_by_their_local_part(monkeypatch: 
 # Statuses without an answer
 
 
-def test_unbounded_is_proved_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unbounded_is_proved_not_believed() -> None:
     interfering = np.array([0.1, -0.3, -0.3])
     arm = np.array([40.0, 0.0, 0.0])
     assert is_unbounded(ContactProblem(interfering, arm, 10.0, np.diag([1e-6, 0.0, 0.0])))
@@ -331,12 +338,43 @@ def test_unbounded_is_proved_not_believed(monkeypatch: pytest.MonkeyPatch) -> No
     assert not is_unbounded(ContactProblem(np.abs(interfering), arm, 10.0, np.diag([1e-6, 0.0, 0.0])))
     modal = (np.array([1e-6, 0.0, 0.0]), np.array([[0.0], [1e-3], [-1e-3]]))  # the two move against each other
     assert is_unbounded(ContactProblem(interfering, arm, 10.0, modal))
-    for claimed in (Status.UNBOUNDED, Status.INFEASIBLE):
-        stiff = ContactProblem([0.0, 0.01], [40.0, 40.0], 1e3, np.diag([1e-6, 1e-6]))
-        lie = replace(solve(stiff), status=claimed, claim=claimed.name.lower())
-        monkeypatch.setattr(registry, "backend_solution", lambda *_, lie=lie, **__: lie)
-        refused = solve(stiff, "clarabel")
-        assert (refused.status, refused.claim) == (Status.NOT_CERTIFIED, claimed.name.lower())
+
+
+@pytest.mark.parametrize("answers", [True, False])
+@pytest.mark.parametrize("said", Status)
+def test_what_a_solver_says_of_the_data_is_a_claim(
+    said: Status, answers: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of these data none of it is true; that it failed or met a limit is its own matter."""
+    stiff = ContactProblem([0.0, 0.01], [40.0, 40.0], 1e3, np.diag([1e-6, 1e-6]))
+
+    def adapter(*_: object) -> ScaledAnswer:
+        if not answers:
+            raise NoAnswerError("said", said)
+        return ScaledAnswer(np.full(2, 3.0), 1.0, 1, "said", said)
+
+    monkeypatch.setattr(registry, "adapter_of", lambda _: adapter)
+    for found in (solve(stiff, "clarabel", polish=False), solve(stiff, Solver("mine", adapter), polish=False)):
+        assert found.status is (said if said in OWN_ENDS else Status.NOT_CERTIFIED)
+        assert found.claim == said.name.lower()
+        assert np.isnan(found.force).all()
+
+
+def test_an_answer_has_the_same_status_whichever_solver_gave_it() -> None:
+    """Unless the caller sets a tolerance; so has a problem that is proved to have none."""
+    wide, stiff = SOLVERS["clarabel"].tolerance, far(0.0)
+    scaled, right = stiff.scaled(), solve(stiff)
+    for error, status in ((0.0, Status.CERTIFIED), (1e-7, Status.NOT_CERTIFIED)):
+        force = right.force / stiff.scaling.force * (1.0 + error)
+        answer = ScaledAnswer(force, float(scaled.deflection(force)[0] / scaled.lever_arm[0]), 1)
+        for name in ("clarabel", "daqp", "highs", "mine"):
+            found = backend_solution(stiff, name, lambda *_, answer=answer: answer, {}, polish=None)
+            assert found.status is status, name
+            loose = backend_solution(stiff, name, lambda *_, a=answer: a, {}, polish=None, limits=Limits(wide))
+            assert loose.certified
+    rigid = ContactProblem([0.1, -0.3], [40.0, 0.0], 10.0, np.diag([1e-6, 0.0]))
+    quick = {*available_solvers()} - {"proxqp"}  # which goes on to its last step
+    assert {solve(rigid, name).status for name in quick} == {Status.UNBOUNDED}
 
 
 # Random and degenerate problems

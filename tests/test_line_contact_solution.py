@@ -220,7 +220,7 @@ def test_every_solver_gives_the_nonlinear_answer(name: str, polish: bool) -> Non
     problem = bending_problems(1)[0]
     local = Logarithmic(np.full(problem.size, 1.2))
     reference, _ = solve_on(problem, local)
-    solution, _ = solve_on(problem, local, name, polish=polish)
+    solution, _ = solve_on(problem, local, name, polish=polish, tolerance=SOLVERS[name].tolerance)
     assert solution.status is Status.CERTIFIED
     assert solution.solver == name
     assert solution.polished is (polish and name != "native")

@@ -16,6 +16,7 @@ from easeoff.contact import SOLVERS, ContactProblem, Status, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers.native import METHODS
+from easeoff.contact.solvers.registry import start_force
 from easeoff.contact.solvers.solver_limits import Limits, StepBudget, backend_keywords
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
@@ -250,3 +251,23 @@ def test_highs_says_nothing() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["True"]
+
+
+@pytest.mark.parametrize("name", [name for name, entry in SOLVERS.items() if entry.warm_start])
+@pytest.mark.parametrize("size", [1e-300, 1e-60, 1e60, 1e150, 1e307])
+def test_the_size_of_forces_to_start_from_does_not_matter(name: str, size: float) -> None:
+    """They are scaled to the torque: at 1e150 N a backend did not return."""
+    reference = solve(REALISTIC)
+    found = solve(REALISTIC, installed(name), initial_force=size * (reference.force / reference.force.max()))
+    assert found.status is Status.CERTIFIED
+    assert found.rotation == pytest.approx(reference.rotation, rel=1e-12)
+
+
+def test_forces_to_start_from_are_in_balance_or_of_the_size_of_the_load() -> None:
+    near = solve(REALISTIC)
+    for size in (1e-3, 1.0, 1e200):
+        assert start_force(size * near.force, REALISTIC) == pytest.approx(near.force, rel=1e-9)
+    back = ContactProblem([0.0, 0.0], [40.0, -40.0], 1e3, np.diag([1e-6, 1e-6]))
+    for given in ([0.0, 1.0], [1.0, 1.0], [1e300, 1e300]):
+        assert 0.0 < start_force(np.array(given), back).max() == back.scaling.force
+    assert start_force(np.array([-1.0, 0.0]), back).tolist() == [0.0, 0.0]

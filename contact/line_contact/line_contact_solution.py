@@ -24,6 +24,7 @@ from ...core.errors import InputError
 from ..problem.answer import vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, SolverChoice, Status, require_solver, solve
+from ..solvers.registry import start_force
 from ..solvers.solution import judged, no_solution
 from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
 
@@ -108,7 +109,7 @@ def solve_on_bending(
     """As `solve_line_contact`, for a contact problem whose compliance is that of bending alone."""
     name = require_solver(solver)
     uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))
-    start = _warm_start(initial_force, bending.size)
+    start = _warm_start(initial_force, bending)
     warm = start is not None
     start = uniform if start is None else start
     try:
@@ -172,11 +173,11 @@ def certified_on_secant(
     return solution, problem
 
 
-def _warm_start(force: Array | None, size: int) -> Array | None:
+def _warm_start(force: Array | None, bending: ContactProblem) -> Array | None:
     if force is None:
         return None
-    array = vector_of(force, "initial_force", size)
-    return np.maximum(array, 0.0) if np.isfinite(array).all() else None
+    array = vector_of(force, "initial_force", bending.size)
+    return start_force(array, bending) if np.isfinite(array).all() else None
 
 
 def _failed(bending: ContactProblem, status: Status, name: str, message: str, iterations: int = 0) -> ContactSolution:

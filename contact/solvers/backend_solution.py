@@ -24,7 +24,7 @@ from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form
 from .declared.solver_declaration import Solver
 from .scaled_answer import ScaledAnswer
-from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
+from .solution import OWN_ENDS, RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_limits import Limits, limit_hint
 from .solver_table import SOLVERS
 
@@ -99,8 +99,7 @@ def backend_solution(
     """
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None
-    limit = None if declared is None or limits.time_limit is None else limits.time_limit + GRACE_TIME
-    tolerance = limits.tolerance or _tolerance(solver, declared)
+    tolerance = limits.tolerance or (EXACT_TOLERANCE if declared is None else declared.tolerance)
     scaled = _as_given(problem, structured=declared is not None) if raw else problem.scaled()
     if declared is not None:
         method, what = declared.chosen_form(scaled, form), declared.method
@@ -137,8 +136,9 @@ def backend_solution(
     except InputError:
         raise
     except NoAnswerError as error:
-        status = error.suspicion or Status.SOLVER_FAILED
-        solution = no_solution(problem.size, status, solver, claim=error.claim, tolerance=tolerance)
+        said = Status.SOLVER_FAILED if error.suspicion is None else error.suspicion
+        status, claim = said if said in OWN_ENDS else Status.NOT_CERTIFIED, error.claim or said.name.lower()
+        solution = no_solution(problem.size, status, solver, claim=claim, tolerance=tolerance)
         solution = replace(solution, words=str(error), method=method)
     except Exception as error:
         foreign = error if isinstance(error, ForeignCodeError) else None
@@ -152,18 +152,11 @@ def backend_solution(
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
     missed = not solution.certified and math.isfinite(solution.certificate.worst)
-    if missed and solver not in SOLVERS and limits.tolerance is None:
-        message += "; give tolerance=..., or Solver(..., tolerance=...), to accept it"
+    if missed and limits.tolerance is None:
+        message += f"; give tolerance=...{'' if declared is None else ', or Solver(..., tolerance=...),'} to accept it"
     if not scaled.has_matrix and solution.certified:
         message += f"; {ASSUMED}"
     return replace(solution, message=message, run_time=perf_counter() - start)
-
-
-def _tolerance(solver: str, declared: Solver | None) -> float:
-    """Certificate that an unpolished answer must reach if the caller asks for no other."""
-    if declared is not None:
-        return declared.tolerance
-    return SOLVERS[solver].tolerance if solver in SOLVERS else EXACT_TOLERANCE
 
 
 def _as_given(problem: ContactProblem, *, structured: bool) -> ScaledProblem:

@@ -33,6 +33,10 @@ from .solver_table import SOLVERS
 
 #: A certificate this good is rounding; the native cascade looks no further.
 ROUNDING_LEVEL = 1e-10
+#: Moment of forces to start from, over the greatest force on the longest lever arm, below which it is not scaled.
+SMALLEST_MOMENT = 1e-3
+#: Why a problem is unbounded, in words.
+NO_MINIMUM = "segments without compliance penetrate at every rotation, no force can part them"
 
 
 def available_solvers() -> list[str]:
@@ -105,9 +109,10 @@ def solve(
         One of `available_solvers`, or ``"auto"``; or a solver of one's own: a `Solver`, a function, or
         ``module:function``.
     tolerance
-        Largest violation that the certificate of the answer may have; by default that of the table of settings, for a
-        polished or native answer `EXACT_TOLERANCE`, which a larger tolerance leaves as it is. The stopping tolerances
-        of a backend are set so that it reaches it, see `SolverSettings.tolerance_settings`.
+        Largest violation that the certificate of the answer may have; by default `EXACT_TOLERANCE` whichever solver
+        gave it, which a larger tolerance leaves as it is for polished and native answers. With it the stopping
+        tolerances of a backend are set so that it reaches it, see `SolverSettings.tolerance_settings`; by default they
+        are those of the table.
     time_limit
         Wall time for the solver [s]; for `Status.TIME_LIMIT`. The compiled modal method, which ends in 60 steps, is not
         interrupted.
@@ -123,6 +128,7 @@ def solve(
         native solver, ignored by the others.
     initial_force
         Forces of a neighbouring problem (n) [N]: a warm start of all solvers that have one, ignored by the others.
+        Their size does not matter: they are scaled to the torque, and negative ones left out.
     form
         Form of a structured problem for a backend: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
         `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
@@ -165,7 +171,7 @@ def solve(
         found = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
         if found is not None and found.certificate.passes(limits.exact_tolerance):
             return found if tolerance is None else replace(found, tolerance=limits.exact_tolerance)
-    force = None if initial_force is None else _start_force(initial_force, problem.size)
+    force = None if initial_force is None else _given_force(initial_force, problem.size)
     request = _Request(problem, limits, polish, _active(problem, initial_active, force), force, form, settings, start)
     return replace(_solved(request, solver), run_time=perf_counter() - start)
 
@@ -244,10 +250,10 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
             message = f"native: it failed; {type(error).__name__}: {error}"
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
     solution = _solve_backend(request, name, declared)
-    if solution.status is Status.INFEASIBLE or (
-        solution.status is Status.UNBOUNDED and scaled.has_matrix and not is_unbounded(problem)
-    ):
-        solution = replace(solution, status=Status.NOT_CERTIFIED)  # its claim stays: some segment carries any torque
+    limited = request.limits.time_limit is not None or request.limits.max_iterations is not None
+    ended = limited and solution.status in (Status.TIME_LIMIT, Status.NOT_CONVERGED)
+    if not solution.certified and not ended and scaled.has_matrix and is_unbounded(problem):
+        return replace(solution, status=Status.UNBOUNDED, message=f"{solution.message}; {NO_MINIMUM}")
     definite = SOLVERS[name].definite if declared is None else declared.definite
     if definite and scaled.has_matrix and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
@@ -258,7 +264,7 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
 def _solve_backend(request: _Request, name: str, declared: Solver | None) -> ContactSolution:
     limits, settings, start = request.limits, request.settings, {}
     if request.force is not None and (SOLVERS[name].warm_start if declared is None else declared.warm_start):
-        start["initvals"] = request.force / request.problem.scaling.force
+        start["initvals"] = start_force(request.force, request.problem) / request.problem.scaling.force
     adapter: Adapter | Solver
     if declared is None:
         adapter, keywords = adapter_of(name), backend_keywords(name, limits, settings)
@@ -295,8 +301,7 @@ def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
         limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
         return _no_native_solution(problem, met, f"ended at the {limit}", best)
     if scaled.has_matrix and is_unbounded(problem):
-        reason = "segments without compliance penetrate at every rotation, no force can part them"
-        return _no_native_solution(problem, Status.UNBOUNDED, reason, best)
+        return _no_native_solution(problem, Status.UNBOUNDED, NO_MINIMUM, best)
     if best is None:
         return _no_native_solution(problem, Status.NOT_CONVERGED, "no method had an answer", best)
     return best
@@ -330,11 +335,22 @@ def _active(problem: ContactProblem, active: ArrayLike | None, force: ArrayLike 
     """Segments assumed in contact (n): as given, or those that carry the forces of a neighbouring problem."""
     if active is not None:
         return as_mask(active, problem.size)
-    return None if force is None else _start_force(force, problem.size) > 0.0
+    return None if force is None else _given_force(force, problem.size) > 0.0
 
 
-def _start_force(force: ArrayLike, size: int) -> NDArray[np.float64]:
+def _given_force(force: ArrayLike, size: int) -> NDArray[np.float64]:
     return array("initial_force", force, "N", ndim=1, size=size)
+
+
+def start_force(force: NDArray[np.float64], problem: ContactProblem) -> NDArray[np.float64]:
+    """Forces of any size (n) [N] as a start: in balance with the torque, or of the size of the load where none are."""
+    start = np.maximum(force, 0.0)
+    if not start.max() > 0.0:
+        return start
+    start /= start.max()
+    moment, longest = float(start @ problem.lever_arm), float(np.abs(problem.lever_arm).max())
+    balanced = problem.torque > 0.0 and moment > SMALLEST_MOMENT * longest
+    return np.asarray(start * (problem.torque / moment if balanced else problem.scaling.force))
 
 
 def _is_definite(matrix: NDArray[np.float64]) -> bool:

@@ -46,6 +46,10 @@ class Status(StoredStatus):
     NOT_CONVERGED = 8
 
 
+#: Ends that a solver reports of itself. What it says of the data is a claim, whatever it says.
+OWN_ENDS = (Status.SOLVER_FAILED, Status.TIME_LIMIT, Status.NOT_CONVERGED)
+
+
 @dataclass(frozen=True)
 class CallTimes:
     """Times of the parts of a call of a backend [s]; NaN where unknown.
@@ -258,13 +262,14 @@ def judged(
     tolerance
         Largest violation that the certificate may have.
     suspicion
-        The status of a refused answer; `Status.NOT_CERTIFIED` by default.
+        What the solver reports: the status of a refused answer if it is one of `OWN_ENDS`, else this is
+        `Status.NOT_CERTIFIED`.
     claim
         The solver's own report; by default that of the certificate.
     iterations, method, polished, message, stiffness
         Passed on to the solution.
     """
-    status = Status.NOT_CERTIFIED if suspicion is None else suspicion
+    status = suspicion if suspicion in OWN_ENDS else Status.NOT_CERTIFIED
     if answer.certificate.passes(tolerance):
         status = Status.CERTIFIED
     if claim is None:

@@ -40,7 +40,7 @@ class SolverSettings:
     sparse
         Whether it wants sparse matrices.
     tolerance
-        Certificate an unpolished answer must reach to be accepted.
+        Certificate that its unpolished answers reach with these settings.
     largest
         Number of segments up to which it is known to keep that tolerance on the problem library; None for all of it.
         A solver that gets the whole matrix takes minutes on more. Nothing is refused for it but by `lemke`.

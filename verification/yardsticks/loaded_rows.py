@@ -104,7 +104,7 @@ def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> lis
         compared = f"polished, {certified} of {len(chosen)} contact problems certified"
         rows.append(VerificationRow(f"solver {name}", compared, apart, POLISHED_LIMIT, "1"))
         certified, apart = _apart(chosen, name, polish=False)
-        # Without polish a solver may miss its tolerance: such an answer is refused, and nobody gets it.
+        # Without polish a solver may miss its own tolerance, too: such an answer is refused, and nobody gets it.
         if certified:
             plain.append((apart, f"{name}, {certified} of {len(chosen)} contact problems certified"))
     apart, compared = max(plain, default=(float("nan"), "none"))
@@ -118,6 +118,7 @@ def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, fl
 
     With polish every answer must be certified: NaN if one is not.
     """
-    found = [solve(case.problem, name, polish=polish) for case in cases]
+    tolerance = SOLVERS[name].tolerance if name in SOLVERS and not polish else None
+    found = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
     ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]
     return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
