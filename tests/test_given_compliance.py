@@ -50,6 +50,15 @@ def test_sparse_compliance_is_the_same_problem(form: str, kind: Any) -> None:
     assert with_compliance((LOCAL, kind(FACTOR).asformat(form))).identical(STRUCTURED)
 
 
+@pytest.mark.parametrize("form", [np.diag, scipy.sparse.diags, lambda d: scipy.sparse.csr_array(np.diag(d))])
+def test_local_compliance_may_be_a_diagonal_matrix(form: Any) -> None:
+    assert with_compliance((form(LOCAL), FACTOR)).identical(STRUCTURED)
+    assert with_compliance((form(LOCAL), scipy.sparse.csr_array(FACTOR))).identical(STRUCTURED)
+    wrong = form(LOCAL) + np.eye(SIZE, k=1)
+    with pytest.raises(InputError, match=r"compliance diagonal = matrix of shape .*: must have zeros beside"):
+        with_compliance((wrong, FACTOR))
+
+
 def test_factor_known_by_its_products_is_multiplied_out() -> None:
     assert with_compliance((LOCAL, aslinearoperator(FACTOR))).identical(STRUCTURED)
 

@@ -346,6 +346,32 @@ def test_every_kind_of_problem_has_the_answer_of_solve(name: str) -> None:
             assert found.rotation == pytest.approx(alone.rotation, rel=1e-9)
 
 
+def test_many_problems_may_come_from_a_generator() -> None:
+    given = structured(2)
+    starts = (None for _ in given)
+    found = solve_many((problem for problem in given), initial_active=starts)
+    assert [one.rotation for one in found] == [one.rotation for one in solve_many(given)]
+    for wrong in (5, [given[0], 5], "problems"):
+        with pytest.raises(InputError, match=r"problems = .*: must be a ContactProblem"):
+            solve_many(wrong)  # type: ignore[arg-type]
+
+
+def test_solutions_of_many_can_be_had_one_by_one() -> None:
+    problem = structured(1)[0]
+    torques = [problem.torque, 0.5 * problem.torque]
+    many = solve_many(problem, torque=torques)
+    assert len(list(many)) == 2
+    for row, (one, torque) in enumerate(zip(many, torques, strict=True)):
+        assert one.certified
+        assert one.problem is not None
+        assert one.problem.torque == torque
+        assert one.force.tolist() == many.force[row].tolist()
+        assert one.sensitivity().forward(torque=1.0).rotation > 0.0
+    assert many[-1].rotation == many.rotation[1]
+    rigid = ContactProblem([0.1, -0.3], [40.0, 0.0], 10.0, np.diag([1e-6, 0.0]))
+    assert [one.status for one in solve_many(rigid)] == [Status.UNBOUNDED]
+
+
 def test_the_common_kinds_need_no_other_method(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any, **__: Any) -> None:
         raise AssertionError("solved one by one")

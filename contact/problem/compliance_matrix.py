@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, frozen_arrays, read_only
 from ...core.errors import InputError
-from .given_compliance import factor_of, formed, is_operator, is_pair
+from .given_compliance import diagonal_of, factor_of, formed, is_operator, is_pair
 from .modal_basis import BendingFactor, ModalBasis
 from .operator_compliance import OperatorCompliance
 
@@ -189,6 +189,8 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
             shape = tuple(given.operator.shape)
             raise InputError(f"compliance = LinearOperator of shape {shape}: must have the shape ({size}, {size})")
         return given
+    if isinstance(given, tuple) and len(given) == 2:
+        given = diagonal_of(given[0], size), given[1]
     modal = isinstance(given, tuple | list) and len(given) == 2 and isinstance(given[1], ModalBasis)
     if modal or is_pair(given, size):
         diagonal = array("compliance diagonal", given[0], "mm/N", ndim=1, size=size, least=0.0, frozen=True)

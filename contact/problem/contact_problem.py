@@ -53,7 +53,8 @@ class ContactProblem:
         Torque T about the gear axis [N mm], not negative.
     compliance
         C (n, n) [mm/N], symmetric and positive semidefinite; or the pair (d, V) of an (n) and an (n, k) array that
-        stands for C = diag(d) + V V^T, d >= 0. C and V may be sparse, a V of one column (n), or a `ModalBasis`. A
+        stands for C = diag(d) + V V^T, d >= 0. C and V may be sparse, d a diagonal matrix (n, n), sparse or not, a V of
+        one column (n), or a `ModalBasis`. A
         `scipy.sparse.linalg.LinearOperator` for V is multiplied out; one for C is not, see `OperatorCompliance`. A
         `ComplianceMatrix` is not copied.
 

@@ -60,6 +60,25 @@ def is_pair(given: Any, size: int) -> bool:
     return True
 
 
+def diagonal_of(given: Any, size: int) -> Any:
+    """Return d of a pair (d, V): that of a diagonal matrix (n, n), sparse or not, is its diagonal; else as given.
+
+    Raises
+    ------
+    InputError
+        The matrix has entries beside its diagonal.
+    """
+    if dimensions(given) != 2 or tuple(np.shape(given)) != (size, size):
+        return given
+    row, column = given.nonzero() if is_sparse(given) else np.nonzero(given)
+    if (row != column).any():
+        raise InputError(
+            f"compliance diagonal = matrix of shape ({size}, {size}): must have zeros beside its diagonal, or be the "
+            f"diagonal d alone, {size} numbers [mm/N]"
+        )
+    return given.diagonal() if is_sparse(given) else np.diagonal(given)
+
+
 def formed(name: str, given: Any, unit: str) -> Any:
     """Return a sparse matrix, or a factor known by its products, as an array; anything else as it is.
 

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays
+from ...core.checks import array, frozen_arrays, instance
 from ...core.compiled.compiled_use import FEWEST_PROBLEMS_TO_COMPILE, compiling
 from ...core.errors import InputError
-from ..problem.certificate import RESOLUTION_LIMIT
+from ..problem.answer import with_certificate
+from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from .compiled.compiled_answer import compiled_code, linear_answers
 from .modal_newton import has_modal_form, modal_newton
 from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, judged_native, solve
-from .solution import ContactSolution, Status
+from .solution import ContactSolution, Status, judged, no_solution
 
 Array = NDArray[np.float64]
 
@@ -49,6 +50,12 @@ class ContactSolutions:
         Numbers of `Status` (b).
     iterations
         Steps of the solver (b); -1 if unknown.
+    problem, separation, torque
+        The problem whose lever arms and compliance all share, and what they differ in (b, n) [mm] and (b) [N mm].
+
+    Notes
+    -----
+    `solutions[row]`, and those that come one after the other, are a `ContactSolution` each, certified anew.
 
     Examples
     --------
@@ -57,6 +64,8 @@ class ContactSolutions:
     >>> found = solve_many(springs, torque=[8.0e4, 4.0e4])
     >>> found.force.tolist(), found.certified.all().item()
     ([[1000.0, 1000.0], [500.0, 500.0]], True)
+    >>> [round(solution.rotation * 1e6, 6) for solution in found]
+    [25.0, 12.5]
     """
 
     force: Array
@@ -66,6 +75,9 @@ class ContactSolutions:
     certificate: Array
     status: NDArray[np.int8]
     iterations: NDArray[np.int64]
+    problem: ContactProblem = field(repr=False)
+    separation: Array = field(repr=False)
+    torque: Array = field(repr=False)
 
     @property
     def certified(self) -> NDArray[np.bool_]:
@@ -76,10 +88,24 @@ class ContactSolutions:
         """Number of problems."""
         return self.status.size
 
+    def __getitem__(self, row: int) -> ContactSolution:
+        """Solution of one problem."""
+        status, steps = Status(int(self.status[row])), int(self.iterations[row])
+        if status is Status.CERTIFIED:
+            posed = problem_of_row(self.problem, self.separation[row], self.torque[row])
+            answer = with_certificate(posed, self.force[row], float(self.elastic_rotation[row]))
+            return judged("native", answer, tolerance=EXACT_TOLERANCE, iterations=steps)
+        certificate = Certificate(*self.certificate[row].tolist())
+        return no_solution(self.problem.size, status, "native", iterations=steps, certificate=certificate)
+
+    def __iter__(self) -> Iterator[ContactSolution]:
+        """Solutions of the problems in turn."""
+        return (self[row] for row in range(len(self)))
+
 
 @overload
 def solve_many(
-    problems: Sequence[ContactProblem], *, initial_active: Sequence[ArrayLike | None] | None = None
+    problems: Iterable[ContactProblem], *, initial_active: Iterable[ArrayLike | None] | None = None
 ) -> list[ContactSolution]: ...
 
 
@@ -90,9 +116,9 @@ def solve_many(
 
 
 def solve_many(
-    problems: Sequence[ContactProblem] | ContactProblem,
+    problems: Iterable[ContactProblem] | ContactProblem,
     *,
-    initial_active: Sequence[ArrayLike | None] | None = None,
+    initial_active: Iterable[ArrayLike | None] | None = None,
     separation: ArrayLike | None = None,
     torque: ArrayLike | None = None,
 ) -> list[ContactSolution] | ContactSolutions:
@@ -101,7 +127,8 @@ def solve_many(
     Parameters
     ----------
     problems
-        Problems of any size and form; or one problem, whose lever arms and compliance are shared by all.
+        Problems of any size and form, also a generator of them; or one problem, whose lever arms and compliance are
+        shared by all.
     initial_active
         Warm start of each of several problems, see `solve`.
     separation
@@ -119,8 +146,8 @@ def solve_many(
     Raises
     ------
     InputError
-        As many warm starts as problems were not given, or one has the wrong shape; arrays of different lengths, or
-        numbers that no contact problem can have.
+        What was given are no problems; as many warm starts as problems were not given, or one has the wrong shape;
+        arrays of different lengths, or numbers that no contact problem can have.
 
     Examples
     --------
@@ -137,7 +164,11 @@ def solve_many(
         return _solve_rows(problems, separation, torque)
     if separation is not None or torque is not None:
         raise InputError("separation, torque: must be given with one problem, not with a sequence of problems")
-    starts: Sequence[ArrayLike | None] = [None] * len(problems) if initial_active is None else initial_active
+    given: Any = problems
+    problems = list(given) if isinstance(given, Iterable) else [given]
+    for problem in problems:
+        instance("problems", problem, ContactProblem)
+    starts = [None] * len(problems) if initial_active is None else list(initial_active)
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
@@ -180,17 +211,23 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
         proved &= resolution <= RESOLUTION_LIMIT
         status[proved] = Status.CERTIFIED
     others = np.flatnonzero(~proved)
-    rest = [
-        ContactProblem(gaps[row], problem.lever_arm, float(moments[row]), problem.compliance_matrix) for row in others
-    ]
+    rest = [problem_of_row(problem, gaps[row], moments[row]) for row in others]
     for row, solution in zip(others, solve_many(rest), strict=True):
         force[row], gap[row], steps[row], status[row] = (
             solution.force, solution.gap, solution.iterations, solution.status,
         )  # fmt: skip
         numbers[row] = solution.rotation, solution.elastic_rotation, *solution.certificate.violations
+    for found in (force, gap):
+        found.setflags(write=False)  # else they would be copied
     return ContactSolutions(
-        force, numbers[:, 0].copy(), gap, numbers[:, 1].copy(), numbers[:, 2:].copy(), status, steps
-    )
+        force, numbers[:, 0].copy(), gap, numbers[:, 1].copy(), numbers[:, 2:].copy(), status, steps,
+        problem, gaps, moments,
+    )  # fmt: skip
+
+
+def problem_of_row(problem: ContactProblem, separation: Array, torque: float) -> ContactProblem:
+    """Return a problem with other separations (n) [mm] and another torque [N mm]."""
+    return ContactProblem(separation, problem.lever_arm, float(torque), problem.compliance_matrix)
 
 
 def plain_solutions(
