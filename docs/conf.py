@@ -85,12 +85,13 @@ html_copy_source = False
 html_show_search_summary = False  # what shows it asks for pages, which a browser does not read for a file
 html_context = {"default_mode": "auto"}
 html_math_renderer = "mathml"
+html_sidebars = {"**": ["sidebar-nav-bs", "page-toc"]}
 html_theme_options: dict[str, Any] = {
     "logo": {"text": "easeoff"},
     "show_prev_next": True,
     "navigation_with_keys": False,
     "navbar_end": ["theme-switcher"],
-    "secondary_sidebar_items": ["page-toc"],
+    "secondary_sidebar_items": [],  # the column then takes a line of 120 characters at 1300 pixels
     "footer_start": ["copyright"],
     "footer_end": [],
     "header_links_before_dropdown": 4,
@@ -107,8 +108,8 @@ def visit_inline_math(writer: HTML5Translator, node: nodes.math) -> None:
 
 
 def visit_math_block(writer: HTML5Translator, node: nodes.math_block) -> None:
-    """Write a formula on a line of its own as MathML."""
-    formula = latex2mathml.converter.convert(node.astext(), display="block")
+    """Write a formula on a line of its own as MathML; the converter knows no aligned, and split is the same."""
+    formula = latex2mathml.converter.convert(node.astext().replace("{aligned}", "{split}"), display="block")
     writer.body.append(f'<div class="math" title="{escape(node.astext())}">{formula}</div>\n')
     raise nodes.SkipNode
 

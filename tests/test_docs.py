@@ -15,6 +15,7 @@ from urllib.parse import unquote
 import netCDF4
 import numpy as np
 import pytest
+from browser import Browser, chromium
 from click.testing import CliRunner
 from runs import SMALL
 
@@ -462,3 +463,40 @@ def test_lubricant_of_the_page_is_one(tmp_path: Path) -> None:
     oil = lubricant(tmp_path / "my_oil.toml")
     assert oil.at(70.0).viscosity == pytest.approx(0.0443)
     assert set(tomllib.loads(example)) == KEYS
+
+
+#: Elements of a page that go beyond its column: at most 1 px of rounding, and where they can be moved to if `movable`.
+TOO_WIDE = """(movable => {
+  const column = document.querySelector('article').getBoundingClientRect(), found = [];
+  const frame = e => {
+    for (; e.tagName !== 'ARTICLE'; e = e.parentElement)
+      if (['auto', 'scroll'].includes(getComputedStyle(e).overflowX)) return e;
+  };
+  for (const e of document.querySelectorAll('article :is(div.math, math, table, img, pre, code, p, dt)')) {
+    const place = e.getBoundingClientRect(), around = frame(e);
+    if (movable && around) {
+      if (place.left + around.scrollLeft < around.getBoundingClientRect().left - 1) found.push(e);
+    } else if (place.right > column.right + 1 || (around === e && e.scrollWidth > e.clientWidth + 1)) found.push(e);
+  }
+  return found.map(e => e.tagName + ' ' + (e.title || e.textContent).slice(0, 60));
+})"""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("width", "movable"), [(1300, False), (400, True)])
+def test_nothing_on_the_site_is_cut(width: int, movable: bool) -> None:
+    """Formulas, tables, pictures and lines of code keep to the column; in a narrow window they can be moved into it."""
+    site = DOCS / "_build" / "html"
+    built = sorted(path.relative_to(site) for path in site.rglob("*.html"))
+    pages = [site / path for path in built if path.parts[0] not in ("_static", "search.html", "genindex.html")]
+    if not pages or chromium() is None:
+        pytest.skip("needs the site, make docs, and Chromium, apt-get install chromium")
+    cut = {}
+    with Browser() as browser:
+        browser.resize(width, 900)
+        for page in pages:
+            browser.open(page)
+            wide = browser.run(f"{TOO_WIDE}({str(movable).lower()})")
+            if wide or browser.run("document.documentElement.scrollWidth") > width:
+                cut[page.name] = wide
+    assert cut == {}
