@@ -44,7 +44,8 @@ from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.solution import OWN_ENDS
 from easeoff.contact.solvers.solver_limits import Limits
-from easeoff.verification import PROBLEM_CLASSES, problems
+from easeoff.verification import problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 Array = NDArray[np.float64]
 

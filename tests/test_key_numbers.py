@@ -676,7 +676,7 @@ def recomputed() -> dict[str, dict[str, xr.DataArray]]:
     line_load = force / loaded["length"]
     modulus = loaded.attrs["contact_modulus_MPa"]
     band = np.sqrt(8.0 * line_load * loaded["equivalent_radius"] / (np.pi * modulus))
-    whole = xr.where(on_line & (force > 0.0), 2.0 * line_load / (np.pi * loaded["half_width"]), 0.0)
+    whole = (2.0 * line_load / (np.pi * loaded["half_width"])).where(on_line & (force > 0.0), 0.0)
     pressure, total = loaded["pressure"], force.sum(POINT)
     centre = {name: (force * loaded[name]).sum(POINT) / total for name in ("lengthwise", "profile")}
     shares = [share_of(moment, loaded["tooth"] == pair) for pair in loaded["pair"].values]
@@ -717,7 +717,7 @@ def recomputed() -> dict[str, dict[str, xr.DataArray]]:
     hottest = {name: at_greatest(loaded[name], friction["flash_temperature"]) for name in ("lengthwise", "profile")}
     of_friction = {
         "sliding_velocity": np.hypot(friction["sliding_along"], friction["sliding_across"]),
-        "slide_to_roll": (np.abs(friction["sliding_across"]) / rolling).isel(speed=0, drop=True),
+        "slide_to_roll": (abs(friction["sliding_across"]) / rolling).isel(speed=0, drop=True),
         "lambda_ratio": friction["film_thickness"] / np.hypot(friction["roughness_pinion"], friction["roughness_gear"]),
         "flash_temperature": given[0].copy(data=flash).where(on_line),
         "pressure_velocity": pressure.where(force > 0.0) * sliding,

@@ -19,7 +19,8 @@ from whole_differences import coarse
 import easeoff
 from easeoff import Case, GeometryError, InputError, optimize
 from easeoff.cases import gear_pair, parse_case, parse_design, write_case
-from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion, get_setting, machine_pose, with_settings
+from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion
+from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.machine_resolution import MachineResolution
 from easeoff.geometry.cutting.named_settings import (
     BLADE_STEPS,

@@ -26,6 +26,7 @@ from easeoff.geometry import (
 from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.machine_resolution import MachineResolution, step_of
 from easeoff.geometry.cutting.named_settings import get_setting
+from easeoff.geometry.design.basic_settings import generated_gear
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion
 from easeoff.geometry.design.mean_point import mean_point_angles
 from easeoff.geometry.design.pair_design import PairDesign, design_pair

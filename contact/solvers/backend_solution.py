@@ -99,6 +99,7 @@ def backend_solution(
     """
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None
+    limit = None if declared is None or limits.time_limit is None else limits.time_limit + GRACE_TIME
     tolerance = limits.tolerance or (EXACT_TOLERANCE if declared is None else declared.tolerance)
     scaled = _as_given(problem, structured=declared is not None) if raw else problem.scaled()
     if declared is not None:
@@ -146,8 +147,8 @@ def backend_solution(
             hint = limit_hint(solver, own)
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
-        status, claim = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
-        solution = no_solution(problem.size, status, solver, claim=claim, tolerance=tolerance)
+        status, told = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
+        solution = no_solution(problem.size, status, solver, claim=told, tolerance=tolerance)
         solution = replace(solution, words=str(foreign) if foreign else reason_of(error), method=method)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
