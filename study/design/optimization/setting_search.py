@@ -19,14 +19,26 @@ from ....core.errors import EaseoffError, GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
-from .setting_rounding import rounded_settings
-from .step_programme import LocalModel, StepAnswer, StepProgramme
+from .step_programme import (
+    LIMIT_MARGIN,
+    SINGLE_REACH,
+    VIOLATION_PRICE,
+    LocalModel,
+    StepAnswer,
+    StepProgramme,
+    judged_objective,
+)
 from .trust_region import FIRST_RADIUS, LATER_RADIUS, USUAL_TOLERANCE, Ending, Search, Step, Tolerance, search
 
 Array = NDArray[np.float64]
 
 #: The most searches, each with teeth built anew.
 ROUND_LIMIT = 3
+#: Numbers of steps that one setting is moved by, and the most rounds through all settings.
+STEP_COUNTS = (64, 16, 4, 1)
+ROUND_COUNT_LIMIT = 50
+#: Largest change of the ease-off by rounding [um], unless the nearest steps change it more.
+ROUNDING_REACH = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +199,7 @@ class SettingSearch:
         best: AnalysedSettings = found.point
         space, units = self._workshop.space, self._workshop.units
         try:
-            point = self.anew(rounded_settings(best), judgement)
+            point = self.anew(_rounded_settings(best), judgement)
         except EaseoffError as error:
             raise GeometryError(f"the settings found, rounded, cannot be analysed: {error}") from error
         case = space.case_at(point.values, rounded=True)
@@ -218,3 +230,43 @@ def first_workshop(workshop: Workshop) -> tuple[Workshop, Readings]:
     units = 1.0 / np.maximum(reach, 1e-12)
     own = replace(workshop, units=units * workshop.units)
     return own, {key: in_units(one, own, units) for key, one in readings.items()}
+
+
+def _rounded_settings(point: AnalysedSettings) -> Array:
+    """Settings (n) that can be set near analysed ones, in the units of the case file: those that the model likes best.
+
+    The nearest ones may pass a limit that the settings keep. Neighbouring ones are tried by the model alone, as far as
+    the ease-off stays what it is.
+    """
+    space, units = point.workshop.space, point.workshop.units
+    model, judgement = point.model(1.0), point.judgement
+
+    def reach(values: Array) -> float:
+        """Change of the ease-off [um]; that by one setting alone counts as in a programme."""
+        step = (values - point.values) / units
+        return float(max(np.abs(model.reach @ step).max(), np.abs(step).max() / SINGLE_REACH))
+
+    def merit(values: Array) -> float:
+        step = (values - point.values) / units
+        ratios = [np.array([one.value(step) for one in group]) for group in model.objectives]
+        passed = [max(one.value(step) for one in group) - 1.0 + 0.5 * LIMIT_MARGIN for group in model.limits]
+        price = VIOLATION_PRICE * sum(max(0.0, excess) for excess in passed)
+        return judged_objective(ratios, judgement.weights, judgement.aim.form) + price
+
+    best = space.nearest(point.values)
+    least, most = merit(best), max(reach(best), ROUNDING_REACH)
+    for _ in range(ROUND_COUNT_LIMIT):
+        before = least
+        for number, step in enumerate(space.steps):
+            for count in (sign * size for size in STEP_COUNTS for sign in (1, -1)):
+                tried = best.copy()
+                tried[number] += count * step
+                tried = space.nearest(tried)
+                if reach(tried) > most:
+                    continue
+                found = merit(tried)
+                if found < least - 1e-9:
+                    best, least = tried, found
+        if least == before:
+            break
+    return best
