@@ -128,8 +128,8 @@ def _proposals(record: xr.Dataset) -> list[str]:
     ]
     if refused == count > 0:
         found.append("No proposal could be analysed: whether there is something better than the start is not known")
-    elif not record["accepted"].values.any():
-        found.append(f"Nothing better than the start was found; {count - refused} proposals were analysed")
+    elif count and not record["accepted"].values.any():
+        found.append(f"None of the {count - refused} proposals that were analysed is better than the start")
     return found
 
 
