@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import re
 import shutil
+import subprocess
 import sys
 import types
 from collections.abc import Iterator
@@ -286,6 +287,26 @@ def test_process_that_ends_at_an_import_is_an_outcome_and_started_once(
     assert set(table["message"].values) == {"its process ended with code 5"}
     assert table.sizes["attempt"] == 2
     assert "file " in table.attrs["solver_versions"]
+
+
+@pytest.mark.thorough
+def test_process_that_imports_ends_with_the_comparison_however_that_does(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "alive")
+    (tmp_path / "slow.py").write_text(
+        "import time\nwith open('alive', 'w') as alive:\n    time.sleep(30.0)\n    alive.write('outlived')\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "killed.py").write_text(
+        "from easeoff.study.compare.measurement.worker import Worker\n"
+        "if __name__ == '__main__':\n    Worker('slow:solver').launch()\n    input()\n",
+        encoding="utf-8",
+    )
+    with (
+        subprocess.Popen([sys.executable, "killed.py"], cwd=tmp_path, stdin=subprocess.PIPE) as study,
+        open(tmp_path / "alive", encoding="utf-8") as alive,  # once the module is being imported
+    ):
+        study.kill()
+        assert alive.read() == ""
 
 
 def test_function_of_a_module_is_a_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

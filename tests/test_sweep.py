@@ -10,9 +10,10 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, nullcontext
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -443,6 +444,25 @@ def process(*words: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
         started.wait()
 
 
+@contextmanager
+def dask_cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+    """Address of a scheduler with some workers; its process and theirs."""
+    distributed, file = pytest.importorskip("distributed"), folder / "scheduler.json"
+    common = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
+    cluster = ["-m", "distributed.cli.dask_scheduler", "--port", "0", *common]
+    worker = ["-m", "distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", *common]
+    with ExitStack() as context:
+        started = [context.enter_context(process(*cluster))]
+        started += [context.enter_context(process(*worker, cwd=folder)) for _ in range(workers)]
+        limit = time.monotonic() + 60.0
+        while not file.exists() and time.monotonic() < limit:
+            time.sleep(0.1)
+        scheduler = json.loads(file.read_text())["address"]
+        with distributed.Client(scheduler, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=60.0)
+        yield scheduler, started
+
+
 @pytest.mark.thorough
 def test_dask_cluster_that_loses_a_worker_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A real scheduler and two real workers, one of them killed while it computes."""
@@ -452,18 +472,7 @@ def test_dask_cluster_that_loses_a_worker_gives_the_same_bits(monkeypatch: pytes
     over = {"E": "-0.1:0.1:15"}
     whole = sweep(CASE, over, torques=[100.0], workers=1)
     monkeypatch.setattr(parameter_sweep, "BATCH_TIME", 0.0)  # many batches
-    address = tmp_path / "scheduler.json"
-    common = ["--scheduler-file", str(address), "--no-dashboard", "--host", "127.0.0.1"]
-    cluster = ["-m", "distributed.cli.dask_scheduler", "--port", "0", *common]
-    worker = ["-m", "distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", *common]
-    with process(*cluster), process(*worker, cwd=tmp_path) as victim, process(*worker, cwd=tmp_path):
-        limit = time.monotonic() + 60.0
-        while not address.exists() and time.monotonic() < limit:
-            time.sleep(0.1)
-        scheduler = json.loads(address.read_text())["address"]
-        distributed = pytest.importorskip("distributed")
-        with distributed.Client(scheduler, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=60.0)
+    with dask_cluster(tmp_path, 2) as (scheduler, (_, victim, _)):
 
         def kill(done: int, _: int) -> None:
             if done == 6:
@@ -472,6 +481,59 @@ def test_dask_cluster_that_loses_a_worker_gives_the_same_bits(monkeypatch: pytes
         found = sweep(CASE, over, torques=[100.0], scheduler=scheduler, progress=kill)
         assert victim.wait(timeout=60.0) == -signal.SIGKILL
     assert_same(found, whole)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("lost", ["scheduler", "worker"])
+def test_cluster_that_is_lost_is_named_and_the_sweep_resumes(
+    lost: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A real scheduler or its only worker is killed; without workers it waits, and says so."""
+    pytest.importorskip("distributed")
+    from easeoff.study.sweep import engine, parameter_sweep
+
+    monkeypatch.setattr(parameter_sweep, "BATCH_TIME", 0.0)  # many batches
+    monkeypatch.setattr(engine, "LOOK_INTERVAL", 0.1)
+    monkeypatch.setattr(engine, "CONNECTION_TIME_LIMIT", 5.0)
+    monkeypatch.setattr(engine, "WORKERS_TIME_LIMIT", 0.3)
+    over, store = {"E": "-0.1:0.1:9"}, tmp_path / "store"
+    with dask_cluster(tmp_path, 1) as (scheduler, killed):
+        victim = killed[lost == "worker"]
+
+        def kill(done: int, _: int) -> None:
+            if done == 3:
+                victim.kill()
+
+        told: Any = (
+            pytest.warns(UserWarning, match="no workers any more; waiting") if lost == "worker" else nullcontext()
+        )
+        words = f"scheduler = '{scheduler}': {'has no workers any more' if lost == 'worker' else 'is gone'}; start it"
+        with told, pytest.raises(InputError, match=words):
+            sweep(CASE, over, torques=[100.0], scheduler=scheduler, store=store, progress=kill)
+    found = sweep(CASE, over, torques=[100.0], workers=1, store=store)
+    assert_same(found, sweep(CASE, over, torques=[100.0], workers=1))
+
+
+@pytest.mark.parametrize(
+    ("package", "found", "said"),
+    [
+        ("easeoff", "9.9", "is 9.9"),
+        ("easeoff", PackageNotFoundError("easeoff"), "is unknown (PackageNotFoundError"),
+        ("dask", "2020.1.0", "is 2020.1.0"),
+    ],
+)
+def test_workers_of_other_versions_are_refused(package: str, found: object, said: str) -> None:
+    pytest.importorskip("distributed")
+    from easeoff.study.sweep import engine
+
+    class Client:
+        def run(self, function: Callable[[str], str], name: str, on_error: str) -> dict[str, object]:
+            return {"tcp://one": function(name), "tcp://two": found if name == package else function(name)}
+
+    with pytest.raises(InputError) as error:
+        engine._check_versions(Client(), "tcp://scheduler")
+    own = version(package)
+    assert f"must have workers with {package} {own}, as here; that of its worker tcp://two {said}" in str(error.value)
 
 
 def test_missing_scheduler_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -487,7 +549,10 @@ def test_missing_scheduler_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
             sweep(CASE, {"E": [0.0, 0.02, 0.04]}, torques=[100.0], scheduler=address)
 
 
-@pytest.mark.parametrize("address", ["case.toml", "tcp://", "tcp://host:port", "post://127.0.0.1:8786"])
+@pytest.mark.parametrize(
+    "address",
+    ["case.toml", "tcp://", "tcp://host:port", *(f"{kind}://127.0.0.1:1" for kind in ("post", "ucx", "inproc", "tls"))],
+)
 def test_an_address_that_is_none_is_named_at_once(address: str) -> None:
     distributed = pytest.importorskip("distributed")
     with pytest.MonkeyPatch.context() as patch:

@@ -6,18 +6,24 @@ is ever computed and not yet kept.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib
+import logging
 import multiprocessing
 import os
+import time
+import warnings
 from collections.abc import Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
+from ...core.magnitude import time_in_words
 from ...core.processes.child_environment import (
     THREAD_VARIABLES,
     child_environment,
@@ -30,6 +36,14 @@ from .batch_analysis import Batch, Block, PointStatus, analyze_batch
 #: Times that a batch is begun whose process ends, before its points count as failed.
 ATTEMPT_COUNT = 3
 CONNECTION_TIME_LIMIT = 20.0  # [s]
+#: Packages of which the workers of a cluster must have the same versions as this process.
+SAME_VERSIONS = ("easeoff", "dask", "distributed")
+#: Between two looks at batches that run, and at the workers of a cluster [s].
+POLL_INTERVAL, LOOK_INTERVAL = 0.02, 1.0
+#: Time for which a cluster may be without workers [s].
+WORKERS_TIME_LIMIT = 600.0
+#: What ends a message on a cluster that ends while it computes.
+RESUMES = "start it again, and the same sweep with its store goes on"
 #: Batches at a time for every thread of a cluster: one that runs and none that waits.
 BATCHES_PER_THREAD = 1
 
@@ -100,16 +114,20 @@ def cluster_client(address: str) -> Iterator[Any]:
     MissingPackageError
         If dask.distributed is not installed.
     InputError
-        If there is no scheduler at the address, or it has no workers.
+        If there is no scheduler at the address, it has no workers, or these have other versions.
     """
     distributed = distributed_package()
     try:
-        distributed.comm.resolve_address(address)  # an address that is none makes the client wait for itself
+        with ThreadPoolExecutor(1) as thread:  # a notebook runs a loop of its own in this one
+            thread.submit(asyncio.run, _reached(distributed, address)).result()
         client = distributed.Client(address, timeout=CONNECTION_TIME_LIMIT, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # of a transport that is not there, too
         raise InputError(
             f"scheduler = {address!r}: must be the address of a dask scheduler that runs ({error})"
         ) from error
+    log = logging.getLogger("distributed.client")  # shows a traceback for what is told here in a sentence
+    log_level = log.level
+    log.setLevel(logging.CRITICAL + 1)
     try:
         try:
             client.wait_for_workers(1, timeout=CONNECTION_TIME_LIMIT)
@@ -117,9 +135,30 @@ def cluster_client(address: str) -> Iterator[Any]:
             raise InputError(
                 f"scheduler = {address!r}: has no workers; start some with 'dask worker {address}'"
             ) from error
+        _check_versions(client, address)
         yield client
     finally:
         client.close()
+        log.setLevel(log_level)
+
+
+async def _reached(distributed: Any, address: str) -> None:
+    """Connect to a scheduler once: a client that cannot, such as for want of a transport, waits for itself."""
+    comm = await distributed.comm.connect(address, timeout=CONNECTION_TIME_LIMIT)
+    comm.abort()
+
+
+def _check_versions(client: Any, address: str) -> None:
+    """Refuse workers without this package, or with another version of it or of dask."""
+    for package in SAME_VERSIONS:
+        own = version(package)
+        for worker, found in client.run(version, package, on_error="return").items():
+            if found != own:
+                said = found if isinstance(found, str) else f"unknown ({type(found).__name__}: {found})"
+                raise InputError(
+                    f"scheduler = {address!r}: must have workers with {package} {own}, as here; that of its worker "
+                    f"{worker} is {said}"
+                )
 
 
 def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Block]]:
@@ -131,13 +170,18 @@ def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Bl
         The batches.
     client
         Of ``cluster_client``.
+
+    Raises
+    ------
+    InputError
+        If the scheduler is gone, has no workers for `WORKERS_TIME_LIMIT`, or a worker cannot run a batch.
     """
-    distributed = distributed_package()
+    distributed, address = distributed_package(), client.scheduler.address
     running: dict[Any, Batch] = {}
     results = distributed.as_completed(loop=client.loop, raise_errors=False)
     exhausted = False
     while True:
-        slots = max(BATCHES_PER_THREAD * sum(client.nthreads().values()), 1)
+        slots = max(BATCHES_PER_THREAD * (_threads(client) or 0), 1)
         while len(running) < slots and not exhausted:
             batch = next(batches, None)
             if batch is None:
@@ -150,14 +194,50 @@ def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Bl
             results.add(future)
         if not running:
             return
+        _wait_for_one(results, client, address)
         future = next(results)
         batch = running.pop(future.key)
         if future.status == "finished":
             yield batch.number, future.result()
+        elif future.status != "error":  # cancelled or lost, without a reason
+            raise InputError(f"scheduler = {address!r}: is gone; {RESUMES}")
         elif isinstance(future.exception(), distributed.KilledWorker):
             yield batch.number, _lost(batch)
         else:
             raise _cluster_fault(future.exception())
+
+
+def _threads(client: Any) -> int | None:
+    """Threads of a cluster; None where its scheduler does not answer, which cancels what was asked of it."""
+    try:
+        return sum(client.nthreads().values()) if client.status == "running" else None
+    except (OSError, RuntimeError):
+        return None
+
+
+def _wait_for_one(results: Any, client: Any, address: str) -> None:
+    """Wait for the end of a batch, and say what is waited for where there is nobody to compute it."""
+    waited = 0.0  # without workers [s]
+    looked = time.monotonic()
+    while not results.has_ready():
+        time.sleep(POLL_INTERVAL)
+        passed = time.monotonic() - looked
+        if passed < LOOK_INTERVAL:
+            continue
+        looked = time.monotonic()
+        if _threads(client) != 0:
+            waited = 0.0
+            continue
+        if not waited:
+            limit = time_in_words(WORKERS_TIME_LIMIT)
+            warnings.warn(
+                f"scheduler = {address!r}: has no workers any more; waiting {limit} for some, as by 'dask worker "
+                f"{address}'; after an interruption the same command goes on",
+                stacklevel=2,
+            )
+        waited += passed
+        if waited > WORKERS_TIME_LIMIT:
+            raise InputError(f"scheduler = {address!r}: has no workers any more; {RESUMES}")
 
 
 def distributed_package() -> Any:
