@@ -70,9 +70,8 @@ def _show_waiting(text: str) -> None:
 
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
-    if isinstance(error, click.UsageError):
-        return click.UsageError(printable.message(error.format_message()), error.ctx)
-    return _Mistake(printable.message(error.format_message()))
+    said = printable.message(as_given(error.format_message()))
+    return click.UsageError(said, error.ctx) if isinstance(error, click.UsageError) else _Mistake(said)
 
 
 class _Group(click.Group):
