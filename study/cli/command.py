@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 from contextlib import suppress
@@ -20,8 +19,8 @@ DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
 PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)
 #: What commands find in the context of click where their process does nothing else.
 PROGRAM = "program"
-#: Key of the folder in which the command was started.
-START = "easeoff.start"
+#: Key of the relative paths of the command line, by the absolute ones that stand for them.
+GIVEN = "easeoff.given"
 
 
 class Command(click.Command):
@@ -33,11 +32,11 @@ class Command(click.Command):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; its paths stay what they are wherever code of somebody else may go."""
         keep_freed_memory()
+        options = {param.name for param in self.params if isinstance(param, click.Option)}
+        given: dict[str, str] = ctx.meta.setdefault(GIVEN, {})
         with suppress(OSError):  # the current folder is gone
-            ctx.meta[START] = os.getcwd()
-            options = {param.name for param in self.params if isinstance(param, click.Option)}
             for name, value in ctx.params.items():
-                ctx.params[name] = _absolute(value, option=name in options)
+                ctx.params[name] = _absolute(value, given, option=name in options)
         return super().invoke(ctx)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -58,18 +57,23 @@ class Command(click.Command):
             raise
 
 
-def _absolute(value: Any, *, option: bool) -> Any:
+def _absolute(value: Any, given: dict[str, str], *, option: bool) -> Any:
     """A path, or several, from the root; but an argument without a file may be the name of something shipped."""
     if isinstance(value, tuple):
-        return tuple(_absolute(one, option=option) for one in value)
-    return value.absolute() if isinstance(value, Path) and (option or value.exists()) else value
+        return tuple(_absolute(one, given, option=option) for one in value)
+    if not isinstance(value, Path) or value.is_absolute() or not (option or value.exists()):
+        return value
+    given[str(value.absolute())] = str(value)
+    return value.absolute()
 
 
 def as_given(text: str) -> str:
-    """A text for the user, with paths in the folder where the command was started relative to it."""
-    context = click.get_current_context(silent=True)
-    start = os.path.join(context.meta.get(START, "") if context else "", "")
-    return re.sub(rf"(?<![^\s'\"(=]){re.escape(start)}(?=[^\s])", "", text) if len(start) > 1 else text
+    """A text for the user, with the paths of the command line as they were given."""
+    context = click.get_current_context(silent=True)  # of this thread
+    given: dict[str, str] = context.meta.get(GIVEN, {}) if context else {}
+    for path in sorted(given, key=len, reverse=True):
+        text = text.replace(path, given[path])
+    return text
 
 
 def quick_start(*, alone: bool = True) -> None:
