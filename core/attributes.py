@@ -176,9 +176,13 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "certified_positions": ("1", "certified mesh positions"),
     "worst_certificate": ("1", "greatest entry of the certificates"),
     # root stress
-    "root_stress": ("MPa", "greatest root stress", "tensile, around the loaded side's fillet"),
-    "root_stress_history": ("MPa", "root stress", "greatest along the face"),
-    "max_root_stress": ("MPa", "greatest root stress of face and mesh cycle", "between the nodes of the face, too"),
+    "root_stress": ("MPa", "greatest root stress", f"tensile, around the loaded side's fillet; {ROOT_RESOLUTION}"),
+    "root_stress_history": ("MPa", "root stress", f"greatest along the face; {ROOT_RESOLUTION}"),
+    "max_root_stress": (
+        "MPa",
+        "greatest root stress of face and mesh cycle",
+        f"between the nodes of the face, too; {ROOT_RESOLUTION}",
+    ),
     # wear
     "step": ("1", "step of the wear", "0 at the start"),
     "wear_depth": ("um", "depth of wear", "along the normal of the member's own flank"),

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from time import perf_counter
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,6 @@ DEFAULT_POLISH, NO_LIMITS = PolishRule(), Limits()
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
 
-@cache
 def adapter_of(solver: str) -> Adapter:
     """Return the adapter of a solver of the table, not of the native one, which has none; it loads the package.
 
@@ -47,14 +47,19 @@ def adapter_of(solver: str) -> Adapter:
     MissingSolverError
         Its package is installed, and cannot be loaded.
     """
+    adapter: Adapter = _adapter_module(solver).solve_scaled
+    return adapter
+
+
+@cache
+def _adapter_module(solver: str) -> ModuleType:
     try:
         with foreign_code(IMPORT_TIME_LIMIT, silent=True):
             for package in filter(None, ("qpsolvers", SOLVERS[solver].package)):
                 importlib.import_module(package)
-            adapter: Adapter = importlib.import_module(f".adapters.{solver}", __package__).solve_scaled
+            return importlib.import_module(f".adapters.{solver}", __package__)
     except ForeignCodeError as error:
         raise MissingSolverError(f"solver {solver!r} cannot be loaded: {error}") from error
-    return adapter
 
 
 def backend_solution(
