@@ -109,3 +109,8 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+
+
+def pytest_unconfigure() -> None:
+    """Let it see everything again: compiled libraries count what is left at the end of a process."""
+    gc.unfreeze()
