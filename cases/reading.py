@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import ValidationError
 
-from ..core.checks import truth
+from ..core.checks import file_path, truth
 from ..core.errors import EaseoffError, InputError
 from ..core.printable import printable
 from ..core.reading.regular_file import named
@@ -80,10 +80,11 @@ class FileKind(Generic[Model]):
 
     def find(self, name_or_path: str | Path) -> tuple[str, Path | None]:
         """Text of a shipped file (by name) or of a user's file (by path), and the folder of the latter."""
-        kind, name = self.name, str(name_or_path)
+        kind = self.name
+        path: Path = file_path(kind, name_or_path, also=f"the name of a shipped {kind}, or ")
+        name = os.fsdecode(name_or_path)
         if name in self.names():
             return self.folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
-        path: Path = Path(name_or_path)
         if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
             if os.path.isdir(path):
                 raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
@@ -174,7 +175,7 @@ def stem(name_or_path: str | Path) -> str:
     >>> stem("fm-11x41"), stem("cases/mine.toml")
     ('fm-11x41', 'mine')
     """
-    return printable(Path(name_or_path).stem)[:NAME_LENGTH_LIMIT]
+    return printable(file_path("path", name_or_path).stem)[:NAME_LENGTH_LIMIT]
 
 
 def _require_possible(found: Case | Design | SupportFile) -> None:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import functools
 import operator
+import os
 import reprlib
 from collections.abc import Callable, Iterable
 from numbers import Real
+from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
@@ -179,6 +181,35 @@ def instance(name: str, value: Any, kind: type) -> None:
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise InputError(f"{name} = {shown(value)}: must be {article} {kind.__name__}")
+
+
+def file_path(name: str, value: Any, also: str = "") -> Path:
+    """Return a path, given as text, bytes or an object that stands for one.
+
+    Parameters
+    ----------
+    name, value
+        As for ``number``.
+    also
+        What else it may be, for the message.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> file_path("path", b"cases/mine.toml").name
+    'mine.toml'
+    >>> file_path("path", 5)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: path = 5: must be a path, as text, bytes or a Path
+    """
+    try:
+        return Path(os.fsdecode(value))
+    except TypeError as error:
+        raise InputError(f"{name} = {shown(value)}: must be {also}a path, as text, bytes or a Path") from error
 
 
 def array(

@@ -8,6 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..cases.reading import CASE
+from ..core.checks import file_path
 from ..core.errors import InputError
 from ..core.reading.file_origin import layout_fault, unreadable
 from ..core.reading.netcdf_file import read_tree
@@ -90,7 +91,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     >>> tree["loaded/peak_to_peak"].attrs["units"]
     'urad'
     """
-    source = Path(path)
+    source = file_path("path", path)
     if not os.path.exists(path) and str(path) in CASE.names():
         raise InputError(f"{named(source)} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
     if source.suffix == ".toml":

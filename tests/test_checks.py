@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from easeoff import InputError
+from easeoff import InputError, read_case
 from easeoff.core import checks
 
 
@@ -57,6 +57,8 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
         (lambda: checks.distinct("x", [[1.0, 2.0]]), "must be a number, or numbers in a row$"),
         (lambda: checks.distinct("x", "fast", "1/min"), r"^x = 'fast': must be finite numbers \[1/min\], 1 or more$"),
         (lambda: checks.whole("x", 1.0, 0, 5), r"^x = 1.0: must be a whole number from 0 to 5$"),
+        (lambda: checks.file_path("x", 5), "^x = 5: must be a path, as text, bytes or a Path$"),
+        (lambda: read_case(5), "^case = 5: must be the name of a shipped case, or a path, as text, bytes or a Path$"),  # type: ignore[arg-type]
         (lambda: checks.one_of("x", ["a"], ("a", "b")), r"^x = \['a'\]: must be one of a, b$"),
     ],
 )

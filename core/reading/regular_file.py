@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
+from ..checks import file_path
 from ..errors import InputError
 from ..magnitude import memory_in_words
 from ..printable import printable, shortened
@@ -16,7 +16,7 @@ REASON_LENGTH_LIMIT = 200  # of the reason that a library gives, in a message [c
 
 def named(path: str | os.PathLike[str]) -> str:
     """A path as messages show it, in one line."""
-    return printable(os.fspath(path))
+    return printable(str(file_path("path", path)))
 
 
 def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None:
@@ -34,6 +34,7 @@ def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None
     InputError
         If there is no file, or a folder, a pipe or a device, or it is larger.
     """
+    path = file_path("path", path)
     # The functions of os.path take a name that is too long, or holds a null character, for one that does not exist.
     if os.path.isdir(path):
         raise InputError(f"{named(path)} is a folder: give the name of a file")
@@ -119,7 +120,7 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     """
     require_file(path, limit)
     try:
-        with Path(path).open("rb") as file:
+        with file_path("path", path).open("rb") as file:
             content = file.read(limit + 1)  # some files of the system are larger than they say
     except OSError as error:
         raise InputError(f"{named(path)} cannot be read: {error.strerror or error}") from error

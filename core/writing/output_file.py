@@ -9,6 +9,7 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..checks import file_path
 from ..errors import InputError
 from .file_name import check_name
 from .permissions import take_over_permissions
@@ -51,7 +52,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     ...     Path(f"{folder}/new/table.txt").read_text()
     'complete'
     """
-    target = Path(path)
+    target = file_path("path", path)
     _check_replaceable(target)
     try:
         with existing_folder(target.parent), private_folder(target.parent) as folder:
@@ -122,7 +123,7 @@ def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str
         If the name has another suffix or is too long, the folder does not exist and cannot be made, may not be written
         to, or the path is a folder, a device or one of the sources.
     """
-    target = Path(path)
+    target = file_path("path", path)
     _check_replaceable(target)
     for source in sources:
         if os.path.isfile(target) and os.path.isfile(source) and os.path.samefile(target, source):

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...core.attributes import labelled
-from ...core.checks import one_of
+from ...core.checks import file_path, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from ..deviation.deviation import Deviation, Method
@@ -285,7 +285,7 @@ def _check_size(grid: xr.Dataset, source: str) -> None:
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
-    suffix = Path(path).suffix.lower()
+    suffix = file_path("path", path).suffix.lower()
     if suffix not in SUFFIXES:
         why = f" ({UNSUPPORTED_FORMATS[suffix]})" if suffix in UNSUPPORTED_FORMATS else ""
         raise InputError(

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import shown
+from ...core.checks import file_path, shown
 from ...core.errors import GeometryError, InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
@@ -279,7 +279,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     ...     read_cmm_points(f"{folder}/gear.csv").equals(points)
     True
     """
-    source = Path(path)
+    source = file_path("path", path)
     text = _suffix(path) == ".csv"
     dataset = labelled(cmm_csv.parsed(content(source), str(source))) if text else opened(source)
     check_points(dataset, source, FORMAT)
@@ -297,7 +297,7 @@ def opened(source: Path) -> xr.Dataset:
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
-    suffix = Path(path).suffix.lower()
+    suffix = file_path("path", path).suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: measuring points are written as {' or '.join(SUFFIXES)}")
     return suffix

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import file_path
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from ..vectors import rotate_z
@@ -45,6 +45,7 @@ def write_mesh(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import tooth_patches
@@ -54,7 +55,7 @@ def write_mesh(
     ...     Path(f"{folder}/gear.stl").stat().st_size > 0
     True
     """
-    suffix = Path(path).suffix.lower()
+    suffix = file_path("path", path).suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: meshes are written as {', '.join(SUFFIXES)}")
     points, quads, patch, tooth = mesh(oriented(patches), rotations(teeth, pitch))

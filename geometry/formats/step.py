@@ -6,12 +6,12 @@ import contextlib
 import io
 import os
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import file_path
 from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.writing.output_file import whole_file
 from .patches import oriented, rotations
@@ -69,7 +69,7 @@ def write_step(
     >>> with tempfile.TemporaryDirectory() as folder, contextlib.suppress(MissingPackageError):
     ...     write_step(patches, f"{folder}/gear.step")
     """
-    if Path(path).suffix.lower() not in SUFFIXES:
+    if file_path("path", path).suffix.lower() not in SUFFIXES:
         raise InputError(f"path = {path}: must end in {' or '.join(SUFFIXES)}")
     angles = rotations(teeth, pitch)
     surfaces = oriented(patches)

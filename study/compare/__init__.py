@@ -7,6 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from ...core.checks import file_path
 from ...core.errors import InputError
 from .comparison import compare
 from .comparison_table import write_table
@@ -51,7 +52,7 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     from ..plot.drawing_style import default_style
     from .presentation.comparison_report import write_report
 
-    target = Path(folder)
+    target = file_path("folder", folder)
     attempts = write_table(dataset, target)
     with default_style():
         from .presentation.comparison_figures import write_figures

@@ -15,7 +15,7 @@ from ...contact.problem.certificate import Certificate
 from ...contact.solvers import SOLVERS, available_solvers, require_solver
 from ...contact.solvers.declared.solver_lookup import declares_place, entry_point_names
 from ...core.checkpoint import Checkpoint
-from ...core.checks import number, one_of
+from ...core.checks import file_path, number, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder
 from .comparison_plan import Cell, Choice, cells
@@ -114,7 +114,7 @@ def compare(
     number("tolerance", tolerance, above=0.0, below=1.0)
     one_of("time", time, tuple(TIMES))
     choice = Choice(repetitions, time_limit, polish, raw, tuple(float(one) for one in tolerances), threads)
-    target = Path(folder)
+    target = file_path("folder", folder)
     check_folder(target, "comparison")
     checkpoint = Checkpoint(target / CHECKPOINT, STUDY, encode=_stored, decode=_attempts, fresh=fresh)
     made_with = machine(threads)

@@ -6,7 +6,6 @@ import math
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.checks import file_path
 from ...core.errors import InputError
 from ...core.ordered_values import ordered
 from ...core.processes.memory import require_memory
@@ -91,13 +91,14 @@ def export_contact(
     Examples
     --------
     >>> import easeoff
+    >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
     >>> with TemporaryDirectory() as folder:
     ...     export_contact(tree, Path(folder) / "pattern.vtu", nodes=(31, 15))
     '1 tooth pair in contact at 100 N m, mesh position 0'
     """
-    target = Path(path)
+    target = file_path("path", path)
     if target.suffix.lower() != SUFFIX:
         raise InputError(f"{target}: suffix = {target.suffix!r}: must be {SUFFIX} for the contact of a result")
     check_writable(target)

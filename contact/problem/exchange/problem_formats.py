@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....core.checks import one_of
+from ....core.checks import file_path, one_of
 from ....core.errors import InputError
 from ....core.writing.output_file import check_folder, check_writable
 from ..contact_problem import ContactProblem
@@ -137,7 +137,7 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
     ...     import_problems(folder).labels["name"].tolist()
     ['problem_0000', 'problem_0001']
     """
-    source = Path(path)
+    source = file_path("path", path)
     if not source.is_dir():
         return FORMATS[_suffix(source)].read(source)
     files = sorted(

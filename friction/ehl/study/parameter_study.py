@@ -88,7 +88,7 @@ def run_study(
     checks.number("seconds", seconds, "s", infinite=True)
     if progress is not None and not callable(progress):
         raise InputError(f"progress = {checks.shown(progress)}: must be a function of two numbers")
-    target = Path(path)
+    target = checks.file_path("path", path)
     check_writable(target)
     _check_is_study(target)
     order = numbers(design, wanted)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ....core.checks import whole
+from ....core.checks import file_path, whole
 from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ..drawing_style import drawing
@@ -87,7 +87,7 @@ def write_pictures(
 
         checked_thickness(marking)
     torques = None if torque is None else [float(one) for one in np.atleast_1d(torque)]
-    parts = list(_parts(result, Path(folder), flank))
+    parts = list(_parts(result, file_path("folder", folder), flank))
     chosen = _chosen([one for one, _ in parts], names, torques)
     written: list[Path] = []
     with drawing(None):
