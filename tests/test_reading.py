@@ -11,15 +11,20 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 from runs import analysed, call, small
+from xarray.backends import BackendArray
+from xarray.core import indexing
 
 import easeoff
 from easeoff import InputError, study
+from easeoff.cases import gear_pair
 from easeoff.core.processes import forked_process
 from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
 from easeoff.core.reading import netcdf_file
+from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
 from easeoff.study import plot
 from easeoff.study.sweep import percentiles, read_sweep, worst_points
 from easeoff.study.sweep.sweep_file import write_sweep
@@ -87,6 +92,50 @@ def test_a_chunked_result_is_taken_as_one_in_memory(
     chunked: xr.DataTree, stored: Path, tmp_path: Path, take: Callable[[xr.DataTree, Path], Any]
 ) -> None:
     assert same(take(chunked, tmp_path), take(easeoff.read_result(stored), tmp_path))
+
+
+class Stored(BackendArray):
+    """Values that a store gives piece by piece, as that of zarr does."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values, self.shape, self.dtype = values, values.shape, values.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
+        return np.asarray(
+            indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self.values.__getitem__)
+        )
+
+
+def in_a_store(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset with its variables, but for indexes, in a store."""
+
+    def put(name: object, variable: xr.Variable) -> xr.Variable:
+        lazy = indexing.LazilyIndexedArray(Stored(variable.values))
+        return variable if name in dataset.indexes else xr.Variable(variable.dims, lazy, variable.attrs)
+
+    return xr.Dataset(
+        {name: put(name, dataset[name].variable) for name in dataset.data_vars},
+        {name: put(name, dataset[name].variable) for name in dataset.coords},
+        dataset.attrs,
+    )
+
+
+@pytest.mark.parametrize("take", [lambda tree, _: str(tree.easeoff.summary()), written, reported])
+def test_a_result_in_a_store_is_taken_as_one_in_memory(
+    stored: Path, tmp_path: Path, take: Callable[[xr.DataTree, Path], Any]
+) -> None:
+    wanted = easeoff.read_result(stored)
+    groups = {path: in_a_store(node.to_dataset(inherit=False)) for path, node in wanted.subtree_with_keys}
+    assert same(take(xr.DataTree.from_dict(groups), tmp_path), take(wanted, tmp_path))
+
+
+@pytest.mark.parametrize("lazy", [xr.Dataset.chunk, in_a_store])
+def test_a_lazy_grid_is_written_as_one_in_memory(tmp_path: Path, lazy: Callable[[xr.Dataset], xr.Dataset]) -> None:
+    points = cmm_points(gear_pair(small()).gear, rows=3, columns=5)
+    grid = measured_grid(points, np.linspace(-6.0, 6.0, 15).reshape(3, 5))
+    for suffix in (".nc", ".csv"):
+        write_measured_grid(lazy(grid), tmp_path / f"grid{suffix}")
+        assert read_measured_grid(tmp_path / f"grid{suffix}").equals(grid)
 
 
 @pytest.mark.parametrize(
