@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
@@ -19,12 +20,17 @@ from .writing.output_file import check_writable, existing_folder, whole_file
 
 Record = TypeVar("Record")
 
+HEADER_SIZE_LIMIT = 1 << 16  # of the first line [bytes]
+DAMAGED = ".damaged"  # after the name of a file, of what it held when it was begun anew
+
 
 class Checkpoint(Generic[Record]):
     """Records by key, each on disk before the next one is computed.
 
-    The first line of the file names the study. Every other line is a JSON object of a key and its record; a line that
-    an interruption left unfinished, or whose record cannot be decoded, is skipped. Runs that share a file take turns.
+    The first line of the file names the study. Every other line is a JSON object of a key, its record and the digest of
+    both; a line that an interruption left unfinished, or that is not what was written, is skipped. A file whose first
+    line is damaged is begun anew, and what it held kept beside it, with ``.damaged`` after its name. Runs that share a
+    file take turns.
 
     Parameters
     ----------
@@ -35,14 +41,14 @@ class Checkpoint(Generic[Record]):
     encode
         Turns a record into what JSON can hold.
     decode
-        Turns that back into a record; raises ``ValueError``, ``KeyError`` or ``TypeError`` if it cannot.
+        Turns that back into a record.
     fresh
         Ignore the records in the file and replace them.
 
     Raises
     ------
     InputError
-        If the file cannot be read or written, or is not the checkpoint of such a study.
+        If the file cannot be read or written, or is the checkpoint of another study.
 
     Examples
     --------
@@ -69,16 +75,16 @@ class Checkpoint(Generic[Record]):
             raise InputError(f"{path} is a link: a checkpoint must be a file")
         self.path = path
         self._encode = encode
-        self._header = json.dumps({"checkpoint": study})
+        self._header = _header(study)
         self._records: dict[str, Record] = {}
         self._study = study
         self._fresh = fresh
         text = "" if fresh else _text(path)
-        self._is_begun(text)
-        for line in text.splitlines()[1:]:
+        for line in text.splitlines()[1:] if self._is_begun(text) else []:
             try:
                 entry = parsed_json(line)
-                self._records[str(entry["key"])] = decode(entry["record"])
+                if entry["digest"] == self._digest(entry["key"], entry["record"]):
+                    self._records[entry["key"]] = decode(entry["record"])
             except Exception:  # a damaged line may hold anything; its record is computed anew
                 continue
 
@@ -110,7 +116,8 @@ class Checkpoint(Generic[Record]):
         InputError
             If the file cannot be written; the records in it stay as they were.
         """
-        line = json.dumps({"key": key, "record": self._encode(record)})
+        stored = self._encode(record)
+        line = json.dumps({"key": key, "record": stored, "digest": self._digest(key, stored)})
         if self._fresh:
             self.begin()
         with self._turn() as file:
@@ -118,19 +125,29 @@ class Checkpoint(Generic[Record]):
             _append(file, f"\n{line}")
         self._records[key] = record
 
+    def _digest(self, key: str, stored: Any) -> str:
+        return digest(study=self._study, key=key, record=stored)
+
     @contextlib.contextmanager
     def _turn(self) -> Iterator[BinaryIO]:
         """Open the file for this process alone; one that is not there is made, and begins with its header."""
         try:
             with existing_folder(self.path.parent), _locked(self.path) as file:
-                if not self._is_begun(file.readline(len(self._header) + 1).decode("utf-8", "replace")):
+                if not self._is_begun(file.readline(HEADER_SIZE_LIMIT).decode("utf-8", "replace")):
                     self._write_header(file)
                 yield file
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}") from error
 
     def _write_header(self, file: BinaryIO) -> None:
-        """Begin a file; it is removed if not even its header has room."""
+        """Begin a file; it is removed if not even its header has room. Of one that is damaged a copy stays."""
+        file.seek(0)
+        content = file.read()
+        if not self._header.encode().startswith(content):
+            copy = self.path.with_name(f"{self.path.name}{DAMAGED}")
+            with whole_file(copy) as temporary:
+                temporary.write_bytes(content)
+            warnings.warn(f"{self.path} is damaged: it is begun anew, what it held is in {copy.name}", stacklevel=2)
         file.truncate(0)
         try:
             _append(file, self._header)
@@ -141,16 +158,21 @@ class Checkpoint(Generic[Record]):
     def _is_begun(self, start: str) -> bool:
         """Whether a file that starts so has a header; refuse the file of another study.
 
-        Less than a header, and nothing after it, is what an interruption left.
+        Less than a header, and nothing after it, is what an interruption left; anything else but a header is damage.
         """
-        if start.splitlines()[:1] == [self._header]:
+        first = next(iter(start.splitlines()), "")
+        if first == self._header:
             return True
-        if self._header.startswith(start):
+        try:
+            other = _header(parsed_json(first)["checkpoint"])
+        except Exception:  # it may hold anything
             return False
-        raise InputError(
-            f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove the "
-            "file"
-        )
+        if first == other:
+            raise InputError(
+                f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove "
+                "the file"
+            )
+        return False
 
 
 @contextlib.contextmanager
@@ -184,6 +206,10 @@ def _append(file: BinaryIO, text: str) -> None:
     except OSError:
         file.truncate(length)
         raise
+
+
+def _header(study: str) -> str:
+    return json.dumps({"checkpoint": study, "digest": digest(checkpoint=study)})
 
 
 def digest(**inputs: Any) -> str:

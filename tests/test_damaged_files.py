@@ -8,7 +8,9 @@ import shutil
 import warnings
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import h5py
@@ -16,13 +18,16 @@ import numpy as np
 import pytest
 import xarray as xr
 from netCDF4 import Dataset
-from runs import SHELLS, analysed, output_of, refusal_of, small_text, text_file
+from runs import SHELLS, analysed, in_copies, output_of, refusal_of, small_text, text_file
+from sweeps import CASE as SWEPT
+from sweeps import analyse_points_once
 
 import easeoff
 from easeoff import InputError, read_result
 from easeoff.cases import case_text, gear_pair, parse_case, read_case, read_rexs, read_session_script
-from easeoff.contact import ContactProblem, read_npz, read_problems, write_problems
+from easeoff.contact import STEEL, ContactProblem, read_npz, read_problems, write_problems
 from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import finite_element_tooth
 from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.core.checkpoint import Checkpoint
 from easeoff.core.checks import distinct, shown
@@ -31,10 +36,14 @@ from easeoff.core.processes import forked_process
 from easeoff.core.reading.netcdf_file import read_dataset, read_tree
 from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
+from easeoff.friction.ehl.study import parameter_study, read_formula
 from easeoff.friction.ehl.study.friction_formula import read_formula
 from easeoff.geometry.formats import read_measured_grid
+from easeoff.study.compare import comparison
+from easeoff.study.compare.measurement.attempt import Attempt
 from easeoff.study.deviations.deviation_source import flank_deviations
 from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.sweep import sweep
 
 ESCAPE = "\x1b[2J\x9b2J\u202e"
 MESSAGE_LENGTH_LIMIT = 4000
@@ -196,7 +205,6 @@ CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
-@pytest.mark.thorough
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, change: str) -> None:
@@ -567,6 +575,120 @@ def test_a_kept_tooth_that_is_not_what_was_kept_is_made_anew(tmp_path: Path, mon
         spoil()
         assert made(1.0, mine) == (1.0, True)  # found out
         assert made(1.0, mine) == (1.0, False)  # and replaced
+
+
+# All that is kept from one run to the next: teeth, batches of a sweep, measurements, rows of a study
+
+
+def tooth(folder: Path) -> object:
+    """The numbers of a coarse tooth."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("EASEOFF_CACHE", str(folder))
+        made = finite_element_tooth(gear_pair(read_case("nasa-12x36")), "gear", STEEL, fineness=0.25)
+    return made.flank.factor
+
+
+def swept(folder: Path) -> object:
+    found = sweep(SWEPT, {"E": [0.0, 0.02]}, torques=[100.0], workers=1, store=folder)
+    return [found[name].values for name in ("max_pressure", "status", "reason")]
+
+
+def compared(folder: Path) -> object:
+    """Measurements of a solver that were not made, but given."""
+    measured = [replace(Attempt("solved", run_time=0.125, call_time=0.25), elastic_rotation=1e-3)]
+    problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as other:
+        patch.setattr(comparison, "measure", lambda *_: measured)
+        patch.setattr(comparison, "launched", lambda *_: set())
+        write_problems([problem], f"{other}/p.nc")
+        table = comparison.compare([f"{other}/p.nc"], folder, solvers=["native"], repetitions=1)
+    return [table[name].values for name in ("run_time", "call_time", "claim", "rotation_error")]
+
+
+def studied(folder: Path) -> object:
+    row = {**dict.fromkeys(parameter_study.NUMBERS, 0.01), "status": 0.0}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parameter_study, "run_case", lambda *_: row)
+        found = parameter_study.run_study(folder / "study.nc", 2)
+    return [found[name].values for name in parameter_study.NUMBERS]
+
+
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "garbage": lambda content: np.random.default_rng(1).bytes(len(content)),
+    **{
+        f"bit {place}": lambda content, place=place: flipped(content, place * (len(content) - 1) // 7)  # type: ignore[misc]
+        for place in range(8)
+    },
+}
+
+
+def flipped(content: bytes, place: int) -> bytes:
+    return content[:place] + bytes([content[place] ^ 1 << place % 8]) + content[place + 1 :]
+
+
+def files_kept(folder: Path) -> list[Path]:
+    """What the runs themselves wrote to go on from, without results."""
+    return sorted(path for path in folder.iterdir() if path.suffix not in (".nc", ".damaged"))
+
+
+def owned_by_another(folder: Path) -> None:
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        for path in files_kept(folder):
+            os.chown(path, 4711, 4711)
+
+
+KEPT = {"tooth": tooth, "swept": swept, "compared": compared, "studied": studied}
+
+
+@pytest.mark.quick(6)
+@pytest.mark.filterwarnings("ignore:.*is damaged. it is begun anew")
+@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize("run", KEPT)
+def test_what_is_kept_is_made_anew_where_it_is_damaged(
+    run: str, damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each file and all of them, whoever owns them; what is intact stays."""
+    analyse_points_once(monkeypatch)
+    right = KEPT[run](tmp_path)
+    whole = {path: path.read_bytes() for path in files_kept(tmp_path)}
+    assert whole
+    for some in (*([path] for path in whole), list(whole)):
+        for path in some:
+            path.write_bytes(DAMAGE[damage](whole[path]))
+        owned_by_another(tmp_path)
+        np.testing.assert_equal(KEPT[run](tmp_path), right, err_msg=str(some))
+        made = {path: path.read_bytes() for path in files_kept(tmp_path)}
+        assert made.keys() == whole.keys()
+        np.testing.assert_equal(KEPT[run](tmp_path), right)
+        assert {path: path.read_bytes() for path in files_kept(tmp_path)} == made
+
+
+@pytest.mark.quick(2)
+@pytest.mark.filterwarnings("ignore:.*is damaged. it is begun anew")
+@pytest.mark.parametrize("run", KEPT)
+def test_eight_that_start_at_once_on_damaged_files_are_right(
+    run: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    analyse_points_once(monkeypatch)
+    right = KEPT[run](tmp_path)
+    for path in files_kept(tmp_path):
+        path.write_bytes(DAMAGE["garbage"](path.read_bytes()))
+    in_copies(8, lambda _: np.testing.assert_equal(KEPT[run](tmp_path), right))
+    np.testing.assert_equal(KEPT[run](tmp_path), right)
+
+
+@pytest.mark.parametrize("run", KEPT)
+def test_folder_that_cannot_be_written_is_told_of(run: str, tmp_path: Path) -> None:
+    """Teeth are made all the same; what shall be gone on from is refused before the work."""
+    folder = text_file(tmp_path / "file", "") / "folder"
+    if run == "tooth":
+        with pytest.warns(UserWarning, match="is not kept: .*cannot be written"):
+            tooth(folder)
+    else:
+        with pytest.raises(InputError, match="cannot be written"):
+            KEPT[run](folder)
 
 
 # Files that a case names

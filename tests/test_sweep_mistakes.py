@@ -16,6 +16,7 @@ from sweeps import CASE, SETTING, analyse_points_once, case_file
 
 from easeoff import InputError, plot
 from easeoff.cases import read_load_cases
+from easeoff.core.checkpoint import digest
 from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
@@ -171,7 +172,9 @@ def test_one_table_is_read_by_an_analysis_and_by_a_sweep(tmp_path: Path) -> None
 def recorded(store: Path, bounds: list[int]) -> None:
     """Record other bounds of the batches than those of their files."""
     plan = json.loads((store / "sweep.json").read_text(encoding="utf-8"))
-    (store / "sweep.json").write_text(json.dumps(plan | {"bounds": bounds}), encoding="utf-8")
+    del plan["own_digest"]
+    plan["bounds"] = bounds
+    (store / "sweep.json").write_text(json.dumps(plan | {"own_digest": digest(**plan)}), encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checkpoint import Checkpoint
+from ...core.checkpoint import DAMAGED, Checkpoint, digest
 from ...core.errors import InputError
 from ...core.printable import printable
 from ...core.reading.array_file import read_arrays
@@ -30,6 +30,7 @@ from .batch_analysis import Block, PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
 PLAN_NAME, MAP_NAME = "sweep.json", "batches.jsonl"
+OWN_DIGEST = "own_digest"  # in the plan, of the rest of it
 STUDY = "parameter sweep"
 BATCH_NAME = re.compile(r"batch-\d+\.npz")
 NUMBER = "number."  # before the name of a number in a file of a batch
@@ -82,7 +83,8 @@ class BatchStore:
 
     def divide(self, bounds: list[int]) -> None:
         """Record how the points are divided into batches; with what was recorded before, it stays so."""
-        text = json.dumps({"digest": self._digest, "description": self._description, "bounds": bounds})
+        plan = {"digest": self._digest, "description": self._description, "bounds": bounds}
+        text = json.dumps(plan | {OWN_DIGEST: digest(**plan)})
         with whole_file(self.folder / PLAN_NAME) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.bounds = bounds
@@ -149,16 +151,15 @@ class BatchStore:
         return self.folder / f"batch-{number:06d}.npz"
 
     def _plan(self) -> dict[str, Any] | None:
-        """What the folder says of its sweep; nothing if it does not."""
+        """What the folder says of its sweep; nothing if it does not, or is damaged."""
         if not os.path.isfile(self.folder / PLAN_NAME):
             return None
         try:
             found = parsed_json(read_text(self.folder / PLAN_NAME, TABLE_SIZE_LIMIT))
-        except ValueError:
-            found = None
-        if not isinstance(found, dict):
-            raise InputError(f"{printable(str(self.folder / PLAN_NAME))} is damaged: remove the folder")
-        return found
+            own = found.pop(OWN_DIGEST)
+            return found if own == digest(**found) else None
+        except (ValueError, AttributeError, KeyError, TypeError):
+            return None
 
     def _refuse_folders(self) -> None:
         """Refuse a folder where a batch shall be, before anything is written."""
@@ -179,7 +180,9 @@ class BatchStore:
 
 def _is_own(name: str) -> bool:
     """Whether an entry of a folder is one of a store."""
-    return name in (PLAN_NAME, MAP_NAME) or bool(BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name))
+    return name in (PLAN_NAME, MAP_NAME, f"{MAP_NAME}{DAMAGED}") or bool(
+        BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name)
+    )
 
 
 def _bounds(plan: dict[str, Any] | None, count: int) -> list[int] | None:

@@ -96,7 +96,7 @@ def run_study(
     roughest = max(condition.composite_roughness for condition in conditions.values())
     Asperities(roughest, resolution.correlation_length)  # refuses what is too steep
     store = target.with_name(target.name + ".rows")
-    checkpoint = Checkpoint(store, "parameter study of friction", encode=dict, decode=_row)
+    checkpoint: Checkpoint[Row] = Checkpoint(store, "parameter study of friction", encode=dict, decode=dict)
     contents = digest(version=MODEL_VERSION, design=asdict(design), resolution=asdict(resolution))
     known = {number: row for number in conditions if (row := checkpoint.get(f"{contents}/{number}")) is not None}
     missing = {number: condition for number, condition in conditions.items() if number not in known}
@@ -173,15 +173,6 @@ def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadlin
         with child_environment():
             rows = engine.compute(*tasks, **scheduler)
         yield from zip(part, rows, strict=True)
-
-
-def _row(stored: dict[str, Any]) -> Row:
-    """Row of a checkpoint; a value that no case gives is a ``ValueError``."""
-    row = {**dict.fromkeys(NUMBERS, math.nan), **stored}
-    Status(int(row["status"]))
-    if not all(isinstance(row[name], int | float) for name in NUMBERS):
-        raise ValueError(row)
-    return row
 
 
 def _check_is_study(target: Path) -> None:
