@@ -36,8 +36,9 @@ from easeoff.core.processes import forked_process
 from easeoff.core.reading.netcdf_file import read_dataset, read_tree
 from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
-from easeoff.friction.ehl.study import parameter_study, read_formula
+from easeoff.friction.ehl.study import parameter_study
 from easeoff.friction.ehl.study.friction_formula import read_formula
+from easeoff.friction.ehl.study.study_case import NUMBERS
 from easeoff.geometry.formats import read_measured_grid
 from easeoff.study.compare import comparison
 from easeoff.study.compare.measurement.attempt import Attempt
@@ -606,11 +607,11 @@ def compared(folder: Path) -> object:
 
 
 def studied(folder: Path) -> object:
-    row = {**dict.fromkeys(parameter_study.NUMBERS, 0.01), "status": 0.0}
+    row = {**dict.fromkeys(NUMBERS, 0.01), "status": 0.0}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parameter_study, "run_case", lambda *_: row)
         found = parameter_study.run_study(folder / "study.nc", 2)
-    return [found[name].values for name in parameter_study.NUMBERS]
+    return [found[name].values for name in NUMBERS]
 
 
 DAMAGE: dict[str, Callable[[bytes], bytes]] = {

@@ -307,6 +307,23 @@ def test_store_survives_damage_and_a_folder_that_cannot_be_written(
         assert store.kept(key, shapes, make)["a"].size == 3
 
 
+def test_damaged_file_of_another_user_is_replaced_where_it_can_be_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that may not be written to, in a folder that may."""
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
+    key, access = store.key_of("tooth"), os.access
+    file = tmp_path / f"{key}.npz"
+    file.write_bytes(b"damaged")
+    monkeypatch.setattr(
+        os,
+        "access",
+        lambda path, mode: access(path, mode) and not (path == file and file.exists() and file.stat().st_size < 9),
+    )
+    assert store.kept(key, {"a": (3,)}, lambda: {"a": np.arange(3.0)})["a"].size == 3
+    assert store.kept(key, {"a": (3,)}, dict)["a"].size == 3
+
+
 def test_keys_go_by_values() -> None:
     """Of dataclasses with arrays inside, too; and no two parts run into each other."""
     pinion = pair().pinion

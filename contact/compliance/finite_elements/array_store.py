@@ -114,6 +114,9 @@ def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> d
     if stored is not None:
         return stored
     arrays = dict(make())
+    with contextlib.suppress(OSError):  # of another user, in a folder where it can be removed
+        if not os.access(path, os.W_OK):
+            path.unlink()
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
             own = {KEY_NAME: np.array(key), DIGEST_NAME: np.array(content_digest(key, arrays))}
