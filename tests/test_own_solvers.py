@@ -35,12 +35,12 @@ from easeoff.contact import (
     available_solvers,
     lcp,
     solve,
+    solve_line_contact,
     write_problems,
 )
-from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers import backend_solution as backend_solution_module
-from easeoff.contact.solvers.backend_solution import _adapter_module, backend_solution
+from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.declared import solver_lookup
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
@@ -537,7 +537,7 @@ def test_package_of_a_solver_that_cannot_be_loaded_says_so(tmp_path: Path, monke
     for name in [name for name in sys.modules if name.partition(".")[0] == "pyqpmad"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.syspath_prepend(tmp_path)
-    _adapter_module.cache_clear()
+    backend_solution_module._loaded.cache_clear()
     with pytest.raises(MissingSolverError, match="solver 'pyqpmad' cannot be loaded: it ended with code broken"):
         solve(PROBLEM, "pyqpmad")
 

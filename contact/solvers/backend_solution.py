@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from time import perf_counter
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -47,12 +46,13 @@ def adapter_of(solver: str) -> Adapter:
     MissingSolverError
         Its package is installed, and cannot be loaded.
     """
-    adapter: Adapter = _adapter_module(solver).solve_scaled
+    adapter: Adapter = _loaded(solver).solve_scaled
     return adapter
 
 
 @cache
-def _adapter_module(solver: str) -> ModuleType:
+def _loaded(solver: str) -> Any:
+    """The module of an adapter, once its package is loaded."""
     try:
         with foreign_code(IMPORT_TIME_LIMIT, silent=True):
             for package in filter(None, ("qpsolvers", SOLVERS[solver].package)):
