@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 
-from ...core.imports.without_package import without_package
 from ...core.processes.freed_memory import keep_freed_memory
 from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.writing.file_name import check_text
@@ -91,8 +90,9 @@ def quick_start(*, alone: bool = True) -> None:
     """
     context = click.get_current_context()
     context.with_resource(without_garbage_collection(at_all=alone and context.obj == PROGRAM))
-    if alone and "xarray" not in sys.modules:  # else it knows dask already
-        context.with_resource(without_package("dask"))
+    if alone and not {"xarray", "dask"} & sys.modules.keys():  # else dask is known already
+        sys.modules["dask"] = None  # type: ignore[assignment]  # Python's own sign for a package that is not there
+        context.call_on_close(lambda: sys.modules.pop("dask", None))
 
 
 def _check_option(ctx: click.Context, option: click.Option, value: Any, count: int) -> None:
