@@ -1,4 +1,4 @@
-"""Layout of a result: variables over their dimensions, and attributes, that whatever reads a result relies on."""
+"""Layout of results, V-H checks and wear: variables over their dimensions, and attributes, that readers rely on."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ import xarray as xr
 from ..contact.evaluation.pressure_place import LineEnd
 from ..contact.solvers import Status
 from ..contact.supports.assembly_rounds import RoundsStatus
+from ..core.errors import InputError
 from ..core.reading.json_text import parsed_json
 from ..core.stored_status import StoredStatus
 
 RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 MAGNITUDE_LIMIT = 1e30
+Layout = dict[tuple[str, ...], tuple[str, ...]]
 GRID = ("lengthwise", "profile")
 PAIRS = ("pair", "mesh_position")
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
@@ -27,7 +29,8 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
     "flanks": {("member", *GRID, "xyz"): ("position", "normal"), ("member", *GRID): ("inside",)},
     "ease_off": {
         GRID: (
-            *("ease_off", "ease_off_angle", "roll_angle", "lever_arm", "separation_curvature", "inside"),
+            *("ease_off", "ease_off_angle", "roll_angle", "lever_arm", "separation_curvature", "separation_skew"),
+            *("inside", "blade_distance"),
             *("pinion_lengthwise", "pinion_profile", "pinion_lengthwise_rate", "pinion_profile_rate"),
         ),
         (*GRID, "space"): ("action_position", "action_normal"),
@@ -51,6 +54,21 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
         ("torque",): ("torque", "peak_to_peak", "mean_level", "max_pressure"),
         ("mesh_position",): ("mesh_position",),
         ("torque", "order"): ("harmonic",),
+    },
+}
+#: Variables of groups that not every result has, by their dimensions.
+GROUPS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
+    "modification": {("term",): ("coefficient",), GRID: ("modification",)},
+    "optimization": {
+        ("stage", "assembly", "torque"): ("max_line_load", "max_pressure", "max_end_load", "peak_to_peak"),
+        ("assembly",): ("offset_error", "pinion_axial_error", "gear_axial_error", "shaft_angle_error"),
+        ("torque",): ("torque",),
+    },
+    "root_stress": {
+        ("torque", "member", "lengthwise"): ("root_stress",),
+        ("torque", "member", "mesh_position", "pair"): ("root_stress_history",),
+        ("torque", "member"): ("max_root_stress",),
+        ("lengthwise",): ("lengthwise",),
     },
 }
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
@@ -77,15 +95,20 @@ FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     ("temperature",): ("temperature", "temperature_clamped"),
     ("roughness",): ("roughness", "roughness_pinion", "roughness_gear"),
 }
+#: Attributes of whatever is of one pair: whether they are a text or a number.
+OF_A_PAIR: dict[str, str | int] = {
+    **dict.fromkeys(("title", "flank"), "text"),
+    **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
+    **dict.fromkeys(
+        (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
+        "number",
+    ),
+}
 #: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
 ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
-        **dict.fromkeys(("title", "easeoff_version", "solver", "flank", "pinion_hand", "opposite_flanks"), "text"),
-        **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
-        **dict.fromkeys(
-            (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
-            "number",
-        ),
+        **OF_A_PAIR,
+        **dict.fromkeys(("easeoff_version", "solver", "pinion_hand", "opposite_flanks"), "text"),
     },
     "ease_off": {
         **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
@@ -183,6 +206,53 @@ OTHER_STATUS = ("flanks", "ease_off")
 LIGHT_LOAD = {"torque", "segment"}
 
 
+COMMANDS = {"V-H check": "vh", "wear": "wear"}
+
+PLACES = ("place_lengthwise", "place_profile")
+#: Variables of a V-H check and of wear by their dimensions.
+LAYOUTS: dict[str, Layout] = {
+    "V-H check": {
+        ("place", *GRID): ("print_excess",),
+        ("lengthwise",): ("lengthwise",),
+        ("profile",): ("profile",),
+        ("plane_axis", *GRID): ("in_plane",),
+        ("place",): (
+            *("v", "h", *PLACES, "status", "peak_to_peak"),
+            *(f"pattern_{name}" for name in ("centre_lengthwise", "centre_profile", "from", "to", "height")),
+        ),
+        (): ("total_v", "total_h", "h_over_v"),
+    },
+    "wear": {
+        ("step", "member", *GRID): ("wear_depth",),
+        ("member", *GRID, "xyz"): ("position",),
+        ("step",): ("revolutions",),
+        ("torque",): ("torque",),
+        ("lengthwise",): ("lengthwise",),
+        ("profile",): ("profile",),
+        ("step", "member"): ("largest_depth",),
+        ("step", "torque"): ("peak_to_peak", "max_pressure"),
+    },
+}
+VH_GRID: Layout = {
+    ("v_grid", "h_grid", *GRID): ("grid_print_excess",),
+    ("v_grid", "h_grid"): ("grid_pattern_centre_lengthwise", "grid_pattern_centre_profile"),
+    ("v_grid",): ("v_grid",),
+    ("h_grid",): ("h_grid",),
+}
+#: What dimensions of V-H checks, of wear, and of flanks and teeth of results count, in this order.
+COUNTED = {
+    "place": ["toe", "middle", "heel"],
+    "plane_axis": ["along", "across"],
+    "member": ["pinion", "gear"],
+    "xyz": ["x", "y", "z"],
+}
+LEAST_SIZES = {"lengthwise": 2, "profile": 2, "space": 3}
+FLANK_SIZE_MINIMUM = 1e-3  # length and height of a flank that can be drawn [mm]
+KNOWN_SHARE = 0.5  # of the nodes of a worn flank, at least
+DAMAGED = "is damaged, changed by hand or made by another version of easeoff"
+FAULT_COUNT_LIMIT = 3  # that a message names
+
+
 def faults(tree: xr.DataTree) -> list[str]:
     """What a result lacks, or has in another form, one phrase each; empty if it is whole.
 
@@ -223,7 +293,12 @@ def faults(tree: xr.DataTree) -> list[str]:
             size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
+    found += _group_faults(tree)
     for name in ("flanks", "ease_off", "teeth"):
+        grid = tree[name].to_dataset()
+        found += [f"{name}: {fault}" for fault in _counted_faults(grid)]
+        unknown = [one for names in VARIABLES[name].values() for one in names if one in grid and not _share(grid, one)]
+        found += [f"{name}: {one!r} must hold finite numbers" for one in unknown]
         for dimension in GRID:
             fractions = tree.children[name].dataset.variables.get(dimension)
             if fractions is None or not _rises(fractions.values):
@@ -239,6 +314,84 @@ def faults(tree: xr.DataTree) -> list[str]:
                 own = (tree[name] if name else tree).attrs
                 found += [f"{name or 'root'}: {fault}" for fault in attribute_faults(own, attributes, needed=needed)]
     return found
+
+
+def _group_faults(tree: xr.DataTree) -> Iterator[str]:
+    """Faults of the groups that not every result has, and of the deviations."""
+    for name, layout in GROUPS.items():
+        if name in tree.children:
+            own = tree[name].to_dataset()
+            yield from (f"{name}: {fault}" for fault in (*variable_faults(own, layout), *index_faults(own)))
+            few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else 1)]
+            yield from (f"{name}: {own.sizes[one]} values along {one}" for one in few)
+    if "root_stress" in tree.children:
+        for dimension in LOADED:
+            sizes = [tree[group].to_dataset().sizes.get(dimension) for group in ("loaded", "root_stress")]
+            if sizes[0] != sizes[1]:
+                yield f"root_stress: {sizes[1]} values along {dimension}"
+    if "optimization" in tree.children and tree["optimization"].to_dataset().sizes.get("stage") != 2:
+        yield "optimization: 'stage' must be before, after"
+    for name in ("pinion_deviation", "gear_deviation"):
+        if name in tree["ease_off"]:
+            own = tree["ease_off"].to_dataset()
+            yield from (f"ease_off: {fault}" for fault in variable_faults(own, {GRID: (name,)}))
+
+
+def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
+    """Refuse a V-H check or wear that lacks what is shown or drawn of it, or has it in another form.
+
+    Parameters
+    ----------
+    name
+        For messages.
+    found
+        The dataset.
+    kind
+        ``V-H check`` or ``wear``.
+
+    Raises
+    ------
+    InputError
+        If it does.
+
+    Examples
+    --------
+    >>> from easeoff.study import vh_check
+    >>> require_layout("check", vh_check("fh-design-a"), "V-H check")
+    """
+    layout = LAYOUTS[kind] | (VH_GRID if "grid_print_excess" in found or "v_grid" in found.sizes else {})
+    faults = [*variable_faults(found, layout), *index_faults(found)]
+    faults += attribute_faults(found.attrs, OF_A_PAIR, needed=True)
+    faults += attribute_faults(found.attrs, OPTIONAL_ATTRIBUTES[""], needed=False)
+    faults += attribute_faults(found.attrs, {"separation": "number"}, needed=kind == "V-H check")
+    faults += _counted_faults(found)
+    for dimension, size in found.sizes.items():
+        if size < LEAST_SIZES.get(str(dimension), 1):
+            faults.append(f"{size} values along {dimension}, expected more")
+    if not faults:
+        known = {"position": KNOWN_SHARE} if kind == "wear" else dict.fromkeys(("in_plane", *PLACES), 1.0)
+        faults += [f"{one!r} must hold finite numbers" for one in known if _share(found, one) < known[one]]
+    if not faults and kind == "V-H check":
+        plane = found["in_plane"].transpose("plane_axis", ...).values.reshape(2, -1)
+        if not np.all(np.ptp(plane, axis=1) > FLANK_SIZE_MINIMUM):
+            faults.append("'in_plane' must hold the flank's points")
+    if faults:
+        raise InputError(
+            f"{name} {DAMAGED}: {'; '.join(faults[:FAULT_COUNT_LIMIT])}; make it anew with 'easeoff {COMMANDS[kind]}'"
+        )
+
+
+def _counted_faults(found: xr.Dataset) -> Iterator[str]:
+    """Dimensions that do not count what they should."""
+    for dimension, names in COUNTED.items():
+        if dimension in found.sizes and [str(one) for one in found[dimension].values.tolist()] != names:
+            yield f"{dimension!r} must be {', '.join(names)}"
+
+
+def _share(found: xr.Dataset, name: str) -> float:
+    """Part of the numbers of a variable that are finite."""
+    values = found[name].values
+    return float(np.isfinite(values).mean()) if values.dtype.kind in "fiu" and values.size else 0.0
 
 
 def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, needed: bool) -> list[str]:

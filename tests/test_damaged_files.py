@@ -17,10 +17,10 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from lacking import lacking
+from matplotlib.figure import Figure
 from netCDF4 import Dataset
-from runs import SHELLS, analysed, in_copies, output_of, refusal_of, small_text, text_file
-from sweeps import CASE as SWEPT
-from sweeps import analyse_points_once
+from runs import SHELLS, analysed, call, output_of, refusal_of, small_text, text_file
 
 import easeoff
 from easeoff import InputError, read_result
@@ -33,6 +33,7 @@ from easeoff.core.checkpoint import Checkpoint
 from easeoff.core.checks import distinct, shown
 from easeoff.core.printable import LINE_LENGTH_LIMIT, message
 from easeoff.core.processes import forked_process
+from easeoff.core.reading import netcdf_file
 from easeoff.core.reading.netcdf_file import read_dataset, read_tree
 from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
@@ -412,6 +413,83 @@ def test_contact_problems_that_lack_something_are_refused_or_read(tmp_path: Path
     except InputError:
         return
     assert change in ("renamed dimension", "wild")  # names are free, and numbers are the solvers' to judge
+
+
+# Whatever lacks something is refused by all readers or read by all
+
+
+#: Commands that read a file of a kind, with the words after its name.
+READERS: dict[str, list[list[object]]] = {
+    "result": [["show"], ["cite"], ["plot", "-o", "p"], ["report", "-o", "r.html"], ["export", "-o", "x.vtu"]],
+    "supported": [["show"], ["plot", "-o", "p"]],
+    "wear": [["show"], ["plot", "-o", "p"], ["report", "-o", "r.html"]],
+    "vh": [["show"], ["plot", "-o", "p"], ["report", "-o", "r.html"]],
+    "sweep": [["show"], ["plot", "-o", "p"]],
+    "load_cases": [["show"], ["report", "-o", "r.html"]],
+    "problems": [["show"], ["convert", "-o", "npz", "--format", "npz"], ["convert", "-o", "qps", "--format", "qps"]],
+}
+
+
+@pytest.fixture
+def read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, xr.DataTree], list[str]]:
+    """Function that lets all commands of a kind read a tree in place of a file, and returns what they fall over."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Figure, "savefig", lambda _figure, path, **_: Path(path).touch())
+    held: list[xr.DataTree] = []
+
+    def content(_path: object, opened: object, **_: bool) -> xr.DataTree | xr.Dataset:
+        return held[-1].copy() if opened is xr.open_datatree else held[-1].to_dataset()
+
+    monkeypatch.setattr(netcdf_file, "_read", content)
+
+    def read(kind: str, tree: xr.DataTree) -> list[str]:
+        held.append(tree)
+        found = [(words, call(words[0], "x.nc", *words[1:])) for words in READERS[kind]]
+        return [f"{words[0]}: {one.exception!r}" for words, one in found if one.exit_code not in (0, 2)]
+
+    return read
+
+
+@pytest.fixture(scope="module")
+def whole(files: Path) -> dict[str, xr.DataTree]:
+    """A file of every kind, in memory."""
+    table = text_file(files / "cases.csv", "name,torque,flank,share\na,50,drive,0.6\nb,80,coast,0.4\n")
+    for name, command, *words in (
+        ["supported", "run", "--torque", "50", "--supports", "gearbox-nasa-12x36"],
+        ["vh", "vh", "--grid", "2x2"],
+        ["sweep", "sweep", "--over", "E=-0.1:0.1:3", "--torque", "50,80"],
+        ["load_cases", "run", "--load-cases", str(table)],
+    ):
+        output_of(command, files / "case.toml", "-o", files / f"{name}.nc", *words)
+    return {kind: xr.open_datatree(files / f"{kind}.nc", engine="netcdf4").load() for kind in READERS}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", READERS)
+def test_what_a_file_lacks_no_command_falls_over(
+    kind: str, whole: dict[str, xr.DataTree], read_again: Callable[[str, xr.DataTree], list[str]]
+) -> None:
+    assert read_again(kind, whole[kind]) == []
+    found = {what: fallen for what, tree in lacking(whole[kind]) if (fallen := read_again(kind, tree))}
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    ("kind", "what"),
+    [
+        *(("problems", f"/ nothing along {name}") for name in ("problem", "segment", "mode")),
+        *(("wear", f"/ {what}") for what in ("without the attribute gear_teeth", "attribute edge_contact empty")),
+        ("wear", "/ attribute misalignment_shaft_angle_rad empty"),
+        ("result", "/ease_off without separation_skew"),
+        ("result", "/flanks without member"),
+        ("result", "/ease_off action_position empty"),
+    ],
+)
+def test_what_commands_fell_over_is_refused(
+    kind: str, what: str, files: Path, read_again: Callable[[str, xr.DataTree], list[str]]
+) -> None:
+    tree = xr.open_datatree(files / f"{kind}.nc", engine="netcdf4").load()
+    assert read_again(kind, dict(lacking(tree))[what]) == []
 
 
 # Measured grids

@@ -77,6 +77,8 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
     single = dataset["torque"].ndim == 0
     data = {name: _array(dataset, name, single) for name in DIMENSIONS if name in dataset.variables}
     separation, factor = data["separation"], data.get("compliance_factor")
+    if not separation.size:
+        raise InputError(f"separation = {shown(separation)}: must hold one problem of one segment, or more")
     count = separation.shape[0]
     for name, array in data.items():
         if array.shape[0] != count:
@@ -132,5 +134,7 @@ def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[n
 def _length(present: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Length of each row up to its last entry that is present; an empty row counts as one, to be refused later."""
     width = present.shape[1]
-    length: NDArray[np.intp] = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), min(1, width))
+    if not width:  # no modes
+        return np.zeros(present.shape[0], dtype=np.intp)
+    length: NDArray[np.intp] = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), 1)
     return length

@@ -13,8 +13,8 @@ from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.reading.netcdf_file import tree_or_none
 from ...result import checked_result, read_result
+from ...result_layout import DAMAGED, FAULT_COUNT_LIMIT, faults, require_layout
 from ...sweep.sweep_file import MARK
-from .report_layout import require_groups, require_layout
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
 ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
@@ -67,7 +67,7 @@ class GivenResults:
                 if "load_cases" in one.children:
                     found.load_cases[printable(name)] = joined[name] = one
                 elif "loaded" in one.children:
-                    require_groups(name, one)
+                    _require_whole(name, one)
                     found.results[printable(name)] = one
                 else:
                     raise InputError(f"{name}: must be a result of {ACCEPTED}")
@@ -92,7 +92,7 @@ class GivenResults:
             case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()
         }
         for case, one in cases.items():
-            require_groups(f"{name}, {case}", one)
+            _require_whole(f"{name}, {case}", one)
         chosen = sorted(cases, key=lambda case: -peaks[case])[:room]
         for case in cases:
             if case in chosen:
@@ -155,6 +155,14 @@ def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTre
     if len(set(names)) < len(names):
         names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
     return dict(zip(names, results, strict=True))
+
+
+def _require_whole(name: str, tree: xr.DataTree) -> None:
+    """Refuse a result that lacks something, or has it in another form."""
+    found = faults(tree)
+    if found:
+        told = "; ".join(found[:FAULT_COUNT_LIMIT])
+        raise InputError(f"{name} {DAMAGED}: {told}; make it anew with 'easeoff run' or 'easeoff modify'")
 
 
 def _require_kind(name: str, kind: str) -> None:
