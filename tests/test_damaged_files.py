@@ -20,7 +20,9 @@ import xarray as xr
 from lacking import lacking
 from matplotlib.figure import Figure
 from netCDF4 import Dataset
-from runs import SHELLS, analysed, call, output_of, refusal_of, small_text, text_file
+from runs import SHELLS, analysed, call, in_copies, output_of, refusal_of, small_text, text_file
+from sweeps import CASE as SWEPT
+from sweeps import analyse_points_once
 
 import easeoff
 from easeoff import InputError, read_result
