@@ -104,6 +104,8 @@ OF_A_PAIR: dict[str, str | int] = {
         "number",
     ),
 }
+#: Those of the unloaded error: NaN where the flanks do not touch at every mesh position.
+OF_UNLOADED: dict[str, str | int] = {"peak_to_peak": "number", "rms": "number", "harmonics": 3}
 #: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
 ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
@@ -114,7 +116,7 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
         **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
         **dict.fromkeys(("ratio", "first_contact_rad"), "number"),
     },
-    "unloaded": {**dict.fromkeys(("peak_to_peak", "separation", "rms"), "number"), "harmonics": 3},
+    "unloaded": {"separation": "number", **OF_UNLOADED},
     "friction": dict.fromkeys(("oil", "friction_coefficient", "film", "rolling_frame", "thermal_factor"), "text"),
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
@@ -414,7 +416,7 @@ def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, 
     return [
         f"no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
         for key, kind in kinds.items()
-        if (needed or key in own) and not _is(kind, own.get(key))
+        if (needed or key in own) and not _is(kind, own.get(key), known=key not in OF_UNLOADED)
     ]
 
 
@@ -521,8 +523,11 @@ def _allowed(dimensions: tuple[str, ...]) -> list[set[str]]:
     return [set(dimensions), *over_torque]
 
 
-def _is(kind: str | int, value: Any) -> bool:
-    """Whether an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers."""
+def _is(kind: str | int, value: Any, *, known: bool) -> bool:
+    """Whether an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers.
+
+    Numbers that need not be ``known`` may be NaN.
+    """
     if kind == "text":
         return isinstance(value, str)
     if kind == "table of numbers":
@@ -530,7 +535,7 @@ def _is(kind: str | int, value: Any) -> bool:
     if value is None:
         return False
     numbers = np.asarray(value)
-    if numbers.dtype.kind not in "fiu" or not np.all(np.isfinite(numbers)):
+    if numbers.dtype.kind not in "fiu" or not np.all(np.isfinite(numbers) | (np.isnan(numbers) & (not known))):
         return False
     return bool(numbers.ndim == 0) if kind == "number" else numbers.shape == (kind,)
 

@@ -135,6 +135,19 @@ def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path:
     assert "Note: the ease-off reaches" in call("show", out).output
 
 
+def test_a_result_whose_flanks_do_not_touch_without_load_is_read_again(tmp_path: Path) -> None:
+    data = coarse("fm-11x41", edge_contact=True).model_dump()
+    data["contact"].update(mesh_positions=3, lengthwise_nodes=9, profile_nodes=7)
+    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
+    write_case(Case.model_validate(data), tmp_path / "slip.toml")
+    words = "without load the flanks do not touch at 2 of 3 mesh positions"
+    out = tmp_path / "slip.nc"
+    for output in (output_of("run", tmp_path / "slip.toml", "-o", out), output_of("show", out)):
+        assert words in " ".join(output.split())
+    output_of("report", out, "-o", tmp_path / "slip.html")
+    output_of("plot", out, "-o", tmp_path / "pictures")
+
+
 def test_a_lost_sign_that_leaves_a_pointed_tooth_is_refused_by_the_solid_shell(tmp_path: Path) -> None:
     """Which tooth, why, and what needs no whole tooth; nothing is written."""
     out = tmp_path / "slip.nc"
