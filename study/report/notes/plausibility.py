@@ -55,7 +55,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
             f"Note: the greatest pressure is {1e-3 * greatest:.3g} GPa, more than {1e-3 * PRESSURE_LIMIT:g} GPa, at "
             "which no steel is elastic: are torque and settings right?"
         )
-    envelope = tree["unloaded/transmission_error_envelope"].values
+    envelope = tree["unloaded"].to_dataset()["transmission_error_envelope"].values
     if untouched := int(np.count_nonzero(np.isnan(envelope))):
         notes.append(
             f"Note: without load the flanks do not touch at {untouched} of {envelope.size} mesh positions: there is no "
