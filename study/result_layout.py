@@ -39,7 +39,7 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
     "unloaded": {
         PAIRS: ("transmission_error", "path_lengthwise", "path_profile"),
         (*PAIRS, "end"): ("line_lengthwise", "line_profile"),
-        ("mesh_position",): ("transmission_error_envelope", "mesh_position"),
+        ("mesh_position",): ("transmission_error_envelope", "carrying_pair", "mesh_position"),
     },
     "loaded": {
         LOADED: (
@@ -299,8 +299,9 @@ def faults(tree: xr.DataTree) -> list[str]:
     for name in ("flanks", "ease_off", "teeth"):
         grid = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in _counted_faults(grid)]
-        unknown = [one for names in VARIABLES[name].values() for one in names if one in grid and not _share(grid, one)]
-        found += [f"{name}: {one!r} must hold finite numbers" for one in unknown]
+        present = [one for names in VARIABLES[name].values() for one in names if one in grid]
+        empty = [one for one in present if not (_share(grid, one) and (one != "inside" or grid[one].values.any()))]
+        found += [f"{name}: no values in {one!r}" for one in empty]
         for dimension in GRID:
             fractions = tree.children[name].dataset.variables.get(dimension)
             if fractions is None or not _rises(fractions.values):

@@ -485,6 +485,8 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("result", "/ease_off without separation_skew"),
         ("result", "/flanks without member"),
         ("result", "/ease_off action_position empty"),
+        ("result", "/ease_off inside empty"),
+        ("result", "/unloaded without carrying_pair"),
     ],
 )
 def test_what_commands_fell_over_is_refused(
