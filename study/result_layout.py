@@ -39,7 +39,7 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
     "unloaded": {
         PAIRS: ("transmission_error", "path_lengthwise", "path_profile"),
         (*PAIRS, "end"): ("line_lengthwise", "line_profile"),
-        ("mesh_position",): ("transmission_error_envelope", "carrying_pair", "mesh_position"),
+        ("mesh_position",): ("transmission_error_envelope", "carrying_pair", "pinion_rotation", "mesh_position"),
     },
     "loaded": {
         LOADED: (

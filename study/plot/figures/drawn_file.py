@@ -24,6 +24,7 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
 
     Examples
     --------
+    >>> from easeoff import InputError
     >>> try:
     ...     read_drawn("no-such-file.nc")
     ... except InputError as error:
