@@ -729,7 +729,7 @@ def wrong(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["{file}", "--threads", "0"], ["threads = 0"]),
         (["{wrong}/none.nc"], ["none.nc", "no such file"]),
         (["{wrong}/text.nc"], ["text.nc", "not a netCDF file"]),
-        (["{wrong}/empty.nc"], ["empty.nc", "no contact problems"]),
+        (["{wrong}/empty.nc"], ["empty.nc", "must hold one problem of one segment, or more"]),
         (["{wrong}/indefinite.nc"], ["indefinite.nc", "problem 0", "negative eigenvalue"]),
         (["{file}", "-o", "{file}"], ["two.nc", "is a file"]),
         (["{file}", "-o", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),

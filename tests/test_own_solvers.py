@@ -35,9 +35,9 @@ from easeoff.contact import (
     available_solvers,
     lcp,
     solve,
-    solve_line_contact,
     write_problems,
 )
+from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers import backend_solution as backend_solution_module
 from easeoff.contact.solvers.backend_solution import backend_solution
