@@ -14,7 +14,7 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
     finite_element_tooth,
     solid_shell_tooth,
 )
-from ..core.checks import one_of
+from ..core.checks import instance, one_of
 from ..core.errors import GeometryError, InputError
 from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.blade_sections import Relief
@@ -374,6 +374,7 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     >>> pair.pinion.loaded.blade.side  # the inside blade cuts the convex flank
     'inside'
     """
+    instance("case", case, Case)
     one_of("flank", flank, get_args(FlankName))
     pinion_side: Side = "concave" if flank == "drive" else "convex"
     gear_side: Side = "convex" if flank == "drive" else "concave"

@@ -13,6 +13,7 @@ from ..contact.supports.shafts.shaft import Shaft
 from ..contact.supports.shafts.shaft_section import ShaftSection
 from ..contact.supports.shafts.shaft_support import ShaftSupport, ShaftSupports
 from ..contact.supports.support import LoadedSupports, MemberAxis, Support, Supports, member_axes
+from ..core.checks import instance
 from ..core.errors import InputError
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly
@@ -43,6 +44,7 @@ def support_system(case: Case) -> LoadedSupports | None:
     >>> [bearing.name for bearing in unloaded.gear.bearings]
     ['flange side', 'far side']
     """
+    instance("case", case, Case)
     table = case.supports
     if table is None:
         return None

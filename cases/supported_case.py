@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..core.checks import instance
 from ..core.errors import InputError
 from .reading import read_supports, stem
 from .schema.case_schema import Case
@@ -31,6 +32,7 @@ def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
     >>> with_supports(read_case("fm-11x41"), "axle-fm-11x41").supports.gear.shaft.seat
     63.0
     """
+    instance("case", case, Case)
     from .support_conversion import support_system
 
     table = supports if isinstance(supports, SupportsTable) else read_supports(supports)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import tomli_w
 
+from ..core.checks import instance
 from ..core.errors import InputError
 from ..core.reading.regular_file import read_bytes
 from ..core.reading.text_file import TOML_SIZE_LIMIT
@@ -40,6 +41,7 @@ def case_toml(case: Case, comment: str = "") -> str:
     True
     """
     # TOML forbids control characters other than the tab in comments.
+    instance("case", case, Case)
     lines = (re.sub(r"[\x00-\x08\x0b-\x1f\x7f]", " ", line) for line in comment.splitlines())
     head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
     # Lines of text stay lines, unless they end in a way that TOML would turn into plain line feeds.
@@ -130,6 +132,7 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
     ...     print(read_case(f"{folder}/mine.toml").text.splitlines()[0])
     # My pair
     """
+    instance("case", case, Case)
     if case.friction is not None:
         check_writable(path, case.friction.oil_file)
         case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})

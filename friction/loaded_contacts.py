@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..core.checks import instance
 from ..core.errors import InputError
 from ..geometry.vectors import dot
 from .surface_velocities import SurfaceVelocities, action_splines, axes_of, surface_velocities
@@ -83,6 +84,7 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
     InputError
         If one of these dimensions was taken away.
     """
+    instance("tree", tree, xr.DataTree)
     loaded, order = tree["loaded"].to_dataset(), ("torque", "mesh_position", "segment")
     if lost := [name for name in order if name not in loaded.dims]:
         raise InputError(
@@ -138,6 +140,7 @@ def potential_segments(tree: xr.DataTree) -> PotentialSegments:
 
 def _require_one_assembly(tree: xr.DataTree) -> None:
     """Refuse a result whose torques are not in the assembly that its ease-off is of."""
+    instance("tree", tree, xr.DataTree)
     if "misalignment" not in tree.children:  # older results
         return
     for name, units in (("offset", "mm"), ("pinion_axial", "mm"), ("gear_axial", "mm"), ("shaft_angle", "rad")):

@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..cases.reading import CASE
-from ..core.checks import file_path
+from ..core.checks import file_path, instance
 from ..core.errors import InputError
 from ..core.reading.file_origin import layout_fault, unreadable
 from ..core.reading.netcdf_file import read_tree
@@ -51,6 +51,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     ...     easeoff.read_result(f"{folder}/nasa.nc").identical(tree)
     True
     """
+    instance("tree", tree, xr.DataTree)
     encoding = {
         node.path: {
             str(name): {"zlib": True, "complevel": 1}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -10,8 +11,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from easeoff import InputError, read_case
+import easeoff
+from easeoff import InputError, contact, read_case, study
+from easeoff.cases import LoadCase, case_toml, gear_pair, support_system, write_case, write_rexs
 from easeoff.core import checks
+from easeoff.geometry import ease_off, pair_geometry, tooth_angle
+from easeoff.study.sweep import percentiles
 
 
 @pytest.mark.parametrize("value", [None, "1", True, [1.0], 1 + 0j, math.nan, math.inf, -1.0])
@@ -72,3 +77,41 @@ def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape()
     assert checks.shown(np.array([0.5, 2.0])) == "[0.5, 2.0]"
     assert checks.shown(np.zeros(7)) == "array of shape (7,)"
     assert checks.shown(np.zeros((2, 2))) == "array of shape (2, 2)"
+
+
+PAIR = gear_pair(read_case("nasa-12x36"))
+
+
+@pytest.mark.parametrize("wrong", [5, 2.5, "nonsense", None, [], {}, b"x", np.zeros((2, 2))])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda wrong: gear_pair(wrong), "case"),
+        (lambda wrong: case_toml(wrong), "case"),
+        (lambda wrong: write_case(wrong, "mine.toml"), "case"),
+        (lambda wrong: write_rexs(wrong, "mine.rexs"), "case"),
+        (lambda wrong: support_system(wrong), "case"),
+        (lambda wrong: study.rounded_case(wrong), "case"),
+        (lambda wrong: pair_geometry(wrong), "pair"),
+        (lambda wrong: ease_off(wrong), "pair"),
+        (lambda wrong: tooth_angle(wrong, "gear"), "pair"),
+        (lambda wrong: pair_geometry(PAIR, wrong), "nodes"),
+        (lambda wrong: contact.solve(wrong), "problem"),
+        (lambda wrong: contact.lcp(wrong), "problem"),
+        (lambda wrong: contact.problem_checksum(wrong), "problem"),
+        (lambda wrong: percentiles(wrong, [50.0], ["peak_to_peak"]), "dataset"),
+        (lambda wrong: easeoff.write_result(wrong, "mine.nc"), "tree"),
+    ],
+)
+def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name: str, wrong: object) -> None:
+    with pytest.raises(InputError, match=rf"\b{name}\b.*must be"):
+        call(wrong)
+
+
+def test_tables_built_in_python_are_checked_as_those_of_a_file() -> None:
+    with pytest.raises(InputError, match=r"LoadCase has 2 mistakes:\n  name = 5: must be text.*\n  torque: is missing"):
+        LoadCase(name=5)  # type: ignore[arg-type, call-arg]
+    with pytest.raises(InputError, match="values must be given by name"):
+        LoadCase("a", 5.0)  # type: ignore[misc]
+    case = read_case("nasa-12x36")
+    assert pickle.loads(pickle.dumps(case)) == case

@@ -15,6 +15,7 @@ from importlib.metadata import version
 
 from pydantic import BaseModel
 
+from ...core.checks import instance
 from ...core.errors import EaseoffError
 from ...core.writing.output_file import whole_file
 from ...geometry.pair.gear_pair import MEMBERS
@@ -75,6 +76,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     >>> notes[0]
     'pinion.blank.front_angle: written as custom_easeoff_front_angle, which other programs do not know'
     """
+    instance("case", case, Case)
     notes: list[str] = []
     if case.blank_design is not None:
         notes.append("blank_design: written as the blanks it gives")

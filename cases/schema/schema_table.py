@@ -3,12 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
+
+from ...core.errors import InputError
+from ..mistakes import count, mistakes
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:  # it has no public name
+    ModelMetaclass = type(BaseModel)
 
 
-class Table(BaseModel):
+class _Checked(ModelMetaclass):
+    """Class of tables: values that one built in Python cannot have are an ``InputError``, as those of a file."""
+
+    if not TYPE_CHECKING:  # which knows the keys of a table by pydantic's own
+
+        def __call__(cls, *values: Any, **named: Any) -> Any:  # noqa: N805  # of a class of classes
+            """A table of keys by name."""
+            if values:
+                raise InputError(f"{cls.__name__}: values must be given by name, as in {cls.__name__}(key=...)")
+            try:
+                return super().__call__(**named)
+            except ValidationError as error:
+                raise InputError(f"{cls.__name__} has {count(error)}:\n{mistakes(cls, error)}") from error
+
+
+class Table(BaseModel, metaclass=_Checked):
     """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import instance
 from .contact_problem import ContactProblem
 from .operator_compliance import OperatorCompliance
 from .proof.error_free import UNIT_ROUNDOFF
@@ -171,6 +172,7 @@ def certify(
     >>> round(certify(springs, np.array([2000.0, 0.0]), 5e-5).negative_gap, 9)
     1.0
     """
+    instance("problem", problem, ContactProblem)
     force = np.asarray(force, dtype=np.float64)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
         return NO_CERTIFICATE

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, one_of, shown
+from ...core.checks import array, instance, one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
@@ -161,6 +161,7 @@ def solve(
     >>> solution.message.split(": ")[1].split(";")[0]
     'made exact on the active set it found'
     """
+    instance("problem", problem, ContactProblem)
     start = perf_counter()
     limits = Limits(tolerance, time_limit, max_iterations)
     own = solver if isinstance(solver, str) else ""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
@@ -193,6 +193,7 @@ def fit_pinion(
     >>> bool(fit.rms < 0.001)  # [mm]
     True
     """
+    instance("pair", pair, GearPair)
     from scipy.optimize import least_squares
 
     names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS

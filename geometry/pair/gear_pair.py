@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, shown, whole
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -127,9 +127,12 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
     InputError
         If there are too few nodes for a smooth surface.
     """
-    if min(nodes) < 5:
-        raise InputError(f"grid = {nodes}: at least 5 nodes are needed in each direction")
-    return np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1])
+    try:
+        along, up = nodes
+    except (TypeError, ValueError) as error:
+        wanted = "must be two whole numbers, along the face and up the profile"
+        raise InputError(f"nodes = {shown(nodes)}: {wanted}") from error
+    return np.linspace(0.0, 1.0, whole("nodes", along, 5)), np.linspace(0.0, 1.0, whole("nodes", up, 5))
 
 
 @frozen_arrays
@@ -271,6 +274,7 @@ def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Pai
     >>> geometry.teeth["member"].values.tolist()
     ['pinion', 'gear']
     """
+    instance("pair", pair, GearPair)
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
     exact = _exact_ease_off(pair, gear)
@@ -318,6 +322,7 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
     >>> found["ease_off"].attrs["units"]
     'um'
     """
+    instance("pair", pair, GearPair)
     t, h = grid(nodes)
     exact = _exact_ease_off(pair, pair.gear.flank(t, h))
     return ease_off_dataset(t, h, exact, drift(exact))

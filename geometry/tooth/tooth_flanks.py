@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import one_of
+from ...core.checks import instance, one_of
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -95,6 +95,7 @@ def named_member(pair: GearPair, name: str) -> Member:
     >>> named_member(pair, "gear") is pair.gear
     True
     """
+    instance("pair", pair, GearPair)
     one_of("member", name, MEMBERS)
     return pair.pinion if name == "pinion" else pair.gear
 

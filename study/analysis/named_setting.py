@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...core.checks import shown
+from ...core.checks import instance, shown
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
@@ -55,6 +55,7 @@ def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]
     >>> names[0], "gear.convex.machine.ratio_of_roll" in names, names[-1]
     ('pinion.concave.machine.radial_distance', False, 'torque')
     """
+    instance("pair", pair, GearPair)
     return [*(one.name for one in _settings(pair, flank)), "torque"]
 
 

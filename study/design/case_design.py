@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pydantic import ValidationError
-
 from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits, standard_steps
 from ...cases.deflections import misalignment_at
-from ...cases.mistakes import mistakes
 from ...cases.recording import blank_table, flank_settings, recorded_thicknesses
 from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
-from ...core.errors import GeometryError
+from ...core.errors import GeometryError, InputError
 from ...geometry.design.edge_radius import require_whole_tooth
 from ...geometry.design.pair_design import (
     PairDesign,
@@ -81,10 +78,9 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         raise GeometryError("; ".join([str(error), *advice])) from error
     try:
         case = _case(design, designed)
-    except ValidationError as error:
+    except InputError as error:
         raise GeometryError(
-            "the design gives values that a case file does not allow; change its basic data or its target:\n"
-            + mistakes(Case, error)
+            f"the design gives values that a case file does not allow; change its basic data or its target: {error}"
         ) from error
     return case, checked_design(design, designed)
 

@@ -11,6 +11,7 @@ import numpy as np
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
+from ...core.checks import instance
 from ...core.errors import GeometryError
 from ...geometry.cutting.machine_resolution import (
     USUAL_RESOLUTION,
@@ -49,6 +50,7 @@ def rounded_case(
     >>> rounded_case(read_case("fm-11x41")).pinion.concave.machine.cutter_tilt
     14.012
     """
+    instance("case", case, Case)
     steps = resolution or USUAL_RESOLUTION
     members: dict[str, Any] = {}
     for name in ("pinion", "gear"):
@@ -84,6 +86,7 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
     >>> max(effect.values()) < 0.005
     True
     """
+    instance("case", case, Case)
     pinion, gear = case.pinion, case.gear
     flanks: dict[FlankName, tuple[FlankSettings | None, ...]] = {
         "drive": (pinion.concave, gear.convex),

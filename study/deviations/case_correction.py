@@ -9,6 +9,7 @@ from typing import Any
 from ...cases.conversion import gear_pair
 from ...cases.recording import flank_settings
 from ...cases.schema.case_schema import Case
+from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ...geometry.deviation.corrective_settings import Correction, corrective_settings
 from ...geometry.deviation.deviation import Method
@@ -93,6 +94,7 @@ def correct_case(
     >>> found.case.gear.convex.machine.machine_root_angle == found.case.gear.concave.machine.machine_root_angle
     True
     """
+    instance("case", case, Case)
     pair = _pair(case)
     measured = measured_flanks(pair, deviations, flank, interpolation)
     thicknesses = dict(thickness or {})

@@ -49,7 +49,7 @@ def swept_names(dataset: xr.Dataset) -> list[str]:
     """
     try:
         names = json.loads(dataset.attrs["swept"])
-    except (KeyError, ValueError, TypeError):
+    except (AttributeError, KeyError, ValueError, TypeError):
         names = None
     if not isinstance(names, list) or not all(isinstance(name, str) and name in dataset.coords for name in names):
         raise InputError("dataset: must be that of a sweep, with its coordinates")

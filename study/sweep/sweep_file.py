@@ -79,7 +79,7 @@ def is_sweep(dataset: xr.Dataset) -> bool:
     >>> is_sweep(xr.Dataset())
     False
     """
-    return MARK in dataset.attrs
+    return MARK in getattr(dataset, "attrs", ())
 
 
 def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Dataset:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....core.checks import instance
 from ..contact_problem import ContactProblem
 
 
@@ -22,6 +23,7 @@ def problem_checksum(problem: ContactProblem) -> str:
     >>> problem_checksum(springs)[:8]
     'cf7e0c8f'
     """
+    instance("problem", problem, ContactProblem)
     parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.dense_compliance,)
     digest = hashlib.sha256()
     for array in (problem.torque, problem.separation, problem.lever_arm, *parts):

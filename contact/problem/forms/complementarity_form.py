@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.checks import frozen_arrays
+from ....core.checks import frozen_arrays, instance
 from ..answer import Answer, require_convex, unscaled, vector_of
 from ..contact_problem import ContactProblem
 from ..scaled_problem import ScaledProblem
@@ -103,6 +103,7 @@ def lcp(problem: ContactProblem) -> LCP:
     >>> lcp(springs).matrix.shape
     (2, 2)
     """
+    instance("problem", problem, ContactProblem)
     require_convex(problem)
     return LCP(*eliminated_system(problem.scaled()), problem)
 

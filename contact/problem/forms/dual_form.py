@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ....core.checks import instance
 from ....core.errors import InputError
 from ..answer import Answer, require_convex, unscaled, vector_of
 from ..contact_problem import ContactProblem
@@ -105,6 +106,7 @@ def dual_qp(problem: ContactProblem) -> DualQP:
     >>> dual_qp(springs).programme.P.shape
     (3, 3)
     """
+    instance("problem", problem, ContactProblem)
     import qpsolvers
     from scipy.sparse import csc_matrix
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ....core.checks import instance
 from ....core.errors import InputError
 from ...problem.certificate import certify
 from ...problem.contact_problem import ContactProblem
@@ -49,6 +50,8 @@ def sensitivity(
     >>> bool(np.isclose(gradient.torque, slope.forward(torque=1.0).force[0])), gradient.compliance.shape
     (True, (3, 3))
     """
+    instance("problem", problem, ContactProblem)
+    instance("solution", solution, ContactSolution)
     if not solution.certified:
         raise InputError(f"solution = {solution.status.name.lower()}: must be certified to have derivatives")
     certificate = certify(problem, solution.force, solution.rotation, solution.elastic_rotation)

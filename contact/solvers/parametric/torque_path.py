@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.checks import array, frozen_arrays
+from ....core.checks import array, frozen_arrays, instance
 from ....core.errors import InputError
 from ...problem.certificate import EXACT_TOLERANCE
 from ...problem.contact_problem import ContactProblem
@@ -170,6 +170,7 @@ def torque_path(problem: ContactProblem, start: float, end: float) -> TorquePath
     >>> torque_path(bed, 4e5, 2e5).enters.tolist()
     [False]
     """
+    instance("problem", problem, ContactProblem)
     first, last = (
         float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
     )
