@@ -476,6 +476,7 @@ def test_what_a_file_lacks_no_command_falls_over(
     assert found == {}
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     ("kind", "what"),
     [
@@ -748,7 +749,7 @@ def test_what_is_kept_is_made_anew_where_it_is_damaged(
         assert {path: path.read_bytes() for path in files_kept(tmp_path)} == made
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.filterwarnings("ignore:.*is damaged. it is begun anew")
 @pytest.mark.parametrize("run", KEPT)
 def test_eight_that_start_at_once_on_damaged_files_are_right(

@@ -14,7 +14,7 @@ from pairs import by_the_dissertation
 from runs import call, output_of, refusal_of, replaced, small_text, text_file
 
 import easeoff
-from easeoff.cases import Case, gear_pair, parse_case, shipped_cases, write_case
+from easeoff.cases import Case, gear_pair, parse_case, read_case, shipped_cases, write_case
 from easeoff.geometry import FlankName, Modification
 from easeoff.geometry.pair.tooth_thickness import contradictions
 from easeoff.study.design.pair_warnings import case_warnings
@@ -115,13 +115,13 @@ def test_blanks_that_contradict_the_axes_or_the_tooth_numbers_are_noted(pattern:
     case = parse_case(replaced(small_text("nasa-12x36"), pattern, wrong))
     (found,) = contradictions(gear_pair(case))
     assert words in found
-    assert any(words in text for text in case_warnings(case)[1])
 
 
 def test_contradicting_blanks_are_noted_wherever_a_result_is_read(tmp_path: Path) -> None:
     text = replaced(small_text("nasa-12x36"), r"^shaft_angle = 90.0$", "shaft_angle = 90.5")
     path = text_file(tmp_path / "angle.toml", text)
     words = "Warning: the pitch cones of pinion and gear are 0.71 mm apart"
+    assert words.removeprefix("Warning: ") in case_warnings(read_case(path))[1][0]
     assert words in output_of("convert", path, "-o", tmp_path / "angle.rexs")
     out = tmp_path / "angle.nc"
     for output in (output_of("run", path, "-o", out), output_of("show", out)):
