@@ -111,9 +111,9 @@ class FileKind(Generic[Model]):
         """Read and check a file."""
         text, folder = self.find(name_or_path)
         origin = named(name_or_path)
-        found = self.parse(text, origin, folder, allow_outside=allow_outside)
+        found, renamed = self._parsed(text, origin, folder, allow_outside=allow_outside)
         found._name = stem(name_or_path)
-        for key in _of_this_version(toml_tables(text, origin))[1]:
+        for key in renamed:
             warnings.warn(
                 f"{origin} is of version 1: {key} is read as the thickness in the middle of the flank, now "
                 f"{MID_FLANK}; easeoff_case = 2 has ISO 23509's, on the pitch cone",
@@ -127,6 +127,10 @@ class FileKind(Generic[Model]):
 
         Unless ``allow_outside``, the files that it names must be in there.
         """
+        return self._parsed(text, origin, folder, allow_outside=allow_outside)[0]
+
+    def _parsed(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool) -> tuple[Model, list[str]]:
+        """The same, with the keys that were renamed since the version of the file."""
         truth("allow_outside", allow_outside)
         if not text.strip():
             raise InputError(f"{origin} is empty")
@@ -134,9 +138,10 @@ class FileKind(Generic[Model]):
         kinds = [kind.name for kind in KINDS if f"easeoff_{kind.name}" in data]
         if kinds and self.name not in kinds:
             raise InputError(f"{origin} is {self.others[kinds[0]].format(origin)}")
-        found = self.check(data, origin, folder, allow_outside=allow_outside)
+        tables, renamed = _of_this_version(data)
+        found = self.check(tables, origin, folder, allow_outside=allow_outside)
         found._text = text
-        return found
+        return found, renamed
 
     def check(
         self, data: Mapping[str, Any], origin: str, folder: Path | None = None, *, allow_outside: bool = False

@@ -141,9 +141,7 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
     return replace(surface, blade=blade)
 
 
-def middle_angle(
-    section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface, point: Array | None = None
-) -> tuple[float, float]:
+def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
     """Angle between the middles of two flanks as their machines cut them.
 
     Parameters
@@ -152,8 +150,6 @@ def middle_angle(
         Axial section of the blank.
     loaded, opposite
         Generating surfaces of the loaded flank and of the other one.
-    point
-        Axial and radial coordinate (2) [mm] of another point than the middle.
 
     Returns
     -------
@@ -166,7 +162,7 @@ def middle_angle(
     GeometryError
         If a cutter meets no tooth of the blank.
     """
-    axial, radial = section.points(np.array([0.5]), np.array([0.5])) if point is None else point[:, None]
+    axial, radial = section.points(np.array([0.5]), np.array([0.5]))
     front, back = (solve_flank(surface, section, axial, radial) for surface in (loaded, opposite))
     turn = into_tooth(front.position, front.normal)
     return turn, turn * float(_azimuth(back)[0] - _azimuth(front)[0])

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
-from ..flanks.flank import solve_flank
+from ..flanks.flank import Flank, solve_flank
 from .assembly import Misalignment
 from .gear_pair import GearPair, Member, spiral_cosine, thickness_per_angle, tooth_angles
 from .pair_setting import PairSetting
@@ -51,13 +51,18 @@ def mean_cone_distances(pair: GearPair, *, must_touch: bool = False) -> tuple[fl
     >>> [round(distance, 1) for distance in mean_cone_distances(gear_pair(read_case("fm-11x41")))]
     [95.4, 93.7]
     """
+    distances, apart = _mean_point(pair)
+    if must_touch and not abs(apart) < TOUCH_TOLERANCE * distances[1]:
+        raise GeometryError(f"the pitch cones of pinion and gear are {abs(apart):.2f} mm apart, not in touch")
+    return distances
+
+
+def _mean_point(pair: GearPair) -> tuple[tuple[float, float], float]:
+    """Cone distances of pinion and gear at the mean point, and how far their pitch cones are apart there [mm]."""
     distance, apart = _nearest(pair)
     gear = pair.gear.section.middle_distance
-    if abs(apart) < TOUCH_TOLERANCE * gear:
-        return distance, gear
-    if must_touch:
-        raise GeometryError(f"the pitch cones of pinion and gear are {abs(apart):.2f} mm apart, not in touch")
-    return pair.pinion.section.middle_distance, gear
+    touch = abs(apart) < TOUCH_TOLERANCE * gear
+    return (distance if touch else pair.pinion.section.middle_distance, gear), apart
 
 
 def _nearest(pair: GearPair) -> tuple[float, float]:
@@ -103,8 +108,8 @@ def contradictions(pair: GearPair) -> list[str]:
     []
     """
     found = []
-    assembly, (_, apart) = pair.assembly, _nearest(pair)
-    distances = mean_cone_distances(pair)
+    assembly = pair.assembly
+    distances, apart = _mean_point(pair)
     if not abs(apart) <= GAP_LIMIT * distances[1]:
         far = f"are {abs(apart):.2f} mm apart" if math.isfinite(apart) else "do not come near each other"
         found.append(
@@ -114,7 +119,7 @@ def contradictions(pair: GearPair) -> list[str]:
         )
     try:
         own, mate = (
-            2.0 * _at_mean_point(member, distance)[0] / member.teeth
+            2.0 * _normal_arc(member, _mean_flanks(member, distance)) / member.teeth
             for member, distance in zip((pair.pinion, pair.gear), distances, strict=True)
         )
     except GeometryError:
@@ -164,15 +169,28 @@ def mean_normal_thickness(member: Member, mid_flank_thickness: float, distance: 
 
 def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
     """Normal arc per angle on the pitch cone [mm/rad], and by what angle the tooth is thicker there than mid-flank."""
-    section, flanks = member.section, (member.loaded, member.opposite or opposite_surface(member.loaded))
-    point = section.on_pitch_cone(distance)
-    _, middle = middle_angle(section, *flanks)
-    _, angle = middle_angle(section, *flanks, point)
-    cosines = [spiral_cosine(solve_flank(flank, section, *point[:, None]), section) for flank in flanks]
-    per_angle = point[1] * np.cos(np.mean(np.arccos(cosines)))
-    if not np.isfinite(angle + middle + per_angle):
+    front, back = flanks = _mean_flanks(member, distance)
+    turn, middle = middle_angle(member.section, member.loaded, member.opposite or opposite_surface(member.loaded))
+    if not math.isfinite(middle):
+        raise GeometryError("a flank does not pass through the middle of its blank")
+    ends = [math.atan2(flank.position[1, 0], flank.position[0, 0]) for flank in (front, back)]
+    return _normal_arc(member, flanks), math.remainder(turn * (ends[1] - ends[0]) - middle, 2.0 * math.pi)
+
+
+def _mean_flanks(member: Member, distance: float) -> list[Flank]:
+    """The loaded flank and the other one at the mean point, one node each."""
+    axial, radial = member.section.on_pitch_cone(distance)[:, None]
+    surfaces = (member.loaded, member.opposite or opposite_surface(member.loaded))
+    flanks = [solve_flank(surface, member.section, axial, radial) for surface in surfaces]
+    if not all(np.isfinite(flank.position).all() for flank in flanks):
         raise GeometryError("a flank does not pass through the mean point of its blank")
-    return float(per_angle), math.remainder(angle - middle, 2.0 * math.pi)
+    return flanks
+
+
+def _normal_arc(member: Member, flanks: list[Flank]) -> float:
+    """Normal arc per angle [mm/rad] at the mean spiral angle of both flanks, one node each."""
+    radius = np.hypot(*flanks[0].position[:2, 0])
+    return float(radius * np.cos(np.mean([np.arccos(spiral_cosine(flank, member.section)) for flank in flanks])))
 
 
 def mean_thicknesses(pair: GearPair) -> Array:
