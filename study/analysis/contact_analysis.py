@@ -18,7 +18,7 @@ from ...contact.load_capacity.tooth_root_stress import root_stress
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SolverChoice, require_solver
 from ...contact.solvers.compiled.compiled_answer import compiled_code
-from ...core.checks import distinct
+from ...core.checks import distinct, truth
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ...geometry.pair.tooth_thickness import contradictions
@@ -100,7 +100,7 @@ def contact_analysis(
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
     load = case_torques(case, torques)
     AnalysisSize.of(case, load.size).require_memory()
-    edges = case.contact.edge_contact if edge_contact is None else edge_contact
+    edges = case.contact.edge_contact if edge_contact is None else truth("edge_contact", edge_contact)
     assemblies = state.assemblies(load)
     for own in (state, *(own for _, own in assemblies)):
         if own.deviations:

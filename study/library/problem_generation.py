@@ -9,6 +9,7 @@ from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
 from ...contact.mesh_cycle import MeshCycle
 from ...contact.problem.contact_problem import ContactProblem
+from ...core.checks import instance
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import pair_geometry
@@ -45,7 +46,9 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
     """
     cycles: dict[Any, MeshCycle] = {}
     real: dict[Source, ContactProblem] = {}
+    instance("entries", entries, Iterable)
     for entry in entries:
+        instance("entry", entry, Entry)
         source = entry.source
         if source not in real:
             key = (source.case, source.flank, source.offset_error, source.pinion_axial_error)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...core.checks import distinct, words
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from .page import evenly_chosen, page
@@ -113,7 +114,7 @@ def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None
     if wanted is None:
         return evenly_chosen(torques, most)
     found = []
-    for torque in np.atleast_1d(np.asarray(wanted, dtype=float)):
+    for torque in distinct("torque", wanted, "N m"):
         near = np.flatnonzero(np.isclose(torques, torque, rtol=TORQUE_TOLERANCE, atol=0.0))
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(torques))
@@ -137,10 +138,10 @@ def chosen_parts(known: Sequence[str], wanted: str | Sequence[str] | None, key: 
     """
     if wanted is None:
         return tuple(known)
-    names = tuple(dict.fromkeys([wanted] if isinstance(wanted, str) else wanted))
+    names = (wanted,) if isinstance(wanted, str) else tuple(dict.fromkeys(words(key, wanted)))
     for name in names:
         if name not in known:
-            raise InputError(f"{key} = {str(name)!r}: must be one of {', '.join(known)}{suggestion(str(name), known)}")
+            raise InputError(f"{key} = {name!r}: must be one of {', '.join(known)}{suggestion(name, known)}")
     if not names:
         raise InputError(f"{key}: must name one at least of {', '.join(known)}")
     return names

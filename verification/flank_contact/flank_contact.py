@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...contact.compliance.material import Material
 from ...contact.lines.mesh_lines import MeshLines
-from ...core.checks import frozen_arrays, positive
+from ...core.checks import frozen_arrays, instance, positive, shown, truth, whole
+from ...core.errors import InputError
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
@@ -114,6 +115,14 @@ def contact_of_flanks(
     >>> print(found.load_share.sum().round(9))
     1.0
     """
+    instance("flanks", flanks, FlanksInMesh)
+    instance("mesh", mesh, MeshLines)
+    whole("position", position, 0, mesh.rotations.size - 1)
+    truth("beyond_lines", beyond_lines)
+    for own, kind, both in (("responses", FlankResponse, responses), ("materials", Material, materials)):
+        instance(own, both, tuple | list)
+        if [isinstance(one, kind) for one in both] != [True, True]:
+            raise InputError(f"{own} = {shown(both)}: must be two of {kind.__name__}, of pinion and gear")
     for name, value, unit in (
         ("torque", torque, "N m"),
         ("half_width", half_width, "mm"),

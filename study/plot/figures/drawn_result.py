@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, TypeAlias
 import xarray as xr
 
 from ....core.errors import InputError
-from ....core.suggestion import suggestion
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_flanks import MemberName
 
@@ -57,9 +56,9 @@ def require_result(tree: object, *groups: str) -> None:
 
 def views(tree: xr.DataTree, member: str | None = None) -> tuple[ToothView, ...]:
     """Views of the flanks of gear and pinion, or of one of them."""
+    from ..panel_grid import chosen_parts
     from ..tooth_view import tooth_view
 
     names: tuple[MemberName, ...] = ("gear", "pinion")
-    if member is not None and member not in names:
-        raise InputError(f"member = {member!r}: must be one of {', '.join(MEMBERS)}{suggestion(str(member), MEMBERS)}")
-    return tuple(tooth_view(tree, name) for name in names if member in (None, name))
+    chosen = chosen_parts(MEMBERS, member, "member")
+    return tuple(tooth_view(tree, name) for name in names if name in chosen)
