@@ -141,7 +141,8 @@ def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
     Traceback (most recent call last):
     easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
     """
-    if not isinstance(values, tuple | list | np.ndarray) or len(values) != 2:
+    values = values.tolist() if isinstance(values, np.ndarray) else values
+    if not isinstance(values, tuple | list) or len(values) != 2:
         raise InputError(f"{name} = {shown(values)}: must be two whole numbers of {least} or more")
     return whole(f"{name}[0]", values[0], least), whole(f"{name}[1]", values[1], least)
 
@@ -422,6 +423,7 @@ def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
     easeoff.core.errors.InputError: free = 'radial_distance': must be a list of texts
     """
     listed = isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
+    listed = listed and getattr(values, "ndim", None) != 0
     found = tuple(values) if listed else ()
     if not listed or len(found) < fewest or not all(isinstance(value, str) for value in found):
         raise InputError(f"{name} = {shown(values)}: must be a list of texts")

@@ -12,10 +12,14 @@ import pytest
 import xarray as xr
 
 import easeoff
-from easeoff import InputError, contact, read_case, study
+from easeoff import InputError, contact, read_case, study, verification
 from easeoff.cases import LoadCase, case_toml, gear_pair, support_system, write_case, write_rexs
 from easeoff.core import checks
 from easeoff.geometry import ease_off, pair_geometry, tooth_angle
+from easeoff.study.analysis.named_setting import chosen_settings
+from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study.plot.figures.drawn_result import require_result
+from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques
 from easeoff.study.sweep import percentiles
 
 
@@ -79,7 +83,8 @@ def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape()
     assert checks.shown(np.zeros((2, 2))) == "array of shape (2, 2)"
 
 
-PAIR = gear_pair(read_case("nasa-12x36"))
+CASE = read_case("nasa-12x36")
+PAIR = gear_pair(CASE)
 
 
 @pytest.mark.parametrize("wrong", [5, 2.5, "nonsense", None, [], {}, b"x", np.zeros((2, 2))])
@@ -101,10 +106,59 @@ PAIR = gear_pair(read_case("nasa-12x36"))
         (lambda wrong: contact.problem_checksum(wrong), "problem"),
         (lambda wrong: percentiles(wrong, [50.0], ["peak_to_peak"]), "dataset"),
         (lambda wrong: easeoff.write_result(wrong, "mine.nc"), "tree"),
+        (lambda wrong: easeoff.plot.wear(wrong), "history"),
+        (lambda wrong: easeoff.plot.vh_check(wrong), "found"),
+        (lambda wrong: study.SweepSummary(wrong), "dataset"),
+        (lambda wrong: study.compare.write_comparison(wrong, "mine"), "dataset"),
+        (lambda wrong: study.contact_derivatives(wrong), "state"),
+        (lambda wrong: study.derivative_settings(PAIR, wrong), "flank"),
+        (lambda wrong: study.design_case(wrong), "design"),
+        (lambda wrong: study.equivalent_torque(wrong, np.ones(1), 3.0), "torques"),
+        (lambda wrong: study.key_numbers(wrong), "result"),
+        (lambda wrong: study.rounding_effect(CASE, wrong), "rounded"),
+        (lambda wrong: study.wear(CASE, wrong, torque=100.0), "law"),
+        (lambda wrong: study.write_report(wrong, "mine.html"), "results"),
+        (
+            lambda wrong: verification.contact_of_flanks(wrong, *[Any] * 3, 0, 1.0, half_width=1.0, rotation=1.0),
+            "flanks",
+        ),
+        (lambda wrong: verification.correction_loop(CASE, "gear", wrong), "errors"),
+        (lambda wrong: verification.envelope_condition(wrong), "flank"),
+        (lambda wrong: verification.flank_response(PAIR, "gear", contact.STEEL, wrong), "size"),
+        (lambda wrong: verification.smallest_gap(wrong, np.zeros(1)), "geometry"),
+        (lambda wrong: next(verification.problems(wrong, 1)), "name"),
     ],
 )
 def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name: str, wrong: object) -> None:
     with pytest.raises(InputError, match=rf"\b{name}\b.*must be"):
+        call(wrong)
+
+
+@pytest.mark.parametrize("wrong", [object(), 2.5j, b"x", np.array("a"), [[1.0, [2.0]], ["a"]]])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda wrong: CaseInMesh.of(CASE, deviations=wrong), "deviations"),
+        (lambda wrong: CaseInMesh.of(CASE, modification=wrong), "modification"),
+        (lambda wrong: chosen_parts(("pinion", "gear"), wrong, "member"), "member"),
+        (lambda wrong: chosen_torques(np.ones(2), wrong, 1), "torque"),
+        (lambda wrong: require_result(wrong), "tree"),
+        (lambda wrong: study.analyze_load_cases(CASE, wrong), "load_cases"),
+        (lambda wrong: study.compare.compare(wrong, "mine"), "paths"),
+        (lambda wrong: study.correct_case(CASE, {"gear": wrong}), "gear"),
+        (lambda wrong: study.correct_case(CASE, {}, thickness=wrong), "thickness"),
+        (lambda wrong: chosen_settings(PAIR, "drive", wrong), "settings"),
+        (lambda wrong: study.rounded_case(CASE, wrong), "resolution"),
+        (lambda wrong: study.rounded_case(CASE, pinion_limits={"radial_distance": wrong}), "radial_distance"),
+        (lambda wrong: study.vh_check(CASE, grid=wrong), "grid"),
+        (lambda wrong: study.wear(CASE, study.WearLaw(0.0, 0.0, 1.0), torque={100.0: wrong}), "torque"),
+        (lambda wrong: verification.verify(CASE, on_row=wrong), "on_row"),
+    ],
+)
+def test_wrong_kinds_of_what_may_be_left_out_are_refused_by_name(
+    call: Callable[[object], object], name: str, wrong: object
+) -> None:
+    with pytest.raises(InputError, match=rf"\b{name}\b"):
         call(wrong)
 
 

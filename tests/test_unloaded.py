@@ -298,6 +298,10 @@ def test_error_at_an_edge_is_that_of_a_direct_search() -> None:
     assert own["transmission_error"].sel(pair=pair).item() == pytest.approx(wanted, abs=1e-3)
 
 
+def test_direct_search_finds_nothing_where_no_flank_faces_the_other(nasa: tuple[GearPair, PairGeometry]) -> None:
+    assert np.isnan(smallest_gap(nasa[1], np.array([3.0])).closing_angle).all()
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("assembly", [(0, 0, 0, 0), (0.1, -0.1, 0.05, 0.05), (-0.3, 0.2, 0.1, 0.1)])
 @pytest.mark.parametrize("flank", ["drive", "coast"])

@@ -260,7 +260,7 @@ class _Flanks:
         gaps, places, coordinates, valid = [], [], [], []
         for part, (lattice, side) in zip(self.parts, self.lattices, strict=True):
             seen, ahead = self._in_gear(part, lattice, turned)
-            facing = ahead > 0.0
+            facing = ahead > 0.0 if np.any(ahead > 0.0) else ahead <= 0.0  # what does not face is no gap, below
             seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])])[:, facing].T)
             start = lattice[:, facing][:, seeds.query(np.where(usable, target, 1.0).T)[1]]
             parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)

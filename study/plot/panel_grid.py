@@ -80,7 +80,8 @@ def panels(
         for axes in found[wanted:]:
             axes.set_visible(False)
         return Panels(figure, found[:wanted], True)
-    given = np.array([own] if isinstance(own, Axes) else list(np.ravel(np.array(own, dtype=object))), dtype=object)
+    listed = np.ravel(np.array(own, dtype=object)) if isinstance(own, list | tuple | np.ndarray) else [own]
+    given = np.array(list(listed), dtype=object)
     if given.size != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
         needed = "one Axes" if wanted == 1 else f"{wanted} Axes, one a panel"

@@ -10,6 +10,7 @@ import xarray as xr
 from ....core.errors import InputError
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_flanks import MemberName
+from ...result_layout import VARIABLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +45,7 @@ def require_result(tree: object, *groups: str) -> None:
     Traceback (most recent call last):
     easeoff.core.errors.InputError: tree: must be a result of 'easeoff run' or analyze
     """
-    if not isinstance(tree, xr.DataTree) or ("loaded" not in tree.children and "load_cases" not in tree.children):
+    if not isinstance(tree, xr.DataTree) or not ("load_cases" in tree.children or VARIABLES.keys() <= {*tree.children}):
         raise InputError("tree: must be a result of 'easeoff run' or analyze")
     for group in groups or ("loaded",):
         if group not in tree.children:
