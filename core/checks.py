@@ -7,6 +7,7 @@ number; an array without dimensions is one.
 from __future__ import annotations
 
 import functools
+import math
 import operator
 import os
 import reprlib
@@ -24,7 +25,7 @@ from .printable import printable, shortened
 
 Record = TypeVar("Record")
 
-KIND_WORDS = {"Callable": "a function", "Mapping": "a dict", "NoneType": "None", "str": "text"}
+KIND_WORDS = {"bool": "True or False", "Callable": "a function", "Mapping": "a dict", "NoneType": "None", "str": "text"}
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
 
 
@@ -248,6 +249,7 @@ def array(
     below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
+    anything: bool = False,
     frozen: bool = False,
 ) -> NDArray[np.float64]:
     """Return an array of numbers within bounds.
@@ -262,6 +264,8 @@ def array(
         Number of dimensions; any if left out.
     size, fewest
         Number of entries, or the least number of them.
+    anything
+        Whether every number is a value, NaN too: for those who say better what is wrong with it.
     frozen
         Whether to return a read-only copy, in C order.
 
@@ -285,13 +289,13 @@ def array(
         or found.size < fewest
         or (size is not None and found.size != size)
     ):
-        wanted = _range("numbers", unit, above, least, below, most, infinite)
+        wanted = _range("numbers", unit, above, least, below, most, infinite or anything)
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
     valid = _within(found, above, least, below, most, infinite)
-    if not valid.all():
+    if not (anything or valid.all()):
         one = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
     return read_only(found) if frozen else found
@@ -426,7 +430,8 @@ def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
     listed = listed and getattr(values, "ndim", None) != 0
     found = tuple(values) if listed else ()
     if not listed or len(found) < fewest or not all(isinstance(value, str) for value in found):
-        raise InputError(f"{name} = {shown(values)}: must be a list of texts")
+        wanted = f", {fewest} or more" if fewest else ""
+        raise InputError(f"{name} = {shown(values)}: must be a list of texts{wanted}")
     return found
 
 
@@ -453,8 +458,8 @@ def check_fields(record: Any) -> None:
     """
     for name, kind, optional in _field_kinds(type(record)):
         value = getattr(record, name)
-        if value is None and optional:
-            continue
+        if (value is None and optional) or (type(value) is kind is float and math.isfinite(value)):
+            continue  # nearly all, in a tenth of the time
         if get_origin(kind) is Literal:
             if not isinstance(value, str | int) or value not in get_args(kind):
                 raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")

@@ -45,6 +45,21 @@ def checked_case(case: Case | str | Path) -> Case:
     return case if isinstance(case, Case) else read_case(case)
 
 
+def require_kinds(
+    *,
+    deviations: Any = None,
+    modification: Any = None,
+    edge_contact: Any = None,
+    friction_feedback: Any = None,
+    **_: Any,
+) -> None:
+    """Refuse arguments of ``analyze`` of wrong kinds, before any work is done."""
+    instance("deviations", deviations, Mapping | None)
+    instance("modification", modification, Modification | None)
+    instance("edge_contact", edge_contact, bool | None)
+    instance("friction_feedback", friction_feedback, bool | None)
+
+
 @cache
 def _own_version() -> str:
     return version("easeoff")

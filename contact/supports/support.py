@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -309,6 +309,7 @@ class Supports:
         return self
 
 
+@runtime_checkable
 class LoadedSupports(Protocol):
     """Supports whose stiffness may depend on the load."""
 

@@ -100,7 +100,7 @@ def contact_analysis(
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
     load = case_torques(case, torques)
     AnalysisSize.of(case, load.size).require_memory()
-    edges = case.contact.edge_contact if edge_contact is None else truth("edge_contact", edge_contact)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
     assemblies = state.assemblies(load)
     for own in (state, *(own for _, own in assemblies)):
         if own.deviations:

@@ -32,7 +32,7 @@ from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
 from ..analysis.shown_progress import shows_progress, told
 from ..analysis.solver_options import require_solver_options
-from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case, require_kinds
 from ..deviations.deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
 from ..result_layout import RESULT_SCHEMA_VERSION
@@ -140,6 +140,12 @@ def analyze_load_cases(
     require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
     one_of("flank", flank, FLANKS)
+    require_kinds(
+        deviations=deviations,
+        modification=modification,
+        edge_contact=edge_contact,
+        friction_feedback=friction_feedback,
+    )
     rows = _named(case, load_cases)
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
     exponents = checked_exponents(damage_exponents)
