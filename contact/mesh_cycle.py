@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.checks import array
+from ..core.checks import array, instance, whole
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
@@ -97,6 +97,10 @@ class MeshCycle:
         GeometryError
             If no tooth pair can touch at any rotation.
         """
+        instance("geometry", geometry, PairGeometry)
+        if model is not None:
+            instance("model", model, ElasticModel)
+        whole("segments_per_line", segments_per_line, 1)
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
         lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))

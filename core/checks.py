@@ -10,7 +10,7 @@ import functools
 import operator
 import os
 import reprlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -183,6 +183,66 @@ def instance(name: str, value: Any, kind: type) -> None:
         raise InputError(f"{name} = {shown(value)}: must be {article} {kind.__name__}")
 
 
+def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
+    """Return the objects of one type in a sequence, of a given length if that is given.
+
+    Raises
+    ------
+    InputError
+        If it is no such sequence.
+
+    Examples
+    --------
+    >>> instances("materials", (500, 500), dict, 2)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: materials = (500, 500): must be 2 of the type dict, in a list or tuple
+    """
+    found = tuple(values) if isinstance(values, Sequence) else (None,)
+    if not all(isinstance(one, kind) for one in found) or count not in (None, len(found)):
+        many = "all" if count is None else count
+        raise InputError(f"{name} = {shown(values)}: must be {many} of the type {kind.__name__}, in a list or tuple")
+    return found
+
+
+def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
+    """Return two values of any type from a tuple, list or array.
+
+    Raises
+    ------
+    InputError
+        If there are not two.
+
+    Examples
+    --------
+    >>> two("sides", 1.0, "lengths [mm]")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: sides = 1: must be two lengths [mm]
+    """
+    try:
+        first, second = values
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} = {shown(values)}: must be two {wanted}") from error
+    return first, second
+
+
+def function(name: str, value: Any, wanted: str = "a function") -> None:
+    """Refuse what cannot be called.
+
+    Raises
+    ------
+    InputError
+        If it cannot.
+
+    Examples
+    --------
+    >>> function("progress", 5)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: progress = 5: must be a function
+    """
+    if not callable(value):
+        raise InputError(f"{name} = {shown(value)}: must be {wanted}")
+
+
 def file_path(name: str, value: Any, also: str = "") -> Path:
     """Return a path, given as text, bytes or an object that stands for one.
 
@@ -225,6 +285,7 @@ def array(
     below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
+    undefined: bool = False,
     frozen: bool = False,
 ) -> NDArray[np.float64]:
     """Return an array of numbers within bounds.
@@ -239,6 +300,8 @@ def array(
         Number of dimensions; any if left out.
     size, fewest
         Number of entries, or the least number of them.
+    undefined
+        Whether NaN and infinity are values, too; bounds then do not hold.
     frozen
         Whether to return a read-only copy, in C order.
 
@@ -267,7 +330,7 @@ def array(
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
-    valid = _within(found, above, least, below, most, infinite)
+    valid = np.True_ if undefined else _within(found, above, least, below, most, infinite)
     if not valid.all():
         one = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, positive
+from ...core.checks import frozen_arrays, function, instance, positive, two, whole
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -89,16 +89,20 @@ class Shell:
     def __post_init__(self) -> None:
         from scipy.linalg.lapack import dpotrf
 
-        counts: tuple[int, ...] = tuple(self.modes)
-        if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
-            raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
+        instance("dimensions", self.dimensions, ToothDimensions)
+        instance("material", self.material, Material)
+        if self.foundation is not None:
+            instance("foundation", self.foundation, ElasticFoundation)
+        function("assumption", self.assumption)
+        function("family", self.family)
+        profile, lengthwise = two("modes", self.modes, "whole numbers, (profile, lengthwise)")
         positive("shear_factor", self.shear_factor)
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,
             trace_length=self.dimensions.trace_length,
-            height_count=int(counts[0]),
-            length_count=int(counts[1]),
+            height_count=whole("modes", profile, 1),
+            length_count=whole("modes", lengthwise, 1),
             root_powers=kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers,
             family=self.family,
         )

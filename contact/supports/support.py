@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, read_only
+from ...core.checks import array, frozen_arrays, instance, instances, read_only, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support_matrix import checked_compliance, checked_stiffness, held, inverse
@@ -133,7 +133,7 @@ class Support:
     def __post_init__(self) -> None:
         object.__setattr__(self, "reference", array("reference", self.reference, "mm", ndim=1, size=3, frozen=True))
         object.__setattr__(self, "compliance", read_only(checked_compliance("compliance", self.compliance)))
-        object.__setattr__(self, "bearings", tuple(self.bearings))
+        object.__setattr__(self, "bearings", instances("bearings", self.bearings, BearingReaction))
 
     @classmethod
     def of_stiffness(
@@ -211,6 +211,9 @@ class Supports:
     wind_up: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("pinion", "gear"):
+            instance(name, getattr(self, name), Support)
+        truth("wind_up", self.wind_up)
         if self.coupling is not None:
             coupling = array("coupling", self.coupling, "mm/N, 1/N, rad/(N mm)", ndim=2, size=36, frozen=True)
             object.__setattr__(self, "coupling", coupling)
