@@ -11,6 +11,7 @@ import operator
 import os
 import reprlib
 from collections.abc import Callable, Iterable, Sequence
+from itertools import islice
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -489,17 +490,18 @@ def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
         if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
             return None
         given = np.asarray(values)
-        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given) is not None):
+        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given)):
             return None
         return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None
 
 
-def _strange(given: NDArray[Any]) -> Any:
-    """The first entry of an array of objects that is no real number, though float() may make one of it, or None."""
-    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating)
-    return next((entry for entry in given.flat if isinstance(entry, kinds)), None)
+def _strange(given: NDArray[Any]) -> list[Any]:
+    """The first entry of an array of objects that is no real number, though numpy may make one of it, or none."""
+    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating, type(None))
+    objects = given.flat if given.dtype.kind == "O" else ()
+    return list(islice((entry for entry in objects if isinstance(entry, kinds)), 1))
 
 
 def _why_no_numbers(values: Any) -> str:
@@ -508,12 +510,13 @@ def _why_no_numbers(values: Any) -> str:
         return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
     try:
         given = np.asarray(values)
-        entry = _strange(given) if given.dtype.kind == "O" else None
-        if given.dtype.kind == "c" or isinstance(entry, complex | np.complexfloating):
+        strange = _strange(given)
+        kind = type(strange[0]) if strange else given.dtype.type
+        if issubclass(kind, complex | np.complexfloating):
             return "; they are complex: give their real part (.real), if the imaginary one is zero"
-        if given.dtype.kind == "b" or isinstance(entry, bool | np.bool_):
+        if issubclass(kind, bool | np.bool_):
             return "; they are truth values: give them as floats, if they are meant as 0 and 1"
-        if given.ndim and entry is None and given.dtype.kind in "fiuO":
+        if given.ndim and not strange and given.dtype.kind in "fiuO":
             np.asarray(given, dtype=np.float64)
             return ""
     except (TypeError, ValueError, OverflowError):

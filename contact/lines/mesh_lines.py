@@ -72,6 +72,7 @@ class MeshLines:
 
     def at(self, position: int) -> MeshLines:
         """The contact lines of one pinion rotation alone."""
+        position = whole("position", position, 0, self.rotations.size - 1)
         chosen = np.flatnonzero(self.position == position)
         every = self.lines
         lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,6 +203,7 @@ def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
     """Check shared modes of a number of segments and blocks."""
     instance("shared", shared, SharedModes)
     columns, mixing = shared.columns, shared.mixing
+    values: Any
     for name, values, shape in (("columns", columns, f"({size}, q)"), ("mixing", mixing, f"({blocks}, q, s)")):
         wanted = 2 if name == "columns" else 3
         if not (isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == wanted):
