@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, frozen_arrays, one_of
+from ..core.checks import array, frozen_arrays, one_of, words
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from .schema.usual_torques import TORQUE_LIMIT
@@ -81,7 +81,7 @@ class Deflections:
                 worst = values[np.argmax(np.abs(values))]
                 raise InputError(f"{name} = {worst:g}: must lie between {-limit:.4g} and {limit:.4g} [{UNITS[name]}]")
             object.__setattr__(self, name, tuple(values.tolist()))
-        given = (self.flank,) * torque.size if isinstance(self.flank, str) else self.flank
+        given = (self.flank,) * torque.size if isinstance(self.flank, str) else words("flank", self.flank)
         flanks = tuple(one_of("flank", one, FLANKS) for one in given)
         if flanks and len(flanks) != torque.size:
             raise InputError(f"flank: has {len(flanks)} values: must have {torque.size}, one a torque, or none")

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.checks import array, function, instance, instances, truth, whole
+from ..core.checks import array, check_fields, instance, instances, truth, whole
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
@@ -71,8 +71,7 @@ class MeshCycle:
     segments: CycleSegments
 
     def __post_init__(self) -> None:
-        instance("geometry", self.geometry, PairGeometry)
-        instance("segments", self.segments, CycleSegments)
+        check_fields(self)
 
     @classmethod
     def of(
@@ -102,8 +101,7 @@ class MeshCycle:
             If no tooth pair can touch at any rotation.
         """
         instance("geometry", geometry, PairGeometry)
-        if model is not None:
-            instance("model", model, ElasticModel)
+        instance("model", model, ElasticModel | None)
         whole("segments_per_line", segments_per_line, 1)
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
@@ -275,7 +273,7 @@ class MeshCycle:
         instance("supports", supports, LoadedSupports)
         instance("rounds", rounds, AssemblyRounds)
         assembled = self.misaligned if assembled is None else assembled
-        function("assembled", assembled)
+        instance("assembled", assembled, Callable)
         if greater and not (isinstance(supports, Supports) and rounds.update == "none"):
             raise InputError("greater: must go with constant supports and rounds = 'none', whose segments stay")
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
@@ -336,8 +334,7 @@ class MeshCycle:
 def _check_options(edge_contact: bool, progress: Callable[[], None] | None, greater: Sequence[LoadedCase]) -> None:
     """Refuse other kinds of what ``MeshCycle.loaded`` and ``MeshCycle.supported`` take alike."""
     truth("edge_contact", edge_contact)
-    if progress is not None:
-        function("progress", progress)
+    instance("progress", progress, Callable | None)
     instances("greater", greater, LoadedCase)
 
 

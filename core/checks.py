@@ -10,11 +10,12 @@ import functools
 import operator
 import os
 import reprlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
 from numbers import Real
 from pathlib import Path
-from typing import Any, TypeGuard, TypeVar
+from types import UnionType
+from typing import Any, Literal, TypeGuard, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from .printable import printable, shortened
 
 Record = TypeVar("Record")
 
+KIND_WORDS = {"bool": "True or False", "Callable": "a function", "Mapping": "a dict", "NoneType": "None", "str": "text"}
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
 
 
@@ -126,6 +128,25 @@ def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
     return counted
 
 
+def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
+    """Return two whole numbers of ``least`` or more.
+
+    Raises
+    ------
+    InputError
+        If it is no pair of such numbers.
+
+    Examples
+    --------
+    >>> two_whole("nodes", 9, 5)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
+    """
+    if not isinstance(values, tuple | list | np.ndarray) or len(values) != 2:
+        raise InputError(f"{name} = {shown(values)}: must be two whole numbers of {least} or more")
+    return whole(f"{name}[0]", values[0], least), whole(f"{name}[1]", values[1], least)
+
+
 def truth(name: str, value: Any) -> bool:
     """Return True or False.
 
@@ -165,8 +186,8 @@ def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
     return value
 
 
-def instance(name: str, value: Any, kind: type) -> None:
-    """Refuse what is not of a type.
+def instance(name: str, value: Any, kind: Any) -> None:
+    """Refuse what is not of a type, or of one of several types joined by ``|``.
 
     Raises
     ------
@@ -180,17 +201,18 @@ def instance(name: str, value: Any, kind: type) -> None:
     easeoff.core.errors.InputError: operation = 500: must be a dict
     """
     if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(f"{name} = {shown(value)}: must be {article} {kind.__name__}")
+        names = [one.__name__ for one in get_args(kind) or (kind,)]
+        wanted = [KIND_WORDS.get(own, f"{'an' if own[0] in 'AEIOU' else 'a'} {own}") for own in names]
+        raise InputError(f"{name} = {shown(value)}: must be {' or '.join(wanted)}")
 
 
 def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
-    """Return the objects of one type in a sequence, of a given length if that is given.
+    """Return the objects of one type in a list or tuple, of a given length if that is given.
 
     Raises
     ------
     InputError
-        If it is no such sequence.
+        If it is none of such objects.
 
     Examples
     --------
@@ -206,7 +228,7 @@ def instances(name: str, values: Any, kind: type[Record], count: int | None = No
 
 
 def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
-    """Return two values of any type from a tuple, list or array.
+    """Return two values of any type.
 
     Raises
     ------
@@ -215,33 +237,15 @@ def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
 
     Examples
     --------
-    >>> two("sides", 1.0, "lengths [mm]")
+    >>> two("velocities", 1.0, "velocities [m/s]")
     Traceback (most recent call last):
-    easeoff.core.errors.InputError: sides = 1: must be two lengths [mm]
+    easeoff.core.errors.InputError: velocities = 1: must be two velocities [m/s]
     """
     try:
         first, second = values
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} = {shown(values)}: must be two {wanted}") from error
     return first, second
-
-
-def function(name: str, value: Any, wanted: str = "a function") -> None:
-    """Refuse what cannot be called.
-
-    Raises
-    ------
-    InputError
-        If it cannot.
-
-    Examples
-    --------
-    >>> function("progress", 5)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: progress = 5: must be a function
-    """
-    if not callable(value):
-        raise InputError(f"{name} = {shown(value)}: must be {wanted}")
 
 
 def file_path(name: str, value: Any, also: str = "") -> Path:
@@ -286,7 +290,7 @@ def array(
     below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
-    undefined: bool = False,
+    anything: bool = False,
     frozen: bool = False,
 ) -> NDArray[np.float64]:
     """Return an array of numbers within bounds.
@@ -301,8 +305,8 @@ def array(
         Number of dimensions; any if left out.
     size, fewest
         Number of entries, or the least number of them.
-    undefined
-        Whether NaN and infinity are values, too; bounds then do not hold.
+    anything
+        Whether every number is a value, NaN too: for those who say better what is wrong with it.
     frozen
         Whether to return a read-only copy, in C order.
 
@@ -326,13 +330,13 @@ def array(
         or found.size < fewest
         or (size is not None and found.size != size)
     ):
-        wanted = _range("numbers", unit, above, least, below, most, infinite)
+        wanted = _range("numbers", unit, above, least, below, most, infinite or anything)
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
-    valid = np.True_ if undefined else _within(found, above, least, below, most, infinite)
-    if not valid.all():
+    valid = _within(found, above, least, below, most, infinite)
+    if not (anything or valid.all()):
         one = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
     return read_only(found) if frozen else found
@@ -445,6 +449,79 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
         twice = shown(different[counts > 1][0])
         raise InputError(f"{name} = {shown(values)}: must be numbers that differ; {twice} comes twice")
     return found
+
+
+def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
+    """Return texts, ``fewest`` or more, given as a list, a tuple or the like; one text alone is refused.
+
+    Raises
+    ------
+    InputError
+        If it is no list, an entry is no text, or there are too few.
+
+    Examples
+    --------
+    >>> words("free", ["radial_distance"])
+    ('radial_distance',)
+    >>> words("free", "radial_distance")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: free = 'radial_distance': must be a list of texts
+    """
+    listed = isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
+    found = tuple(values) if listed else ()
+    if not listed or len(found) < fewest or not all(isinstance(value, str) for value in found):
+        raise InputError(f"{name} = {shown(values)}: must be a list of texts")
+    return found
+
+
+def check_fields(record: Any) -> None:
+    """Refuse a record whose values are of other kinds than the annotations of its fields: for ``__post_init__``.
+
+    A ``float`` is a finite number, an ``int`` a whole one of 0 or more. Arrays, tuples and dicts are not looked into.
+
+    Raises
+    ------
+    InputError
+        If a value is of another kind.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass
+    ... class Shaft:
+    ...     diameter: float
+    ...     __post_init__ = check_fields
+    >>> Shaft("thick")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: diameter = 'thick': must be a finite number
+    """
+    for name, kind, optional in _field_kinds(type(record)):
+        value = getattr(record, name)
+        if value is None and optional:
+            continue
+        if get_origin(kind) is Literal:
+            if not isinstance(value, str | int) or value not in get_args(kind):
+                raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")
+        elif kind is float:
+            number(name, value)
+        elif kind is int:
+            whole(name, value, 0)
+        elif kind is bool:
+            truth(name, value)
+        elif isinstance(kind, type) and kind is not Any:
+            instance(name, value, kind)
+
+
+@functools.cache
+def _field_kinds(record: type) -> tuple[tuple[str, Any, bool], ...]:
+    """Fields of a record with the type that their annotation allows, if it is one, and whether it allows None, too."""
+    found = []
+    for name, hint in get_type_hints(record).items():
+        kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        given = [kind for kind in kinds if kind is not type(None)]
+        if name in record.__dataclass_fields__:  # type: ignore[attr-defined]
+            found.append((name, given[0] if len(given) == 1 else Any, len(given) < len(kinds)))
+    return tuple(found)
 
 
 def shown(value: Any) -> str:

@@ -82,7 +82,7 @@ class ContactConditions:
     def __post_init__(self) -> None:
         for entry in fields(self):
             if entry.name not in ("film_formula", "film_heating"):
-                array(entry.name, getattr(self, entry.name), undefined=True)
+                array(entry.name, getattr(self, entry.name), anything=True)
         positive("contact_modulus", self.contact_modulus, "Pa")
         film_formula(self.film_formula)
         one_of("film_heating", self.film_heating, FILM_FACTORS)

@@ -224,7 +224,7 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
     thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)
     given = formula_coefficient(conditions) if coefficient is None else coefficient
-    found = array("coefficient", given, undefined=True)
+    found = array("coefficient", given, anything=True)
     return combined_flags(
         {
             1: outside("slide_to_roll", conditions.slide_to_roll),

@@ -352,7 +352,7 @@ def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
         (table(VALUES).replace("-", "x", 1), "line 5: 'x"),
         (table(VALUES, flank="convex\n# flank: concave"), "line 2: flank = 'concave': must be 'convex', as it is"),
         (table(VALUES).replace(";", ","), "line 5: .* 18 columns|whole numbers, or decimal commas"),
-        (table(VALUES[:1]), "rows = 1: must be at least 2"),
+        (table(VALUES[:1]), "rows = 1: must be a whole number of 2 or more"),
     ],
 )  # fmt: skip
 def test_tables_that_could_mean_something_else_are_refused(text: str, words: str, tmp_path: Path) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import instance, instances, number, one_of, positive, two, whole
+from ...core.checks import check_fields, instances, positive, two_whole
 from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
@@ -70,17 +70,11 @@ class ElasticModel:
     foot_correction: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in MEMBERS:
-            instance(name, getattr(self, name), Material)
-        for count in two("modes", self.modes, "whole numbers, (profile, lengthwise)"):
-            whole("modes", count, 1)
+        check_fields(self)
+        two_whole("modes", self.modes, 1)
         positive("shear_factor", self.shear_factor)
-        one_of("plate", self.plate, get_args(PlateName))
-        if self.foundation is not None:
-            instance("foundation", self.foundation, ElasticFoundation)
         if self.condensed is not None:
             instances("condensed", self.condensed, FlankCompliance, 2)
-        number("foot_correction", self.foot_correction)
 
 
 def solid_shells(

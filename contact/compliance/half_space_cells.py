@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.sparse.linalg import LinearOperator
 
-from ...core.checks import array, instances, two, whole
+from ...core.checks import array, instances, two_whole
 from .material import Material
 
 Array = NDArray[Any]
@@ -54,7 +54,7 @@ class HalfSpaceCompliance(LinearOperator):
     def __init__(
         self, shape: tuple[int, int], sides: tuple[float, float], materials: tuple[Material, Material]
     ) -> None:
-        self.cells = tuple(whole("shape", count, least=1) for count in two("shape", shape, "numbers of cells"))
+        self.cells = two_whole("shape", shape, 1)
         lengths = array("sides", sides, "mm", ndim=1, size=2, above=0.0)
         first, second = (side * np.arange(count) for side, count in zip(lengths, self.cells, strict=True))
         bodies = instances("materials", materials, Material, 2)

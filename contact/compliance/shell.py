@@ -10,13 +10,14 @@ needed: forward substitution keeps the zeros in front.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, function, instance, positive, two, whole
+from ...core.checks import frozen_arrays, instance, positive, two_whole
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -91,18 +92,17 @@ class Shell:
 
         instance("dimensions", self.dimensions, ToothDimensions)
         instance("material", self.material, Material)
-        if self.foundation is not None:
-            instance("foundation", self.foundation, ElasticFoundation)
-        function("assumption", self.assumption)
-        function("family", self.family)
-        profile, lengthwise = two("modes", self.modes, "whole numbers, (profile, lengthwise)")
+        instance("foundation", self.foundation, ElasticFoundation | None)
+        instance("assumption", self.assumption, Callable)
+        instance("family", self.family, Callable)
+        profile, lengthwise = two_whole("modes", self.modes, 1)
         positive("shear_factor", self.shear_factor)
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,
             trace_length=self.dimensions.trace_length,
-            height_count=whole("modes", profile, 1),
-            length_count=whole("modes", lengthwise, 1),
+            height_count=profile,
+            length_count=lengthwise,
             root_powers=kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers,
             family=self.family,
         )

@@ -108,7 +108,7 @@ def require_convex(problem: ContactProblem) -> None:
 
 def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
-    found = array(name, value, undefined=True)
+    found = array(name, value, anything=True)
     if found.shape != (size,):
         raise InputError(f"{name} = {shown(found)}: must have the shape ({size},)")
     return found

@@ -173,10 +173,10 @@ def certify(
     1.0
     """
     instance("problem", problem, ContactProblem)
-    rotation = array("rotation", rotation, "rad", ndim=0, undefined=True).item()
+    rotation = array("rotation", rotation, "rad", ndim=0, anything=True).item()
     if elastic_rotation is not None:
-        array("elastic_rotation", elastic_rotation, "rad", ndim=0, undefined=True)
-    force = array("force", force, "N", undefined=True)
+        array("elastic_rotation", elastic_rotation, "rad", ndim=0, anything=True)
+    force = array("force", force, "N", anything=True)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
         return NO_CERTIFICATE
     with np.errstate(over="ignore", invalid="ignore"):

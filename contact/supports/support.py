@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, instance, instances, read_only, truth, two
+from ...core.checks import array, check_fields, frozen_arrays, instance, instances, read_only, two
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support_matrix import checked_compliance, checked_stiffness, held, inverse
@@ -211,9 +211,7 @@ class Supports:
     wind_up: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("pinion", "gear"):
-            instance(name, getattr(self, name), Support)
-        truth("wind_up", self.wind_up)
+        check_fields(self)
         if self.coupling is not None:
             coupling = array("coupling", self.coupling, "mm/N, 1/N, rad/(N mm)", ndim=2, size=36, frozen=True)
             object.__setattr__(self, "coupling", coupling)

@@ -73,8 +73,8 @@ def rise_per_heat(
 
 def _checked(half_width: ArrayLike, velocities: Any, materials: Any) -> tuple[Array, list[Array], tuple[Any, ...]]:
     """Arguments of ``rise_per_heat`` as arrays; NaN is a value, as of mesh positions without a solution."""
-    speeds = [array("velocities", one, "m/s", undefined=True) for one in two("velocities", velocities, "velocities")]
-    width = array("half_width", half_width, "m", undefined=True)
+    speeds = [array("velocities", one, "m/s", anything=True) for one in two("velocities", velocities, "velocities")]
+    width = array("half_width", half_width, "m", anything=True)
     return width, speeds, instances("materials", materials, ThermalMaterial, 2)
 
 
@@ -102,7 +102,7 @@ def flash_temperature(
     35.4 K
     """
     pinion, gear = rise_per_heat(half_width, velocities, materials)
-    return np.asarray(array("heat", heat, "W/m", undefined=True) * (pinion * gear / (pinion + gear)))
+    return np.asarray(array("heat", heat, "W/m", anything=True) * (pinion * gear / (pinion + gear)))
 
 
 def blok_flash_temperature(
@@ -131,4 +131,4 @@ def blok_flash_temperature(
         material.thermal_contact_coefficient * np.sqrt(np.abs(velocity))
         for velocity, material in zip(speeds, bodies, strict=True)
     )
-    return np.asarray(BLOK_FACTOR * array("heat", heat, "W/m", undefined=True) / (carried * np.sqrt(2.0 * width)))
+    return np.asarray(BLOK_FACTOR * array("heat", heat, "W/m", anything=True) / (carried * np.sqrt(2.0 * width)))

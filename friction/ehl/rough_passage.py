@@ -7,6 +7,7 @@ the mean advance by one node. With that step, what a broken film lacks moves on 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -183,8 +184,8 @@ def rough_passage(
     >>> print(f"{passage.certified_share:.0%} of the steps, friction coefficient {passage.friction_coefficient:.4f}")
     100% of the steps, friction coefficient 0.0079
     """
-    checks.function("first", first, "a profile, a function of positions [m]")
-    checks.function("second", second, "a profile, a function of positions [m]")
+    checks.instance("first", first, Callable)
+    checks.instance("second", second, Callable)
     checks.whole("steps", steps, 1, STEP_LIMIT)
     nodes = checks.whole("nodes", nodes, FEWEST_NODES, MOST_NODES)
     for name, value in (("ramp", ramp), ("keep", keep), ("settle", 0 if settle is None else settle)):

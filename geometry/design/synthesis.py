@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, instance
+from ...core.checks import check_fields, frozen_arrays, instance, positive, truth, words
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
@@ -75,6 +75,8 @@ class EaseOffTarget:
     bias: float = 0.0
     spiral_angle_error: float = 0.0
     pressure_angle_error: float = 0.0
+
+    __post_init__ = check_fields
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Target (n) [mm] at fractions (n)."""
@@ -194,9 +196,12 @@ def fit_pinion(
     True
     """
     instance("pair", pair, GearPair)
+    instance("target", target, Callable)
+    truth("follow_root", follow_root)
+    positive("fold_margin", fold_margin, zero=True)
     from scipy.optimize import least_squares
 
-    names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
+    names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))

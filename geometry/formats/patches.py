@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import instance, number, shown, whole
 from ...core.errors import InputError
 
 Array = NDArray[Any]
@@ -29,11 +30,16 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
     InputError
         If there is none, or one is no grid of finite points or has no area.
     """
+    instance("patches", patches, Mapping)
     if not patches:
         raise InputError("no surface patches to write")
     result = {}
     for name, points in patches.items():
-        array = np.asarray(points, dtype=float)
+        instance("name of a patch", name, str)
+        try:
+            array = np.asarray(points, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"patch {name!r} = {shown(points)}: must be points (m, n, 3) in mm") from error
         if array.ndim != 3 or array.shape[2] != 3 or min(array.shape[:2]) < 2:
             raise InputError(f"patch {name!r} has the shape {array.shape}: expected (m, n, 3) with m and n at least 2")
         if not np.all(np.isfinite(array)):
@@ -139,9 +145,8 @@ def rotations(teeth: int, pitch: float | None) -> Array:
     InputError
         If there is no tooth to write.
     """
-    if teeth < 1:
-        raise InputError(f"teeth = {teeth}: at least one has to be written")
-    return np.arange(teeth) * (2.0 * np.pi / teeth if pitch is None else pitch)
+    count = whole("teeth", teeth, 1)
+    return np.arange(count) * (2.0 * np.pi / count if pitch is None else number("pitch", pitch, "rad"))
 
 
 def _border(grid: Array) -> Array:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import whole
+from ...core.checks import two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -267,12 +267,13 @@ def tooth_surface(
         If the member has another name, or there are too few nodes.
     """
     which = named_member(pair, member)
-    t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
-    for index, count in enumerate((t.size, nodes[1])):
-        whole(f"nodes[{index}]", count, FLANK_NODES_MINIMUM)
+    fractions = nodes[0] if isinstance(nodes, tuple) and nodes and isinstance(nodes[0], np.ndarray) else None
+    counts = nodes if fractions is None else (fractions.size, *nodes[1:])
+    along, upward = two_whole("nodes", counts, FLANK_NODES_MINIMUM)
+    t = np.linspace(0.0, 1.0, along) if fractions is None else fractions
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
-        tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
+        tooth_side(p.surface, p.section, t, upward, fillet_nodes).turned(p.rotation) for p in placed.values()
     )
     turn = into_tooth(front.flank, front.flank_normal)
     tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)

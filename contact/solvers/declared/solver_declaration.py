@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import function, number, one_of, shown, truth
+from ....core.checks import instance, number, one_of, shown, truth
 from ....core.errors import InputError
 from ....core.processes.foreign_code import ForeignCodeError, foreign_code
 from ...problem.certificate import EXACT_TOLERANCE
@@ -107,7 +107,7 @@ class Solver:
         name: Any = self.name
         if not isinstance(name, str) or not name.strip():
             raise InputError(f"name = {shown(name)}: must be a text")
-        function("function", self.function, "callable with a problem")
+        instance("function", self.function, Callable)
         given: Any = self.forms
         forms = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Sequence) else ()
         if not forms:

@@ -87,8 +87,7 @@ def run_study(
     checks.instance("resolution", resolution, Resolution)
     checks.number("seconds", seconds, "s", infinite=True)
     checks.truth("dask", dask)
-    if progress is not None:
-        checks.function("progress", progress, "a function of two numbers")
+    checks.instance("progress", progress, Callable | None)
     target = checks.file_path("path", path)
     check_writable(target)
     _check_is_study(target)
