@@ -142,9 +142,8 @@ def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
     Traceback (most recent call last):
     easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
     """
-    if not isinstance(values, tuple | list | np.ndarray) or len(values) != 2:
-        raise InputError(f"{name} = {shown(values)}: must be two whole numbers of {least} or more")
-    return whole(f"{name}[0]", values[0], least), whole(f"{name}[1]", values[1], least)
+    first, second = two(name, values, f"whole numbers of {least} or more")
+    return whole(f"{name}[0]", first, least), whole(f"{name}[1]", second, least)
 
 
 def truth(name: str, value: Any) -> bool:
