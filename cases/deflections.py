@@ -73,8 +73,8 @@ class Deflections:
         if torque.max() >= TORQUE_LIMIT:
             raise InputError(f"torque = {torque.max():g}: must be below {TORQUE_LIMIT:g} [N m]")
         for name, limit in zip(ERRORS, ERROR_LIMITS, strict=True):
-            given = getattr(self, name)
-            values = array(name, given, UNITS[name], ndim=1) if np.size(given) else np.zeros(torque.size)
+            values = array(name, getattr(self, name), UNITS[name], ndim=1)
+            values = values if values.size else np.zeros(torque.size)
             if values.size != torque.size:
                 raise InputError(f"{name}: has {values.size} values: must have {torque.size}, one a torque")
             if np.abs(values).max() >= limit:

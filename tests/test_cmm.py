@@ -133,8 +133,8 @@ def test_flank_that_is_not_known_is_left_out(pair: GearPair) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"rows": 1}, "rows = 1: must be a whole number of 2 or more"),
-        ({"columns": 0}, "columns = 0: must be a whole number of 2 or more"),
+        ({"rows": 1}, "rows = 1: must be a whole number from 2 to 1001"),
+        ({"columns": 0}, "columns = 0: must be a whole number from 2 to 1001"),
         (
             {"edge_margins": EdgeMargins(toe=13.0, heel=13.0)},
             "toe 13, heel 13.*leave nothing of the flank.*25.* mm long",

@@ -90,11 +90,10 @@ class MachineSettings:
     def __post_init__(self) -> None:
         check_fields(self)
         array("modified_roll", self.modified_roll, ndim=1)
-        try:
-            motions = [(name, coefficients) for name, coefficients in self.motions]
-        except (TypeError, ValueError) as error:
-            raise InputError(f"motions = {shown(self.motions)}: must be pairs of a name and coefficients") from error
-        for name, coefficients in motions:
+        motions = self.motions if isinstance(self.motions, tuple | list) else (self.motions,)
+        if not all(isinstance(motion, tuple | list) and len(motion) == 2 for motion in motions):
+            raise InputError(f"motions = {shown(self.motions)}: must be pairs of a name and coefficients")
+        for name, coefficients in self.motions:
             array(f"motion of {one_of('motion', name, MOVING_SETTINGS)}", coefficients, ndim=1)
         if self.ratio_of_roll is None and self.motions:
             raise InputError("motions are given but ratio_of_roll is not: nothing moves while a Formate member is cut")

@@ -24,6 +24,7 @@ from .standard_steps import StandardSteps
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
 NO_STEPS = StandardSteps()
+GROUP_COUNT_LIMIT = 100  # of a face-hobbing cutter
 ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
 
 
@@ -162,7 +163,7 @@ def _gear(
     one_of("hand", hand, get_args(Hand))
     truth("corrected", corrected)
     instance("steps", steps, StandardSteps)
-    if whole("number_of_blade_groups", groups, 0):
+    if whole("number_of_blade_groups", groups, 0, GROUP_COUNT_LIMIT):
         return _face_hobbed(blank, cutter_radius, hand, groups, corrected, steps, ratio)
     return _face_milled(blank, cutter_radius, hand, corrected, steps, ratio)
 

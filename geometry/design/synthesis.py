@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import check_fields, frozen_arrays, instance, positive, truth, words
+from ...core.checks import array, check_fields, frozen_arrays, instance, positive, truth, words
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
@@ -204,7 +204,8 @@ def fit_pinion(
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
-    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    values = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    wanted = array("target", values, "mm", ndim=1, size=t.size * h.size)
     known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
     fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...core.attributes import labelled
-from ...core.checks import file_path, instance, one_of, shown
+from ...core.checks import array, file_path, instance, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from ..deviation.deviation import Deviation, Method
@@ -67,10 +67,7 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
     """
     cmm.check_points(points, "points", cmm.FORMAT, FORMAT)
     sizes = tuple(points.sizes[name] for name in ("flank", "row", "column"))
-    try:
-        values = np.asarray(deviation, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"deviation = {shown(deviation)}: must be numbers [um]") from error
+    values = array("deviation", deviation, "um", anything=True)
     if values.ndim == 2 and sizes[0] == 1:
         values = values[None]
     if values.shape != sizes:

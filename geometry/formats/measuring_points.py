@@ -128,7 +128,7 @@ def cmm_points(
     """
     instance("member", member, Member)
     for name, count in (("rows", rows), ("columns", columns)):
-        whole(name, count, 2)
+        whole(name, count, 2, cmm_csv.GRID_SIZE_LIMIT)
     instance("edge_margins", edge_margins, EdgeMargins | None)
     given = edge_margins or EdgeMargins()
     flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.reading import shipped_deviations
-from ...core.checks import one_of
+from ...core.checks import instance, one_of
 from ...core.errors import GeometryError, InputError
 from ...core.printable import printable, shortened
 from ...geometry.deviation.deviated_flank import deviated_pair
@@ -166,6 +166,7 @@ def flank_deviations(
     ['gear']
     """
     require_method(interpolation)
+    instance("deviations", sources, Mapping)
     found = {}
     for name, source in sources.items():
         member = named_member(pair, name)
