@@ -11,7 +11,8 @@ import math
 import operator
 import os
 import reprlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import islice
 from numbers import Real
 from pathlib import Path
 from types import UnionType
@@ -142,10 +143,8 @@ def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
     Traceback (most recent call last):
     easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
     """
-    values = values.tolist() if isinstance(values, np.ndarray) else values
-    if not isinstance(values, tuple | list) or len(values) != 2:
-        raise InputError(f"{name} = {shown(values)}: must be two whole numbers of {least} or more")
-    return whole(f"{name}[0]", values[0], least), whole(f"{name}[1]", values[1], least)
+    first, second = two(name, values, f"whole numbers of {least} or more")
+    return whole(f"{name}[0]", first, least), whole(f"{name}[1]", second, least)
 
 
 def truth(name: str, value: Any) -> bool:
@@ -205,6 +204,48 @@ def instance(name: str, value: Any, kind: Any) -> None:
         names = [one.__name__ for one in get_args(kind) or (kind,)]
         wanted = [KIND_WORDS.get(own, f"{'an' if own[0] in 'AEIOU' else 'a'} {own}") for own in names]
         raise InputError(f"{name} = {shown(value)}: must be {' or '.join(wanted)}")
+
+
+def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
+    """Return the objects of one type in a list or tuple, of a given length if that is given.
+
+    Raises
+    ------
+    InputError
+        If it is none of such objects.
+
+    Examples
+    --------
+    >>> instances("materials", (500, 500), dict, 2)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: materials = (500, 500): must be 2 of the type dict, in a list or tuple
+    """
+    found = tuple(values) if isinstance(values, Sequence) else (None,)
+    if not all(isinstance(one, kind) for one in found) or count not in (None, len(found)):
+        many = "all" if count is None else count
+        raise InputError(f"{name} = {shown(values)}: must be {many} of the type {kind.__name__}, in a list or tuple")
+    return found
+
+
+def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
+    """Return two values of any type.
+
+    Raises
+    ------
+    InputError
+        If there are not two.
+
+    Examples
+    --------
+    >>> two("velocities", 1.0, "velocities [m/s]")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: velocities = 1: must be two velocities [m/s]
+    """
+    try:
+        first, second = values
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} = {shown(values)}: must be two {wanted}") from error
+    return first, second
 
 
 def file_path(name: str, value: Any, also: str = "") -> Path:
@@ -528,17 +569,18 @@ def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
         if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
             return None
         given = np.asarray(values)
-        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given) is not None):
+        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given)):
             return None
         return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None
 
 
-def _strange(given: NDArray[Any]) -> Any:
-    """The first entry of an array of objects that is no real number, though float() may make one of it, or None."""
-    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating)
-    return next((entry for entry in given.flat if isinstance(entry, kinds)), None)
+def _strange(given: NDArray[Any]) -> list[Any]:
+    """The first entry of an array of objects that is no real number, though numpy may make one of it, or none."""
+    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating, type(None))
+    objects = given.flat if given.dtype.kind == "O" else ()
+    return list(islice((entry for entry in objects if isinstance(entry, kinds)), 1))
 
 
 def _why_no_numbers(values: Any) -> str:
@@ -547,12 +589,13 @@ def _why_no_numbers(values: Any) -> str:
         return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
     try:
         given = np.asarray(values)
-        entry = _strange(given) if given.dtype.kind == "O" else None
-        if given.dtype.kind == "c" or isinstance(entry, complex | np.complexfloating):
+        strange = _strange(given)
+        kind = type(strange[0]) if strange else given.dtype.type
+        if issubclass(kind, complex | np.complexfloating):
             return "; they are complex: give their real part (.real), if the imaginary one is zero"
-        if given.dtype.kind == "b" or isinstance(entry, bool | np.bool_):
+        if issubclass(kind, bool | np.bool_):
             return "; they are truth values: give them as floats, if they are meant as 0 and 1"
-        if given.ndim and entry is None and given.dtype.kind in "fiuO":
+        if given.ndim and not strange and given.dtype.kind in "fiuO":
             np.asarray(given, dtype=np.float64)
             return ""
     except (TypeError, ValueError, OverflowError):

@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.checks import array, number, one_of, positive, shown
+from ..core.checks import array, number, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .formula_range import Flags, combined_flags
 from .kolivand_formula import formula_coefficient, formula_flags
 from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
-from .oil_film.thermal_factors import FILM_FACTORS
 
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
@@ -277,9 +276,9 @@ def contact_conditions(
         pressure_viscosity=state.pressure_viscosity,
         temperature_viscosity=state.temperature_viscosity,
         thermal_conductivity=state.thermal_conductivity,
-        contact_modulus=positive("contact_modulus", contact_modulus, "Pa"),
+        contact_modulus=contact_modulus,
         film_formula=film,
-        film_heating=one_of("film_heating", film_heating, FILM_FACTORS),
+        film_heating=film_heating,
     )
 
 

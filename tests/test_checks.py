@@ -12,9 +12,10 @@ import pytest
 import xarray as xr
 
 import easeoff
-from easeoff import InputError, contact, read_case, study, verification
+from easeoff import InputError, contact, friction, read_case, study, verification
 from easeoff.cases import LoadCase, case_toml, gear_pair, support_system, write_case, write_rexs
 from easeoff.core import checks
+from easeoff.friction import ehl
 from easeoff.geometry import ease_off, pair_geometry, tooth_angle
 from easeoff.study.analysis.named_setting import chosen_settings
 from easeoff.study.case_in_mesh import CaseInMesh
@@ -68,6 +69,12 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
         (lambda: checks.whole("x", 1.0, 0, 5), r"^x = 1.0: must be a whole number from 0 to 5$"),
         (lambda: checks.file_path("x", 5), "^x = 5: must be a path, as text, bytes or a Path$"),
         (lambda: read_case(5), "^case = 5: must be the name of a shipped case, or a path, as text, bytes or a Path$"),  # type: ignore[arg-type]
+        (lambda: checks.two("x", (1, 2, 3), "numbers"), r"^x = \(1, 2, 3\): must be two numbers$"),
+        (
+            lambda: checks.instances("x", [1, "a"], int),
+            r"^x = \[1, 'a'\]: must be all of the type int, in a list or tuple$",
+        ),
+        (lambda: checks.instances("x", (1,), int, 2), r"^x = \(1,\): must be 2 of the type int, in a list or tuple$"),
         (lambda: checks.one_of("x", ["a"], ("a", "b")), r"^x = \['a'\]: must be one of a, b$"),
     ],
 )
@@ -85,6 +92,9 @@ def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape()
 
 CASE = read_case("nasa-12x36")
 PAIR = gear_pair(CASE)
+TOOTH = contact.ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
+SPRINGS = contact.ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+LUBRICATED = ehl.LubricatedContact(1e9, 0.02, 5.0, ehl.Oil(0.02, 1.1e-8), slide_to_roll=0.25)
 
 
 @pytest.mark.parametrize("wrong", [5, 2.5, "nonsense", None, [], {}, b"x", np.zeros((2, 2))])
@@ -104,6 +114,34 @@ PAIR = gear_pair(CASE)
         (lambda wrong: contact.solve(wrong), "problem"),
         (lambda wrong: contact.lcp(wrong), "problem"),
         (lambda wrong: contact.problem_checksum(wrong), "problem"),
+        (lambda wrong: contact.Shell(wrong, contact.STEEL), "dimensions"),
+        (lambda wrong: contact.Shell(TOOTH, wrong), "material"),
+        (lambda wrong: contact.Shell(TOOTH, contact.STEEL, modes=wrong), "modes"),
+        (lambda wrong: contact.Shell(TOOTH, contact.STEEL, family=wrong), "family"),
+        (lambda wrong: contact.HalfSpaceCompliance(wrong, (1.0, 1.0), (contact.STEEL, contact.STEEL)), "shape"),
+        (lambda wrong: contact.HalfSpaceCompliance((2, 2), wrong, (contact.STEEL, contact.STEEL)), "sides"),
+        (lambda wrong: contact.HalfSpaceCompliance((2, 2), (1.0, 1.0), wrong), "materials"),
+        (lambda wrong: contact.ElasticModel(pinion=wrong), "pinion"),
+        (lambda wrong: contact.Supports(wrong, wrong), "pinion"),
+        (lambda wrong: contact.OperatorCompliance(wrong), "operator"),
+        (lambda wrong: contact.with_shared_modes(wrong, np.ones((4, 1)), np.ones((2, 1, 1))), "basis"),
+        (lambda wrong: contact.identified_support(wrong, [np.ones(6)], [np.ones(4)]), "assembly"),
+        (lambda wrong: contact.line_contact_path(wrong, wrong, 0.0, 1.0), "bending"),
+        (lambda wrong: contact.line_contact_path(SPRINGS, wrong, 0.0, 1.0), "line_contact"),
+        (lambda wrong: contact.lines_in_mesh(wrong, 0.5), "splines"),
+        (lambda wrong: contact.unloaded_contact(wrong, wrong, wrong), "geometry"),
+        (lambda wrong: contact.root_stress(wrong, wrong, wrong, wrong), "splines"),
+        (lambda wrong: contact.MeshCycle.of(wrong), "geometry"),
+        (lambda wrong: friction.flash_temperature(1.0, 1e-4, (1.0, 2.0), wrong), "materials"),
+        (lambda wrong: friction.blok_flash_temperature(1.0, 1e-4, (1.0, 2.0), wrong), "materials"),
+        (lambda wrong: friction.matched_band(1.0, 1e-4, wrong), "velocities"),
+        (lambda wrong: friction.formula_flags(wrong), "conditions"),
+        (lambda wrong: friction.rolling_traction(wrong), "conditions"),
+        (lambda wrong: friction.write_lubricant(wrong, "mine.toml"), "oil"),
+        (lambda wrong: ehl.film_dataset(wrong), "film"),
+        (lambda wrong: ehl.passage_dataset(wrong), "passage"),
+        (lambda wrong: ehl.heated_inlet(wrong), "contact"),
+        (lambda wrong: ehl.traction(wrong, *np.ones((3, 2))), "contact"),
         (lambda wrong: percentiles(wrong, [50.0], ["peak_to_peak"]), "dataset"),
         (lambda wrong: easeoff.write_result(wrong, "mine.nc"), "tree"),
         (lambda wrong: easeoff.plot.wear(wrong), "history"),
@@ -160,6 +198,33 @@ def test_wrong_kinds_of_what_may_be_left_out_are_refused_by_name(
 ) -> None:
     with pytest.raises(InputError, match=rf"\b{name}\b"):
         call(wrong)
+
+
+@pytest.mark.parametrize("wrong", ["nonsense", None, object(), [], {}, b"x", np.zeros((2, 2)), 1j, ("a", 1)])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda wrong: contact.certify(SPRINGS, np.zeros(2), wrong), "rotation"),
+        (lambda wrong: contact.Status(wrong), "Status"),
+        (lambda wrong: ehl.State(wrong), "State"),
+        (lambda wrong: contact.ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5, fanning=wrong), "fanning"),
+        (lambda wrong: ehl.rough_passage(LUBRICATED, steps=40, nodes=wrong), "nodes"),
+    ],
+)
+def test_what_is_no_number_is_refused_by_name(call: Callable[[object], object], name: str, wrong: object) -> None:
+    with pytest.raises(InputError, match=rf"^{name} = .*: must be"):
+        call(wrong)
+
+
+def test_flags_are_true_or_false_and_never_an_array() -> None:
+    wrong: Any = np.zeros(2)
+    for call in (
+        lambda: contact.lifted_qp(SPRINGS, compress=wrong),
+        lambda: contact.solve(SPRINGS, polish=wrong),
+        lambda: ehl.measured_profile(np.arange(16.0), 1.0, detrend=wrong),
+    ):
+        with pytest.raises(InputError, match="must be True or False"):
+            call()
 
 
 def test_tables_built_in_python_are_checked_as_those_of_a_file() -> None:

@@ -18,7 +18,7 @@ from ...contact.load_capacity.tooth_root_stress import root_stress
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SolverChoice, require_solver
 from ...contact.solvers.compiled.compiled_answer import compiled_code
-from ...core.checks import distinct, truth
+from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ...geometry.pair.tooth_thickness import contradictions

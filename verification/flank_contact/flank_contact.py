@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ...contact.compliance.material import Material
 from ...contact.lines.mesh_lines import MeshLines
-from ...core.checks import frozen_arrays, instance, positive, shown, truth, whole
-from ...core.errors import InputError
+from ...core.checks import frozen_arrays, instance, instances, positive, truth, whole
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
@@ -119,10 +118,8 @@ def contact_of_flanks(
     instance("mesh", mesh, MeshLines)
     whole("position", position, 0, mesh.rotations.size - 1)
     truth("beyond_lines", beyond_lines)
-    for own, kind, both in (("responses", FlankResponse, responses), ("materials", Material, materials)):
-        instance(own, both, tuple | list)
-        if [isinstance(one, kind) for one in both] != [True, True]:
-            raise InputError(f"{own} = {shown(both)}: must be two of {kind.__name__}, of pinion and gear")
+    instances("responses", responses, FlankResponse, 2)
+    instances("materials", materials, Material, 2)
     for name, value, unit in (
         ("torque", torque, "N m"),
         ("half_width", half_width, "mm"),
