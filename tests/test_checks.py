@@ -20,7 +20,7 @@ from easeoff.geometry import ease_off, pair_geometry, tooth_angle
 from easeoff.study.analysis.named_setting import chosen_settings
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.plot.figures.drawn_result import require_result
-from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques
+from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques, panels
 from easeoff.study.sweep import percentiles
 
 
@@ -181,6 +181,8 @@ def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name:
         (lambda wrong: chosen_parts(("pinion", "gear"), wrong, "member"), "member"),
         (lambda wrong: chosen_torques(np.ones(2), wrong, 1), "torque"),
         (lambda wrong: require_result(wrong), "tree"),
+        (lambda wrong: panels(xr.DataTree(), "", 1.0, "", (1, 1), wrong), "axes"),
+        (lambda wrong: next(study.library.generate(wrong)), "entries|entry"),
         (lambda wrong: study.analyze_load_cases(CASE, wrong), "load_cases"),
         (lambda wrong: study.compare.compare(wrong, "mine"), "paths"),
         (lambda wrong: study.correct_case(CASE, {"gear": wrong}), "gear"),

@@ -112,6 +112,7 @@ def compare(
     chosen = checked_solvers(solvers)
     number("tolerance", tolerance, above=0.0, below=1.0)
     one_of("time", time, tuple(TIMES))
+    instance("progress", progress, Callable | None)
     tried = tuple(array("tolerances", tolerances, ndim=1).tolist())
     choice = Choice(repetitions, time_limit, polish, raw, tried, threads)
     target = file_path("folder", folder)

@@ -80,14 +80,19 @@ def panels(
         for axes in found[wanted:]:
             axes.set_visible(False)
         return Panels(figure, found[:wanted], True)
-    listed = np.ravel(np.array(own, dtype=object)) if isinstance(own, list | tuple | np.ndarray) else [own]
-    given = np.array(list(listed), dtype=object)
-    if given.size != wanted or not all(isinstance(axes, Axes) for axes in given):
+    given = _flat(own)
+    if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
         needed = "one Axes" if wanted == 1 else f"{wanted} Axes, one a panel"
-        raise InputError(f"axes = {given.size} of {kinds}: must be {needed}")
+        raise InputError(f"axes = {len(given)} of {kinds}: must be {needed}")
     figure = given[0].get_figure(root=True)
-    return Panels(figure, given, False)
+    return Panels(figure, np.array(given, dtype=object), False)
+
+
+def _flat(own: Any) -> list[Any]:
+    """Axes one by one, out of lists and arrays of whatever shape."""
+    own = own.ravel().tolist() if isinstance(own, np.ndarray) else own
+    return [axes for part in own for axes in _flat(part)] if isinstance(own, list | tuple) else [own]
 
 
 def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> NDArray[np.int64]:
