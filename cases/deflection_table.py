@@ -102,7 +102,7 @@ def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
     raise InputError(f"misalignment: {type(source).__name__}: must be {ALLOWED}")
 
 
-def misalignments_of(sources: Iterable[MisalignmentSource]) -> list[Misalignment | Deflections]:
+def misalignments_of(sources: Any) -> list[Misalignment | Deflections]:
     """Misalignments from a list of what ``misalignment_of`` takes. Raises as that."""
     if not isinstance(sources, Iterable) or isinstance(sources, str | bytes | Mapping):
         raise InputError(f"misalignments = {shown(sources)}: must be a list of misalignments")

@@ -259,18 +259,18 @@ def contact_conditions(
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:
         raise InputError(f"roughness = {shown(roughness)}: must be a number, or a tuple (pinion, gear) [m]")
-    rolling = array("rolling_velocity", rolling_velocity, "m/s", above=0.0)
-    ratio = array("slide_to_roll", slide_to_roll, least=0.0)
+    rolling = array("rolling_velocity", rolling_velocity, "m/s", fewest=1, above=0.0)
+    ratio = array("slide_to_roll", slide_to_roll, fewest=1, least=0.0)
     sliding = ratio * rolling if sliding_velocity is None else sliding_velocity
     state = lubricant(oil).at(temperature, out_of_range=out_of_range)
     return ContactConditions(
-        hertz_pressure=array("hertz_pressure", hertz_pressure, "Pa", above=0.0),
-        equivalent_radius=array("equivalent_radius", equivalent_radius, "m", above=0.0),
+        hertz_pressure=array("hertz_pressure", hertz_pressure, "Pa", fewest=1, above=0.0),
+        equivalent_radius=array("equivalent_radius", equivalent_radius, "m", fewest=1, above=0.0),
         rolling_velocity=rolling,
-        sliding_velocity=array("sliding_velocity", sliding, "m/s", least=0.0),
+        sliding_velocity=array("sliding_velocity", sliding, "m/s", fewest=1, least=0.0),
         slide_to_roll=ratio,
-        roughness_pinion=array("roughness_pinion", given[0], "m", least=0.0),
-        roughness_gear=array("roughness_gear", given[1], "m", least=0.0),
+        roughness_pinion=array("roughness_pinion", given[0], "m", fewest=1, least=0.0),
+        roughness_gear=array("roughness_gear", given[1], "m", fewest=1, least=0.0),
         temperature=np.asarray(temperature, dtype=float),
         viscosity=state.viscosity,
         pressure_viscosity=state.pressure_viscosity,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,20 @@ import pytest
 import xarray as xr
 
 import easeoff
-from easeoff import InputError, contact, friction, read_case, study, verification
-from easeoff.cases import LoadCase, case_toml, gear_pair, support_system, write_case, write_rexs
+from easeoff import InputError, contact, friction, geometry, read_case, study, verification
+from easeoff.cases import (
+    LoadCase,
+    case_toml,
+    designed_blanks,
+    gear_pair,
+    parse_case,
+    support_system,
+    write_case,
+    write_rexs,
+)
 from easeoff.core import checks
 from easeoff.friction import ehl
-from easeoff.geometry import ease_off, pair_geometry, tooth_angle
+from easeoff.geometry import ease_off, formats, pair_geometry, tooth_angle
 from easeoff.study.analysis.named_setting import chosen_settings
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.plot.figures.drawn_result import require_result
@@ -165,6 +175,22 @@ LUBRICATED = ehl.LubricatedContact(1e9, 0.02, 5.0, ehl.Oil(0.02, 1.1e-8), slide_
         (lambda wrong: verification.flank_response(PAIR, "gear", contact.STEEL, wrong), "size"),
         (lambda wrong: verification.smallest_gap(wrong, np.zeros(1)), "geometry"),
         (lambda wrong: next(verification.problems(wrong, 1)), "name"),
+        (lambda wrong: designed_blanks(wrong, (12, 36), CASE.pair), "table"),
+        (lambda wrong: geometry.GearPair(PAIR.pinion, wrong, PAIR.assembly), "gear"),
+        (lambda wrong: geometry.Assembly(12, 36, wrong, 1.5, 0.0), "pinion_hand"),
+        (lambda wrong: geometry.MachineSettings(60.0, 1.0, 1.0, ratio_of_roll=1.0, motions=(wrong,)), "motions"),
+        (lambda wrong: geometry.usual_settings(wrong), "surface"),
+        (lambda wrong: geometry.conjugate_pinion(PAIR.gear.loaded, wrong, 10.0), "assembly"),
+        (lambda wrong: geometry.departure(PAIR.gear, PAIR.gear.loaded, wrong), "nodes"),
+        (lambda wrong: geometry.tooth_patches(PAIR, "gear", wrong), "nodes"),
+        (lambda wrong: geometry.fit_pinion(PAIR, wrong), "target"),
+        (lambda wrong: geometry.principal_curvatures(wrong), "flank"),
+        (lambda wrong: geometry.corrective_settings(PAIR.gear, wrong), "deviation"),
+        (lambda wrong: geometry.deviation_from_formula(PAIR.gear.section, wrong), "formula"),
+        (lambda wrong: formats.cmm_points(wrong), "member"),
+        (lambda wrong: formats.write_cmm_points(wrong, "mine.csv"), "dataset"),
+        (lambda wrong: formats.measured_grid(wrong, np.ones((3, 5))), "points"),
+        (lambda wrong: formats.write_mesh({"flank": wrong}, "mine.stl"), "patch"),
     ],
 )
 def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name: str, wrong: object) -> None:
@@ -195,7 +221,7 @@ def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name:
         (lambda wrong: verification.verify(CASE, on_row=wrong), "on_row"),
     ],
 )
-def test_wrong_kinds_of_what_may_be_left_out_are_refused_by_name(
+def test_wrong_kinds_of_what_studies_may_leave_out_are_refused_by_name(
     call: Callable[[object], object], name: str, wrong: object
 ) -> None:
     with pytest.raises(InputError, match=rf"\b{name}\b"):
@@ -227,6 +253,57 @@ def test_flags_are_true_or_false_and_never_an_array() -> None:
     ):
         with pytest.raises(InputError, match="must be True or False"):
             call()
+
+
+@pytest.mark.parametrize("wrong", [5, 2.5, "nonsense", [], b"x", np.zeros((2, 2))])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda wrong: easeoff.analyze(CASE, deviations=wrong), "deviations"),
+        (lambda wrong: easeoff.analyze(CASE, modification=wrong), "modification"),
+        (lambda wrong: easeoff.analyze(CASE, edge_contact=wrong), "edge_contact"),
+        (lambda wrong: easeoff.analyze(CASE, stage=wrong), "stage"),
+        (lambda wrong: easeoff.analyze(CASE, rounds=wrong), "rounds"),
+        (lambda wrong: easeoff.sweep(CASE, wrong), "over"),
+        (lambda wrong: easeoff.optimize(CASE, spread=wrong), "spread"),
+        (lambda wrong: easeoff.optimize(CASE, resume=wrong), "resume"),
+        (lambda wrong: geometry.Blade(75.0, 0.3, "outside", toprem=wrong), "toprem"),
+        (lambda wrong: geometry.tooth_lattice(PAIR, "gear", wrong), "size"),
+    ],
+)
+def test_wrong_kinds_of_what_may_be_left_out_are_refused_by_name(
+    call: Callable[[object], object], name: str, wrong: object
+) -> None:
+    with pytest.raises(InputError, match=rf"\b{name}\b.*must be"):
+        call(wrong)
+
+
+@pytest.mark.parametrize("wrong", ["nonsense", object(), [], {}, b"x", np.zeros((2, 2)), 1j, math.nan, math.inf, True])
+@pytest.mark.parametrize(
+    ("record", "name"),
+    [
+        (geometry.Blade(75.0, 0.3, "outside"), "point_radius"),
+        (geometry.MachineSettings(60.0, 1.0, 1.0), "cutter_tilt"),
+        (geometry.Misalignment(), "offset"),
+        (PAIR.assembly, "gear_teeth"),
+        (PAIR.gear.section, "face_width"),
+        (PAIR.gear, "mean_thickness"),
+        (geometry.GlobalErrors(), "twist"),
+        (geometry.EaseOffTarget(), "bias"),
+        (formats.EdgeMargins(), "toe"),
+    ],
+)
+def test_records_refuse_what_is_no_number(record: Any, name: str, wrong: object) -> None:
+    with pytest.raises(InputError, match=rf"\b{name} = .*: must be a"):
+        replace(record, **{name: wrong})
+
+
+@pytest.mark.parametrize("wrong", [5, None, [], {}, b"x"])
+def test_texts_are_texts(wrong: Any) -> None:
+    with pytest.raises(InputError, match=r"^comment = .*: must be text$"):
+        case_toml(CASE, wrong)
+    with pytest.raises(InputError, match=r"^text = .*: must be text$"):
+        parse_case(wrong)
 
 
 def test_tables_built_in_python_are_checked_as_those_of_a_file() -> None:

@@ -179,7 +179,7 @@ class Lubricant:
         """
         one_of("out_of_range", out_of_range, get_args(OutOfRange))
         one_of("interpolation", interpolation, get_args(Interpolation))
-        asked = array("temperature", temperature, "degC", anything=True)
+        asked = array("temperature", temperature, "degC", fewest=1, anything=True)
         low, high = self.temperature_range
         clamped = ~((asked >= low) & (asked <= high))
         if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):

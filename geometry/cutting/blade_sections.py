@@ -44,7 +44,8 @@ class Relief:
     angle: float = 0.0
     radius: float | None = None
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True)

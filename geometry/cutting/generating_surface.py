@@ -67,7 +67,8 @@ class GeneratingSurface:
     sense: IncrementSense
     part: SectionName = "profile"
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def section(self) -> BladeSection:

@@ -90,7 +90,8 @@ class MachineSettings:
     def __post_init__(self) -> None:
         check_fields(self)
         array("modified_roll", self.modified_roll, ndim=1)
-        motions = self.motions if isinstance(self.motions, tuple | list) else (self.motions,)
+        given: Any = self.motions
+        motions = given if isinstance(given, tuple | list) else (given,)
         if not all(isinstance(motion, tuple | list) and len(motion) == 2 for motion in motions):
             raise InputError(f"motions = {shown(self.motions)}: must be pairs of a name and coefficients")
         for name, coefficients in self.motions:

@@ -76,7 +76,8 @@ class EaseOffTarget:
     spiral_angle_error: float = 0.0
     pressure_angle_error: float = 0.0
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Target (n) [mm] at fractions (n)."""
@@ -204,8 +205,8 @@ def fit_pinion(
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
-    values = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    wanted = array("target", values, "mm", ndim=1, size=t.size * h.size)
+    on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
     known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
     fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)

@@ -55,7 +55,8 @@ class GlobalErrors:
     twist: float = 0.0
     level: float = 0.0
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Deviation (...) [um] at fractions (...)."""

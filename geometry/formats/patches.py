@@ -39,7 +39,7 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
         checks.instance("name of a patch", name, str)
         array = checks.array(f"patch {name!r}", points, "mm", anything=True)
         if array.ndim != 3 or array.shape[2] != 3 or min(array.shape[:2]) < 2:
-            raise InputError(f"patch {name!r} has the shape {array.shape}: expected (m, n, 3) with m and n at least 2")
+            raise InputError(f"patch {name!r} has the shape {array.shape}: must be (m, n, 3) with m and n at least 2")
         if not np.all(np.isfinite(array)):
             raise InputError(f"patch {name!r} has points that are no finite numbers: a surface has no holes")
         diagonals = array[1:, 1:] - array[:-1, :-1], array[1:, :-1] - array[:-1, 1:]

@@ -85,7 +85,8 @@ class Assembly:
     hypoid_offset: float
     misalignment: Misalignment = Misalignment()
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def ratio(self) -> float:

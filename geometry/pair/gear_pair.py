@@ -58,7 +58,8 @@ class Member:
     opposite: GeneratingSurface | None = None
     mean_thickness: float | None = None
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def one_set_up(self) -> bool:
@@ -116,7 +117,8 @@ class GearPair:
     gear: Member
     assembly: Assembly
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def misaligned(self, misalignment: Misalignment) -> GearPair:
         """The same pair with other assembly errors."""

@@ -111,7 +111,7 @@ def tooth_lattice(
     t, up, through = spacing.lengthwise, spacing.upward, spacing.through
     size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t, flank_nodes), fillet_nodes)
+        tooth = tooth_surface(pair, member, (t.size, flank_nodes), fillet_nodes, t)
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)

@@ -244,7 +244,11 @@ class ToothSurface:
 
 
 def tooth_surface(
-    pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
+    pair: GearPair,
+    member: str,
+    nodes: tuple[int, int] = (31, 21),
+    fillet_nodes: int = FILLET_NODES,
+    lengthwise: Array | None = None,
 ) -> ToothSurface:
     """The real tooth of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
 
@@ -255,9 +259,11 @@ def tooth_surface(
     member
         ``"pinion"`` or ``"gear"``.
     nodes
-        Nodes lengthwise, or their lengthwise fractions, and number of nodes up the flank.
+        Nodes lengthwise and up the flank.
     fillet_nodes
         Nodes up the fillet.
+    lengthwise
+        Fractions of the nodes lengthwise; even ones if left out.
 
     Raises
     ------
@@ -267,10 +273,8 @@ def tooth_surface(
         If the member has another name, or there are too few nodes.
     """
     which = named_member(pair, member)
-    fractions = nodes[0] if isinstance(nodes, tuple) and nodes and isinstance(nodes[0], np.ndarray) else None
-    counts = nodes if fractions is None else (fractions.size, *nodes[1:])
-    along, upward = two_whole("nodes", counts, FLANK_NODES_MINIMUM)
-    t = np.linspace(0.0, 1.0, along) if fractions is None else fractions
+    along, upward = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
+    t = np.linspace(0.0, 1.0, along) if lengthwise is None else lengthwise
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, upward, fillet_nodes).turned(p.rotation) for p in placed.values()

@@ -45,7 +45,8 @@ class PitchCones:
     gear_mean_spiral_angle: float
     face_width_factor: float = 0.5
 
-    __post_init__ = check_fields
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def pinion_mean_pitch_diameter(self) -> float:
