@@ -102,6 +102,8 @@ def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape()
 
 CASE = read_case("nasa-12x36")
 PAIR = gear_pair(CASE)
+OTHERS = ("responses", "materials", "mesh", "position", "torque", "half_width", "rotation")
+NOT_LOOKED_AT: dict[str, Any] = dict.fromkeys(OTHERS)
 TOOTH = contact.ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
 SPRINGS = contact.ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
 LUBRICATED = ehl.LubricatedContact(1e9, 0.02, 5.0, ehl.Oil(0.02, 1.1e-8), slide_to_roll=0.25)
@@ -166,10 +168,7 @@ LUBRICATED = ehl.LubricatedContact(1e9, 0.02, 5.0, ehl.Oil(0.02, 1.1e-8), slide_
         (lambda wrong: study.rounding_effect(CASE, wrong), "rounded"),
         (lambda wrong: study.wear(CASE, wrong, torque=100.0), "law"),
         (lambda wrong: study.write_report(wrong, "mine.html"), "results"),
-        (
-            lambda wrong: verification.contact_of_flanks(wrong, *[Any] * 3, 0, 1.0, half_width=1.0, rotation=1.0),
-            "flanks",
-        ),
+        (lambda wrong: verification.contact_of_flanks(wrong, **NOT_LOOKED_AT), "flanks"),
         (lambda wrong: verification.correction_loop(CASE, "gear", wrong), "errors"),
         (lambda wrong: verification.envelope_condition(wrong), "flank"),
         (lambda wrong: verification.flank_response(PAIR, "gear", contact.STEEL, wrong), "size"),
