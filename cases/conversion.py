@@ -14,7 +14,7 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
     finite_element_tooth,
     solid_shell_tooth,
 )
-from ..core.checks import instance, one_of
+from ..core.checks import instance, one_of, two_whole
 from ..core.errors import GeometryError, InputError
 from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.blade_sections import Relief
@@ -105,7 +105,9 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
     """
     from ..geometry.design.blank import blank_dimensions
 
-    design = blank_design(table, teeth, pair)
+    instance("table", table, BlankDesignTable)
+    instance("pair", pair, PairTable)
+    design = blank_design(table, two_whole("teeth", teeth, 1), pair)
     try:
         return blank_dimensions(design)
     except (InputError, GeometryError) as error:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from ..core.checks import shown
 from ..core.errors import InputError
-from ..core.printable import printable, shortened
 from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT
 from ..core.suggestion import suggestion
@@ -96,19 +96,25 @@ def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
     if isinstance(source, Mapping):
         return _constant(source)
     if isinstance(source, str) and "=" in source and not os.path.exists(source):
-        raise InputError(f"misalignment = {shortened(printable(repr(source)))}: must be {ALLOWED}")
+        raise InputError(f"misalignment = {shown(source)}: must be {ALLOWED}")
     if isinstance(source, str | os.PathLike):
         return read_deflections(source)
     raise InputError(f"misalignment: {type(source).__name__}: must be {ALLOWED}")
+
+
+def misalignments_of(sources: Any) -> list[Misalignment | Deflections]:
+    """Misalignments from a list of what ``misalignment_of`` takes. Raises as that."""
+    if not isinstance(sources, Iterable) or isinstance(sources, str | bytes | Mapping):
+        raise InputError(f"misalignments = {shown(sources)}: must be a list of misalignments")
+    return [misalignment_of(one) for one in sources]
 
 
 def _constant(values: Mapping[str, float]) -> Misalignment:
     """Misalignment by the letters of its parts [mm, degrees]."""
     for name in values:
         if name not in SYMBOLS:
-            shown = shortened(printable(repr(name)))
             raise InputError(
-                f"misalignment: {shown}: must be one of {', '.join(SYMBOLS)}{suggestion(str(name), SYMBOLS)}"
+                f"misalignment: {shown(name)}: must be one of {', '.join(SYMBOLS)}{suggestion(str(name), SYMBOLS)}"
             )
     try:
         row = _row({"torque": 0.0, **values})
@@ -120,8 +126,7 @@ def _constant(values: Mapping[str, float]) -> Misalignment:
 def _is_text(column: str) -> bool:
     """Whether a column holds texts."""
     if column not in COLUMNS:
-        shown = shortened(printable(repr(column)))
-        raise ValueError(f"{shown} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
+        raise ValueError(f"{shown(column)} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
     return column == "flank"
 
 

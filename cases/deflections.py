@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, frozen_arrays, one_of
+from ..core.checks import array, frozen_arrays, one_of, words
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from .schema.usual_torques import TORQUE_LIMIT
@@ -73,15 +73,15 @@ class Deflections:
         if torque.max() >= TORQUE_LIMIT:
             raise InputError(f"torque = {torque.max():g}: must be below {TORQUE_LIMIT:g} [N m]")
         for name, limit in zip(ERRORS, ERROR_LIMITS, strict=True):
-            given = getattr(self, name)
-            values = array(name, given, UNITS[name], ndim=1) if np.size(given) else np.zeros(torque.size)
+            values = array(name, getattr(self, name), UNITS[name], ndim=1)
+            values = values if values.size else np.zeros(torque.size)
             if values.size != torque.size:
                 raise InputError(f"{name}: has {values.size} values: must have {torque.size}, one a torque")
             if np.abs(values).max() >= limit:
                 worst = values[np.argmax(np.abs(values))]
                 raise InputError(f"{name} = {worst:g}: must lie between {-limit:.4g} and {limit:.4g} [{UNITS[name]}]")
             object.__setattr__(self, name, tuple(values.tolist()))
-        given = (self.flank,) * torque.size if isinstance(self.flank, str) else self.flank
+        given = (self.flank,) * torque.size if isinstance(self.flank, str) else words("flank", self.flank)
         flanks = tuple(one_of("flank", one, FLANKS) for one in given)
         if flanks and len(flanks) != torque.size:
             raise InputError(f"flank: has {len(flanks)} values: must have {torque.size}, one a torque, or none")

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import ValidationError
 
-from ..core.checks import file_path, truth
+from ..core.checks import file_path, instance, truth
 from ..core.errors import EaseoffError, InputError
 from ..core.printable import printable
 from ..core.reading.regular_file import named
@@ -131,6 +131,7 @@ class FileKind(Generic[Model]):
 
     def _parsed(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool) -> tuple[Model, list[str]]:
         """The same, with the keys that were renamed since the version of the file."""
+        instance("text", text, str)
         truth("allow_outside", allow_outside)
         if not text.strip():
             raise InputError(f"{origin} is empty")

@@ -42,6 +42,7 @@ def case_toml(case: Case, comment: str = "") -> str:
     """
     # TOML forbids control characters other than the tab in comments.
     instance("case", case, Case)
+    instance("comment", comment, str)
     lines = (re.sub(r"[\x00-\x08\x0b-\x1f\x7f]", " ", line) for line in comment.splitlines())
     head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
     # Lines of text stay lines, unless they end in a way that TOML would turn into plain line feeds.

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .load_capacity.tooth_root_stress import root_stress
     from .mesh_cycle import MeshCycle
-    from .mesh_harmonics import harmonics, peak_to_peak, rms
     from .problem.certificate import Certificate, certify
     from .problem.contact_problem import ContactProblem
     from .problem.exchange.problem_checksum import problem_checksum
@@ -92,7 +91,6 @@ __all__ = [
     "certify",
     "dual_qp",
     "export_problems",
-    "harmonics",
     "identified_support",
     "import_problems",
     "lcp",
@@ -100,12 +98,10 @@ __all__ = [
     "line_contact_path",
     "line_contact_sensitivity",
     "lines_in_mesh",
-    "peak_to_peak",
     "problem_checksum",
     "read_npz",
     "read_problems",
     "read_references",
-    "rms",
     "root_stress",
     "sensitivity",
     "solve",
@@ -128,7 +124,6 @@ _ORIGINS = {
     ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
     ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
-    ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
     ".mesh_cycle": ["MeshCycle"],
     ".problem.certificate": ["Certificate", "certify"],
     ".problem.forms.complementarity_form": ["LCP", "lcp"],

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.checks import array
+from ..core.checks import array, check_fields, instance, instances, truth, whole
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
@@ -70,6 +70,9 @@ class MeshCycle:
     geometry: PairGeometry
     segments: CycleSegments
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @classmethod
     def of(
         cls,
@@ -97,6 +100,9 @@ class MeshCycle:
         GeometryError
             If no tooth pair can touch at any rotation.
         """
+        instance("geometry", geometry, PairGeometry)
+        instance("model", model, ElasticModel | None)
+        whole("segments_per_line", segments_per_line, 1)
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
         lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))
@@ -195,6 +201,7 @@ class MeshCycle:
         GeometryError
             If a tooth cannot be made a solid shell.
         """
+        _check_options(edge_contact, progress, greater)
         load = np.asarray(torques)
         if supports is not None:
             common = {"edge_contact": edge_contact, "solver": solver, "progress": progress, **options}
@@ -254,18 +261,23 @@ class MeshCycle:
         [0]
         """
         from .supports.assembly_rounds import AssemblyRounds
-        from .supports.support import Supports
+        from .supports.support import LoadedSupports, Supports
         from .supports.supported_contact import SupportedContact
         from .supports.supported_pair import SupportedPair
 
         def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
             return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, greater=greater, held=held)
 
-        rounds = rounds or AssemblyRounds()
+        rounds = AssemblyRounds() if rounds is None else rounds
+        _check_options(edge_contact, progress, greater)
+        instance("supports", supports, LoadedSupports)
+        instance("rounds", rounds, AssemblyRounds)
+        assembled = self.misaligned if assembled is None else assembled
+        instance("assembled", assembled, Callable)
         if greater and not (isinstance(supports, Supports) and rounds.update == "none"):
             raise InputError("greater: must go with constant supports and rounds = 'none', whose segments stay")
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-        pair = SupportedPair(self, supports, assembled or self.misaligned, solve, progress)
+        pair = SupportedPair(self, supports, assembled, solve, progress)
         return SupportedContact.of(pair, load, rounds)
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
@@ -289,10 +301,12 @@ class MeshCycle:
         GeometryError
             If the flanks do not meet.
         """
+        instance("misalignment", misalignment, Misalignment)
         return self.with_geometry(self.geometry.misaligned(misalignment))
 
     def with_geometry(self, geometry: PairGeometry) -> MeshCycle:
         """The same teeth in another mesh: a geometry made from that of this cycle."""
+        instance("geometry", geometry, PairGeometry)
         fields, on_lines = _fields(geometry), self.segments.on_lines
         if not _same(fields, self.fields):
             lines = lines_at(fields, self.pinion_pitch, self.lines.rotations)
@@ -305,15 +319,23 @@ class MeshCycle:
 
     def at_rotations(self, rotations: Array) -> MeshCycle:
         """The same pair at other pinion rotations (k) [rad] than those of its mesh positions."""
-        return self._divided(lines=lines_at(self.fields, self.pinion_pitch, rotations))
+        wanted = array("rotations", rotations, "rad", ndim=1, fewest=1)
+        return self._divided(lines=lines_at(self.fields, self.pinion_pitch, wanted))
 
     def with_segments(self, segments_per_line: int) -> MeshCycle:
         """The same pair with another number of segments of a contact line."""
-        return self._divided(count=segments_per_line)
+        return self._divided(count=whole("segments_per_line", segments_per_line, 1))
 
     def _divided(self, **changed: Any) -> MeshCycle:
         on_lines = replace(self.segments.on_lines, **changed)
         return replace(self, segments=replace(self.segments, on_lines=on_lines))
+
+
+def _check_options(edge_contact: bool, progress: Callable[[], None] | None, greater: Sequence[LoadedCase]) -> None:
+    """Refuse other kinds of what ``MeshCycle.loaded`` and ``MeshCycle.supported`` take alike."""
+    truth("edge_contact", edge_contact)
+    instance("progress", progress, Callable | None)
+    instances("greater", greater, LoadedCase)
 
 
 def _fields(geometry: PairGeometry) -> FlankSplines:

@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import flag_attributes, labelled
+from ..core.checks import instance, positive
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import PairGeometry
 from .lines.closest_approach import ClosestApproach, closest_approach
@@ -117,6 +118,10 @@ def unloaded_contact(
     >>> unloaded["transmission_error_envelope"].dims
     ('mesh_position',)
     """
+    instance("geometry", geometry, PairGeometry)
+    instance("splines", splines, FlankSplines)
+    instance("mesh", mesh, MeshLines)
+    positive("separation", separation, "um")
     errors = PairErrors.of(TurnedFlanks(geometry), mesh)
     error, touching, grid = errors.error, errors.touching, ("pair", "mesh_position")
     if not np.any(np.isfinite(error)):

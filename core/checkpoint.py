@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
 
+from .checks import truth
 from .errors import InputError
 from .reading.json_text import parsed_json
 from .reading.regular_file import read_bytes
@@ -79,7 +80,7 @@ class Checkpoint(Generic[Record]):
         self._records: dict[str, Record] = {}
         self._study = study
         self._fresh = fresh
-        text = "" if fresh else _text(path)
+        text = "" if truth("fresh", fresh) else _text(path)
         for line in text.splitlines()[1:] if self._is_begun(text) else []:
             try:
                 entry = parsed_json(line)

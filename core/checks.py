@@ -7,13 +7,16 @@ number; an array without dimensions is one.
 from __future__ import annotations
 
 import functools
+import math
 import operator
 import os
 import reprlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from itertools import islice
 from numbers import Real
 from pathlib import Path
-from typing import Any, TypeGuard, TypeVar
+from types import UnionType
+from typing import Any, Literal, TypeGuard, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +26,7 @@ from .printable import printable, shortened
 
 Record = TypeVar("Record")
 
+KIND_WORDS = {"bool": "True or False", "Callable": "a function", "Mapping": "a dict", "NoneType": "None", "str": "text"}
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
 
 
@@ -125,6 +129,24 @@ def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
     return counted
 
 
+def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
+    """Return two whole numbers of ``least`` or more.
+
+    Raises
+    ------
+    InputError
+        If it is no pair of such numbers.
+
+    Examples
+    --------
+    >>> two_whole("nodes", 9, 5)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
+    """
+    first, second = two(name, values, f"whole numbers of {least} or more")
+    return whole(f"{name}[0]", first, least), whole(f"{name}[1]", second, least)
+
+
 def truth(name: str, value: Any) -> bool:
     """Return True or False.
 
@@ -164,8 +186,8 @@ def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
     return value
 
 
-def instance(name: str, value: Any, kind: type) -> None:
-    """Refuse what is not of a type.
+def instance(name: str, value: Any, kind: Any) -> None:
+    """Refuse what is not of a type, or of one of several types joined by ``|``.
 
     Raises
     ------
@@ -179,8 +201,51 @@ def instance(name: str, value: Any, kind: type) -> None:
     easeoff.core.errors.InputError: operation = 500: must be a dict
     """
     if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(f"{name} = {shown(value)}: must be {article} {kind.__name__}")
+        names = [one.__name__ for one in get_args(kind) or (kind,)]
+        wanted = [KIND_WORDS.get(own, f"{'an' if own[0] in 'AEIOU' else 'a'} {own}") for own in names]
+        raise InputError(f"{name} = {shown(value)}: must be {' or '.join(wanted)}")
+
+
+def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
+    """Return the objects of one type in a list or tuple, of a given length if that is given.
+
+    Raises
+    ------
+    InputError
+        If it is none of such objects.
+
+    Examples
+    --------
+    >>> instances("materials", (500, 500), dict, 2)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: materials = (500, 500): must be 2 of the type dict, in a list or tuple
+    """
+    found = tuple(values) if isinstance(values, Sequence) else (None,)
+    if not all(isinstance(one, kind) for one in found) or count not in (None, len(found)):
+        many = "all" if count is None else count
+        raise InputError(f"{name} = {shown(values)}: must be {many} of the type {kind.__name__}, in a list or tuple")
+    return found
+
+
+def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
+    """Return two values of any type.
+
+    Raises
+    ------
+    InputError
+        If there are not two.
+
+    Examples
+    --------
+    >>> two("velocities", 1.0, "velocities [m/s]")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: velocities = 1: must be two velocities [m/s]
+    """
+    try:
+        first, second = values
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} = {shown(values)}: must be two {wanted}") from error
+    return first, second
 
 
 def file_path(name: str, value: Any, also: str = "") -> Path:
@@ -225,6 +290,7 @@ def array(
     below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
+    anything: bool = False,
     frozen: bool = False,
 ) -> NDArray[np.float64]:
     """Return an array of numbers within bounds.
@@ -239,6 +305,8 @@ def array(
         Number of dimensions; any if left out.
     size, fewest
         Number of entries, or the least number of them.
+    anything
+        Whether every number is a value, NaN too: for those who say better what is wrong with it.
     frozen
         Whether to return a read-only copy, in C order.
 
@@ -262,13 +330,13 @@ def array(
         or found.size < fewest
         or (size is not None and found.size != size)
     ):
-        wanted = _range("numbers", unit, above, least, below, most, infinite)
+        wanted = _range("numbers", unit, above, least, below, most, infinite or anything)
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
     valid = _within(found, above, least, below, most, infinite)
-    if not valid.all():
+    if not (anything or valid.all()):
         one = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
     return read_only(found) if frozen else found
@@ -383,6 +451,83 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
     return found
 
 
+def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
+    """Return texts, ``fewest`` or more, given as a list, a tuple or the like; one text alone is refused.
+
+    Raises
+    ------
+    InputError
+        If it is no list, an entry is no text, or there are too few.
+
+    Examples
+    --------
+    >>> words("free", ["radial_distance"])
+    ('radial_distance',)
+    >>> words("free", "radial_distance")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: free = 'radial_distance': must be a list of texts
+    """
+    listed = isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
+    listed = listed and getattr(values, "ndim", None) != 0
+    found = tuple(values) if listed else ()
+    if not listed or len(found) < fewest or not all(isinstance(value, str) for value in found):
+        wanted = f", {fewest} or more" if fewest else ""
+        raise InputError(f"{name} = {shown(values)}: must be a list of texts{wanted}")
+    return found
+
+
+def check_fields(record: Any) -> None:
+    """Refuse a record whose values are of other kinds than the annotations of its fields: for ``__post_init__``.
+
+    A ``float`` is a finite number, an ``int`` a whole one of 0 or more. Arrays, tuples and dicts are not looked into.
+
+    Raises
+    ------
+    InputError
+        If a value is of another kind.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass
+    ... class Shaft:
+    ...     diameter: float
+    ...     def __post_init__(self):
+    ...         check_fields(self)
+    >>> Shaft("thick")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: diameter = 'thick': must be a finite number
+    """
+    own: Any = type(record)
+    for name, kind, optional in _field_kinds(own):
+        value = getattr(record, name)
+        if (value is None and optional) or (type(value) is kind is float and math.isfinite(value)):
+            continue  # nearly all, in a tenth of the time
+        if get_origin(kind) is Literal:
+            if not isinstance(value, str | int) or value not in get_args(kind):
+                raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")
+        elif kind is float:
+            number(name, value)
+        elif kind is int:
+            whole(name, value, 0)
+        elif kind is bool:
+            truth(name, value)
+        elif isinstance(kind, type) and kind is not Any:
+            instance(name, value, kind)
+
+
+@functools.cache
+def _field_kinds(record: Hashable) -> tuple[tuple[str, Any, bool], ...]:
+    """Fields of a record with the type that their annotation allows, if it is one, and whether it allows None, too."""
+    found = []
+    for name, hint in get_type_hints(record).items():
+        kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        given = [kind for kind in kinds if kind is not type(None)]
+        if name in record.__dataclass_fields__:  # type: ignore[attr-defined]
+            found.append((name, given[0] if len(given) == 1 else Any, len(given) < len(kinds)))
+    return tuple(found)
+
+
 def shown(value: Any) -> str:
     """A value as messages show it: a number to twelve digits, a large array by its shape, anything else in short.
 
@@ -426,17 +571,18 @@ def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
         if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
             return None
         given = np.asarray(values)
-        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given) is not None):
+        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given)):
             return None
         return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None
 
 
-def _strange(given: NDArray[Any]) -> Any:
-    """The first entry of an array of objects that is no real number, though float() may make one of it, or None."""
-    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating)
-    return next((entry for entry in given.flat if isinstance(entry, kinds)), None)
+def _strange(given: NDArray[Any]) -> list[Any]:
+    """The first entry of an array of objects that is no real number, though numpy may make one of it, or none."""
+    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating, type(None))
+    objects = given.flat if given.dtype.kind == "O" else ()
+    return list(islice((entry for entry in objects if isinstance(entry, kinds)), 1))
 
 
 def _why_no_numbers(values: Any) -> str:
@@ -445,12 +591,13 @@ def _why_no_numbers(values: Any) -> str:
         return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
     try:
         given = np.asarray(values)
-        entry = _strange(given) if given.dtype.kind == "O" else None
-        if given.dtype.kind == "c" or isinstance(entry, complex | np.complexfloating):
+        strange = _strange(given)
+        kind = type(strange[0]) if strange else given.dtype.type
+        if issubclass(kind, complex | np.complexfloating):
             return "; they are complex: give their real part (.real), if the imaginary one is zero"
-        if given.dtype.kind == "b" or isinstance(entry, bool | np.bool_):
+        if issubclass(kind, bool | np.bool_):
             return "; they are truth values: give them as floats, if they are meant as 0 and 1"
-        if given.ndim and entry is None and given.dtype.kind in "fiuO":
+        if given.ndim and not strange and given.dtype.kind in "fiuO":
             np.asarray(given, dtype=np.float64)
             return ""
     except (TypeError, ValueError, OverflowError):

@@ -30,7 +30,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     ''
     """
     lower = {word.lower(): word for word in known}
-    given = name[:NAME_LENGTH_LIMIT].lower()
+    given = str(name)[:NAME_LENGTH_LIMIT].lower()
     found = difflib.get_close_matches(given, lower, n=1, cutoff=SIMILARITY)
     if not found and len(given) >= BEGINNING_LENGTH:
         found = [word for word in lower if word.startswith(given)]

@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.checks import array, number, one_of, positive, shown
+from ..core.checks import array, number, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .formula_range import Flags, combined_flags
 from .kolivand_formula import formula_coefficient, formula_flags
 from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
-from .oil_film.thermal_factors import FILM_FACTORS
 
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
@@ -260,26 +259,26 @@ def contact_conditions(
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:
         raise InputError(f"roughness = {shown(roughness)}: must be a number, or a tuple (pinion, gear) [m]")
-    rolling = array("rolling_velocity", rolling_velocity, "m/s", above=0.0)
-    ratio = array("slide_to_roll", slide_to_roll, least=0.0)
+    rolling = array("rolling_velocity", rolling_velocity, "m/s", fewest=1, above=0.0)
+    ratio = array("slide_to_roll", slide_to_roll, fewest=1, least=0.0)
     sliding = ratio * rolling if sliding_velocity is None else sliding_velocity
     state = lubricant(oil).at(temperature, out_of_range=out_of_range)
     return ContactConditions(
-        hertz_pressure=array("hertz_pressure", hertz_pressure, "Pa", above=0.0),
-        equivalent_radius=array("equivalent_radius", equivalent_radius, "m", above=0.0),
+        hertz_pressure=array("hertz_pressure", hertz_pressure, "Pa", fewest=1, above=0.0),
+        equivalent_radius=array("equivalent_radius", equivalent_radius, "m", fewest=1, above=0.0),
         rolling_velocity=rolling,
-        sliding_velocity=array("sliding_velocity", sliding, "m/s", least=0.0),
+        sliding_velocity=array("sliding_velocity", sliding, "m/s", fewest=1, least=0.0),
         slide_to_roll=ratio,
-        roughness_pinion=array("roughness_pinion", given[0], "m", least=0.0),
-        roughness_gear=array("roughness_gear", given[1], "m", least=0.0),
+        roughness_pinion=array("roughness_pinion", given[0], "m", fewest=1, least=0.0),
+        roughness_gear=array("roughness_gear", given[1], "m", fewest=1, least=0.0),
         temperature=np.asarray(temperature, dtype=float),
         viscosity=state.viscosity,
         pressure_viscosity=state.pressure_viscosity,
         temperature_viscosity=state.temperature_viscosity,
         thermal_conductivity=state.thermal_conductivity,
-        contact_modulus=positive("contact_modulus", contact_modulus, "Pa"),
+        contact_modulus=contact_modulus,
         film_formula=film,
-        film_heating=one_of("film_heating", film_heating, FILM_FACTORS),
+        film_heating=film_heating,
     )
 
 

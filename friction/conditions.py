@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import frozen_arrays
+from ..core.checks import array, frozen_arrays, one_of, positive
 from .lubricants.lubricant import THERMAL_CONDUCTIVITY
 from .oil_film.film_thickness import film_formula
-from .oil_film.thermal_factors import THERMAL_FACTORS
+from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
@@ -78,6 +78,14 @@ class ContactConditions:
     contact_modulus: float = STEEL_MODULUS
     film_formula: str = "pan_hamrock"
     film_heating: str = "none"
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            if entry.name not in ("film_formula", "film_heating"):
+                array(entry.name, getattr(self, entry.name), anything=True)
+        positive("contact_modulus", self.contact_modulus, "Pa")
+        film_formula(self.film_formula)
+        one_of("film_heating", self.film_heating, FILM_FACTORS)
 
     @property
     def shape(self) -> tuple[int, ...]:

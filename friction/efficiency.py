@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
+from ..core.checks import instance
 from .coefficient import CoefficientModel
 from .contact_temperature.hottest_contacts import HottestContacts
 from .formula_range import FLAGS, LossShares
@@ -77,6 +78,8 @@ def friction(
     array([97.8, 97.6])
     """
     model = checked_model(operation, model)
+    instance("segment_fields", segment_fields, bool | None)
+    instance("progress", progress, Callable | None)
     potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
     loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)

@@ -24,6 +24,7 @@ from ..contact.line_contact.line_contact_law import LineContacts, solve_line_con
 from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import SolverChoice, Status
 from ..core.attributes import labelled
+from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
 from .efficiency import OPERATION, friction
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
@@ -187,6 +188,8 @@ def friction_feedback(
     True
     """
     model = checked_model(operation, model)
+    instances("cases", cases, LoadedCase)
+    instance("progress", progress, Callable | None)
 
     def at(speed: float, temperature: float, roughness: Array) -> xr.Dataset:
         pair = (float(roughness[0]), float(roughness[1]))

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import array, instance
 from .conditions import ContactConditions
 from .formula_range import Flags, combined_flags
 
@@ -209,6 +210,7 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
     >>> [name for bit, name in FLAGS.items() if formula_flags(contact) & bit]
     ['radius_extrapolated']
     """
+    instance("conditions", conditions, ContactConditions)
 
     def outside(name: str, values: Array, below: bool = True, above: bool = True) -> NDArray[np.bool_]:
         low, high = STUDY_RANGES[name]
@@ -221,7 +223,8 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
     pressure = conditions.hertz_pressure
     thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)
-    found = formula_coefficient(conditions) if coefficient is None else coefficient
+    given = formula_coefficient(conditions) if coefficient is None else coefficient
+    found = array("coefficient", given, anything=True)
     return combined_flags(
         {
             1: outside("slide_to_roll", conditions.slide_to_roll),

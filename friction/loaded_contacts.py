@@ -85,6 +85,8 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
         If one of these dimensions was taken away.
     """
     instance("tree", tree, xr.DataTree)
+    if lost := [name for name in ("ease_off", "loaded") if name not in tree.children]:
+        raise InputError(f"tree = DataTree without {' and '.join(lost)}: must be a result of analyze or read_result")
     loaded, order = tree["loaded"].to_dataset(), ("torque", "mesh_position", "segment")
     if lost := [name for name in order if name not in loaded.dims]:
         raise InputError(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import one_of
+from ..core.checks import instance, one_of
 from .conditions import ContactConditions
 from .oil_film.thermal_factors import THERMAL_FACTORS
 
@@ -48,5 +48,6 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     >>> print(f"{rolling_traction(contact):.1f} N/m")
     67.5 N/m
     """
+    instance("conditions", conditions, ContactConditions)
     factor = THERMAL_FACTORS[one_of("thermal_factor", thermal_factor, THERMAL_FACTORS)]
     return np.asarray(isothermal_traction(conditions) * factor(conditions))

@@ -24,6 +24,7 @@ from ..cases.schema.misalignment_table import MisalignmentTable
 from ..cases.writing import case_toml
 from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..contact.mesh_cycle import MeshCycle
+from ..core.checks import instance
 from ..geometry.deviation.deviation import Deviation, Method
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair
@@ -42,6 +43,21 @@ from .deviations.deviation_source import (
 def checked_case(case: Case | str | Path) -> Case:
     """A case that is read already, or the name or path of one."""
     return case if isinstance(case, Case) else read_case(case)
+
+
+def require_kinds(
+    *,
+    deviations: Any = None,
+    modification: Any = None,
+    edge_contact: Any = None,
+    friction_feedback: Any = None,
+    **_: Any,
+) -> None:
+    """Refuse arguments of ``analyze`` of wrong kinds, before any work is done."""
+    instance("deviations", deviations, Mapping | None)
+    instance("modification", modification, Modification | None)
+    instance("edge_contact", edge_contact, bool | None)
+    instance("friction_feedback", friction_feedback, bool | None)
 
 
 @cache
@@ -164,10 +180,13 @@ class CaseInMesh:
         stage: Callable[[str], None] | None = None,
     ) -> CaseInMesh:
         """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
+        instance("case", case, Case)
+        instance("modification", modification, Modification | None)
+        instance("stage", stage, Callable | None)
         AnalysisSize.of(case, 1).require_memory()
         given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
         pair, settings = prepared_pair(case, flank, given), case.contact
-        departures = flank_deviations(pair, deviations or {}, interpolation)
+        departures = flank_deviations(pair, deviations, interpolation)
         teeth = finite_elements(case, pair, stage)
         geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
         cycle = MeshCycle.of(

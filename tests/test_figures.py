@@ -407,7 +407,7 @@ def test_the_command_chooses(tree: xr.DataTree, result: Path, tmp_path: Path) ->
         (
             ["--pictures", "presure"],
             [
-                "pictures = 'presure': must be one of those of the result: ease_off, contact_pat",
+                "pictures = 'presure': must be one of ease_off, contact_pat",
                 "did you mean 'pressure'?",
             ],
         ),

@@ -352,7 +352,7 @@ def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
         (table(VALUES).replace("-", "x", 1), "line 5: 'x"),
         (table(VALUES, flank="convex\n# flank: concave"), "line 2: flank = 'concave': must be 'convex', as it is"),
         (table(VALUES).replace(";", ","), "line 5: .* 18 columns|whole numbers, or decimal commas"),
-        (table(VALUES[:1]), "rows = 1: must be at least 2"),
+        (table(VALUES[:1]), "rows = 1: must be a whole number from 2 to 1001"),
     ],
 )  # fmt: skip
 def test_tables_that_could_mean_something_else_are_refused(text: str, words: str, tmp_path: Path) -> None:
@@ -390,10 +390,10 @@ def test_a_matrix_is_read_as_its_orientation_says(ways: dict[str, str], matrix: 
 @pytest.mark.parametrize(
     ("matrix", "ways", "words"),
     [
-        (VALUES[0], {}, r"shape = \(9,\): must be rows x columns"),
-        (VALUES[None], {}, r"shape = \(1, 5, 9\): must be rows x columns"),
-        ([[1.0, 2.0], [3.0]], {}, "must be numbers in rows of one length"),
-        ([["a", "b"], ["c", "d"]], {}, "must be numbers in rows of one length"),
+        (VALUES[0], {}, r"must be numbers \[um\], in rows and columns$"),
+        (VALUES[None], {}, r"array of shape \(1, 5, 9\): must be numbers \[um\], in rows and columns$"),
+        ([[1.0, 2.0], [3.0]], {}, r"must be numbers \[um\], in rows and columns"),
+        ([["a", "b"], ["c", "d"]], {}, r"must be numbers \[um\], in rows and columns"),
         (np.zeros((0, 3)), {}, "rows, columns = 0, 3: must be 1 to"),
         (np.full((3, 3), np.nan), {}, "in row 1, column 1 is not finite"),
         (1e4 * VALUES, {}, "must be at most 1000 um"),

@@ -88,7 +88,7 @@ def test_mistakes_are_named() -> None:
         Modification({"crowning": 1.0})
     with pytest.raises(InputError, match="bias = nan"):
         Modification({"bias": np.nan})
-    with pytest.raises(InputError, match="order = 5: must be one of 2, 3, 4"):
+    with pytest.raises(InputError, match="order = 5: must be a whole number from 2 to 4"):
         terms(5)
 
 
@@ -224,7 +224,7 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({"objective": "noise"}, "objective = 'noise'"),
-        ({"order": 1}, "order = 1: must be one of 2, 3, 4"),
+        ({"order": 1}, "order = 1: must be a whole number from 2 to 4"),
         ({"transmission_error": 0.0}, r"transmission_error = 0: must be a number above 0 \[urad\]"),
         ({"end_load": -1.0}, "end_load = -1: must be a number of 0 or more"),
         ({"largest": math.inf}, r"largest = inf: must be a number above 0 and at most 1000 \[um\]"),

@@ -270,7 +270,7 @@ def test_solver_for_definite_matrices_is_told_why_it_failed() -> None:
     ("values", "words"),
     [
         ({"name": ""}, "name = ''"),
-        ({"function": 3}, "function = 3: must be callable"),
+        ({"function": 3}, "function = 3: must be a function"),
         ({"forms": ("dual",)}, "forms = 'dual': must be one of dense, sparse, lifted, lcp, products"),
         ({"forms": ()}, "at least one of dense"),
         ({"warm_start": 1}, "warm_start = 1"),

@@ -16,7 +16,7 @@ from test_ease_off import contact_path
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact import MeshCycle, harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
+from easeoff.contact import MeshCycle, lines_in_mesh, unloaded_contact
 from easeoff.contact.lines import touching_points, turned_pinion
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import (
@@ -30,7 +30,7 @@ from easeoff.contact.lines.contact_lines import (
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points
 from easeoff.contact.lines.turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
-from easeoff.contact.mesh_harmonics import continuous_range
+from easeoff.contact.mesh_harmonics import continuous_range, harmonics, peak_to_peak, rms
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.contact.unloaded import CONTACT_EDGES
 from easeoff.geometry import (
@@ -296,6 +296,10 @@ def test_error_at_an_edge_is_that_of_a_direct_search() -> None:
     assert found.edge.tolist() == ["pinion tip"]
     wanted = 1e6 * (found.closing_angle[0] - geometry.ease_off.attrs["first_contact_rad"])
     assert own["transmission_error"].sel(pair=pair).item() == pytest.approx(wanted, abs=1e-3)
+
+
+def test_direct_search_finds_nothing_where_no_flank_faces_the_other(nasa: tuple[GearPair, PairGeometry]) -> None:
+    assert np.isnan(smallest_gap(nasa[1], np.array([3.0])).closing_angle).all()
 
 
 @pytest.mark.thorough

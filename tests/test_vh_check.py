@@ -215,7 +215,7 @@ def test_the_search_says_when_a_place_does_not_exist() -> None:
         ({"share": 0.0}, "share = 0: "),
         ({"height": 1.0}, "height = 1: "),
         ({"largest": -1.0}, "largest = -1: "),
-        ({"grid": (1, 5)}, "grid = 1"),
+        ({"grid": (1, 5)}, "grid[0] = 1"),
         ({"marking": 0.0}, "marking = 0: "),
     ],
 )

@@ -356,7 +356,7 @@ def test_a_duty_cycle_wears_as_its_torques_do_by_turns() -> None:
 
 @pytest.mark.parametrize("torque", [-1.0, {100.0: 0.7, 200.0: 0.2}, {100.0: 1.5, 200.0: -0.5}, {}, np.nan])
 def test_a_duty_cycle_that_is_none_is_refused(torque: Any) -> None:
-    with pytest.raises(InputError, match="shares of the revolutions"):
+    with pytest.raises(InputError, match=r"shares of the revolutions|torque = nan: must be a finite number"):
         wear(small_case(), LAW, torque=torque)
 
 

@@ -14,6 +14,7 @@ import xarray as xr
 from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case
 from ..core.attributes import labelled
+from ..core.checks import instance, truth
 from ..core.errors import EaseoffError
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
@@ -145,6 +146,9 @@ def verify(
     >>> found.passed, [row.quantity for row in found.outside][0]
     (False, 'segments of a line: other numbers')
     """
+    truth("without_split", without_split)
+    instance("progress", progress, Callable | None)
+    instance("on_row", on_row, Callable | None)
     pair = VerifiedPair.of(checked_case(case), flank, misalignment, torques)
     steps = list(_steps(pair))
     solutions: dict[tuple[int, int], FlankContact] = {}

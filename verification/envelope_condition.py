@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import frozen_arrays
+from ..core.checks import frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank
 from ..geometry.flanks.flank_parts import on_parts
@@ -70,6 +70,7 @@ def envelope_condition(flank: Flank) -> EnvelopeCondition:
     >>> bool(found.position[0] < 1e-11), bool(found.normal[0] < 1e-11), bool(found.along_blade[0] < 1e-9)
     (True, True, True)
     """
+    instance("flank", flank, Flank)
 
     def on_part(surface: GeneratingSurface, rows: Array) -> Array:
         return _compared(surface, rows[:2], rows[2:5], rows[5:8], rows[8])

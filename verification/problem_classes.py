@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.problem.contact_problem import ContactProblem
+from ..core.checks import one_of, whole
 
 Array = NDArray[np.float64]
 
@@ -28,8 +29,9 @@ def problems(name: str, count: int, seed: int = 0) -> Iterator[ContactProblem]:
     >>> [solve(problem).certified for problem in problems("lattice", 3)]
     [True, True, True]
     """
-    generator = np.random.default_rng([seed, list(PROBLEM_CLASSES).index(name)])
-    for _ in range(count):
+    number = list(PROBLEM_CLASSES).index(one_of("name", name, PROBLEM_CLASSES))
+    generator = np.random.default_rng([whole("seed", seed, 0), number])
+    for _ in range(whole("count", count, 0)):
         yield PROBLEM_CLASSES[name](generator)
 
 

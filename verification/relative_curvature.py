@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import frozen_arrays
+from ..core.checks import frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.curvature import Curvatures
 from ..geometry.pair.conjugate_motion import ConjugateMotion
@@ -152,5 +152,8 @@ def relative_curvature(
     >>> bool(0.0 < found.along_line[0] < found.across_line[0])
     True
     """
+    instance("motion", motion, ConjugateMotion)
+    instance("gear_surface", gear_surface, GeneratingSurface)
+    instance("contact", contact, PointContact)
     gear, pinion = shape_operators(motion, gear_surface, contact)
     return stationary_directions(gear.principal(), pinion.principal(), cross(gear.first, gear.second))

@@ -11,6 +11,7 @@ with the radius r of the fillet, taken as the cutter's edge radius, and the pres
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from ..contact.compliance.shell_kinematics import (
     ROOT_HEIGHT_SHIFT,
     ROOT_ROTATION,
 )
+from ..core.checks import array, instance, number, positive
 from ..core.errors import InputError
 
 Array = NDArray[Any]
@@ -101,8 +103,11 @@ def shell_root_stress(
     >>> bool(stress[1, 0] > stress[0, 0] > 0.0)
     True
     """
-    if not fillet_radius > 0.0:
-        raise InputError(f"tool_edge_radius = {fillet_radius!r}: must be positive, a sharp root has no notch factor")
+    instance("shell", shell, Shell)
+    arc = array("arc", arc, "mm", ndim=1, fewest=1)
+    load_vectors = array("load_vectors", load_vectors, ndim=2)
+    positive("fillet_radius", fillet_radius, "mm")
+    number("pressure_angle", pressure_angle, "rad", above=-0.5 * math.pi, below=0.5 * math.pi)
     forces = root_section_forces(shell, arc, load_vectors)
     thickness = shell.dimensions.thickness(0.0, arc)[:, None]
     moment, shear = np.abs(forces[ROOT_ROTATION]), np.abs(forces[ROOT_DEFLECTION])

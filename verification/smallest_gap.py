@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..core.checks import frozen_arrays
+from ..core.checks import array, frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank, NodeStatus, solve_flank
 from ..geometry.flanks.flank_parts import deepest, pick
@@ -95,8 +95,10 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     >>> bool(found.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
     True
     """
+    instance("geometry", geometry, PairGeometry)
+    rotations = np.atleast_1d(array("rotations", rotations, "rad", fewest=1))
     flanks = _Flanks(geometry)
-    found = [flanks.smallest(float(rotation)) for rotation in np.atleast_1d(rotations)]
+    found = [flanks.smallest(rotation) for rotation in rotations.ravel().tolist()]
     angle, gear, pinion, edge = zip(*found, strict=True)
     return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
 
@@ -258,7 +260,7 @@ class _Flanks:
         gaps, places, coordinates, valid = [], [], [], []
         for part, (lattice, side) in zip(self.parts, self.lattices, strict=True):
             seen, ahead = self._in_gear(part, lattice, turned)
-            facing = ahead > 0.0
+            facing = ahead > 0.0 if np.any(ahead > 0.0) else ahead <= 0.0  # what does not face is no gap, below
             seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])])[:, facing].T)
             start = lattice[:, facing][:, seeds.query(np.where(usable, target, 1.0).T)[1]]
             parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)

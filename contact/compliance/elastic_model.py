@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import check_fields, instances, positive, two_whole
 from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
@@ -67,6 +68,13 @@ class ElasticModel:
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
     condensed: tuple[FlankCompliance, FlankCompliance] | None = None
     foot_correction: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        two_whole("modes", self.modes, 1)
+        positive("shear_factor", self.shear_factor)
+        if self.condensed is not None:
+            instances("condensed", self.condensed, FlankCompliance, 2)
 
 
 def solid_shells(

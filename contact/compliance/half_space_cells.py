@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.sparse.linalg import LinearOperator
 
-from ...core.checks import positive, whole
+from ...core.checks import array, instances, two_whole
 from .material import Material
 
 Array = NDArray[Any]
@@ -54,10 +54,11 @@ class HalfSpaceCompliance(LinearOperator):
     def __init__(
         self, shape: tuple[int, int], sides: tuple[float, float], materials: tuple[Material, Material]
     ) -> None:
-        self.cells = tuple(whole("shape", count, least=1) for count in shape)
-        lengths = [positive("sides", side, "mm") for side in sides]
+        self.cells = two_whole("shape", shape, 1)
+        lengths = array("sides", sides, "mm", ndim=1, size=2, above=0.0)
         first, second = (side * np.arange(count) for side, count in zip(lengths, self.cells, strict=True))
-        flexibility = sum(1.0 / material.plane_strain_modulus for material in materials)
+        bodies = instances("materials", materials, Material, 2)
+        flexibility = sum(1.0 / material.plane_strain_modulus for material in bodies)
         area = lengths[0] * lengths[1]
         integral = even_pressure_integral(
             first[:, None], second[None], np.array(0.5 * lengths[0]), np.array(0.5 * lengths[1])

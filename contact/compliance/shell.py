@@ -10,13 +10,14 @@ needed: forward substitution keeps the zeros in front.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, positive
+from ...core.checks import frozen_arrays, instance, positive, two_whole
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -89,16 +90,19 @@ class Shell:
     def __post_init__(self) -> None:
         from scipy.linalg.lapack import dpotrf
 
-        counts: tuple[int, ...] = tuple(self.modes)
-        if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
-            raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
+        instance("dimensions", self.dimensions, ToothDimensions)
+        instance("material", self.material, Material)
+        instance("foundation", self.foundation, ElasticFoundation | None)
+        instance("assumption", self.assumption, Callable)
+        instance("family", self.family, Callable)
+        profile, lengthwise = two_whole("modes", self.modes, 1)
         positive("shear_factor", self.shear_factor)
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,
             trace_length=self.dimensions.trace_length,
-            height_count=int(counts[0]),
-            length_count=int(counts[1]),
+            height_count=profile,
+            length_count=lengthwise,
             root_powers=kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers,
             family=self.family,
         )

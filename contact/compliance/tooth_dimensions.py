@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import positive
+from ...core.checks import number, positive
 from ...core.errors import InputError
 
 
@@ -64,9 +64,11 @@ class ToothDimensions:
 
     def __post_init__(self) -> None:
         for field in fields(self):
+            value = getattr(self, field.name)
             if field.name in ("bulge_toe", "bulge_heel", "fanning"):
-                continue
-            positive(field.name, getattr(self, field.name), "mm", infinite=field.name == "trace_radius")
+                number(field.name, value, "1/mm" if field.name == "fanning" else "mm")
+            else:
+                positive(field.name, value, "mm", infinite=field.name == "trace_radius")
         thinnest = self.thickness(np.linspace(0.0, 1.0, 9)[:, None] * self.height(self._ends), self._ends)
         if not thinnest.min() > 0.0:
             bulges = f"bulge_toe = {self.bulge_toe!r}, bulge_heel = {self.bulge_heel!r} mm"

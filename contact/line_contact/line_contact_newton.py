@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ ROUNDING_SLOPE = 1e-14
 SHORTEST_STEP = 2.0**-20
 
 
+@runtime_checkable
 class LineContact(Protocol):
     """Local deflection of the segments as a function of their forces (n) [N]; each method returns an (n) array."""
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import array, frozen_arrays, number
+from ...core.checks import array, frozen_arrays, instance, number
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, Status
 from ..solvers.parametric.path_table import path_table, torque_on
@@ -175,6 +175,8 @@ def line_contact_path(
     >>> path.certified, bool(path.enters[0]), path.torque[0].item()
     (True, True, 0.0)
     """
+    instance("bending", bending, ContactProblem)
+    instance("line_contact", line_contact, LineContact)
     first, last = (
         float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
     )

@@ -7,6 +7,7 @@ the same solution, but not the same derivatives.
 
 from __future__ import annotations
 
+from ...core.checks import instance
 from ...core.errors import InputError
 from ..problem.certificate import certify
 from ..problem.contact_problem import ContactProblem
@@ -64,6 +65,9 @@ def line_contact_sensitivity(
     >>> round(1e-6 / slope.forward(torque=1.0).rotation, 3)  # mesh stiffness [N mm/urad]
     474.66
     """
+    instance("bending", bending, ContactProblem)
+    instance("line_contact", line_contact, LineContact)
+    instance("solution", solution, ContactSolution)
     if not solution.certified:
         raise InputError(f"solution = {solution.status.name.lower()}: must be certified to have derivatives")
     force = solution.force

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, positive, whole
 from ...core.errors import GeometryError
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
 from .contact_lines import BOUNDARY_FIELDS, ContactLines, distance_inside, trace
@@ -17,6 +17,7 @@ from .flank_splines import FlankSplines
 Array = NDArray[Any]
 
 GAUSS_POINTS = 3
+MESH_POSITION_LIMIT = 10_000
 ROLL_SEARCH_GRID = (61, 31)
 ROLL_SIGNS = np.array([-1.0, 1.0])  # of the roll angle where its least and its greatest value are searched
 ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of four cells of the round before
@@ -30,7 +31,7 @@ def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
     >>> mesh_rotations(0.5, 4).tolist()
     [-0.25, -0.125, 0.0, 0.125]
     """
-    return (np.arange(positions) / positions - 0.5) * pinion_pitch
+    return (np.arange(whole("mesh_positions", positions, 1, MESH_POSITION_LIMIT)) / positions - 0.5) * pinion_pitch
 
 
 @frozen_arrays
@@ -71,6 +72,7 @@ class MeshLines:
 
     def at(self, position: int) -> MeshLines:
         """The contact lines of one pinion rotation alone."""
+        position = whole("position", position, 0, self.rotations.size - 1)
         chosen = np.flatnonzero(self.position == position)
         every = self.lines
         lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
@@ -106,6 +108,8 @@ def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: in
     >>> lines_in_mesh(fields, pair.assembly.pinion_pitch, 2).rotations.size
     2
     """
+    instance("splines", splines, FlankSplines)
+    positive("pinion_pitch", pinion_pitch, "rad")
     return lines_at(splines, pinion_pitch, mesh_rotations(pinion_pitch, mesh_positions))
 
 

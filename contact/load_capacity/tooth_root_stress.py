@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
+from ...core.checks import instance, instances
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.elastic_model import member_points
@@ -69,6 +70,12 @@ def root_stress(
     >>> root_stress(state.cycle.fields, state.teeth, cases, loaded)["max_root_stress"].dims
     ('torque', 'member')
     """
+    instance("splines", splines, FlankSplines)
+    instances("teeth", teeth, FiniteElementTooth, 2)
+    instances("cases", cases, LoadedCase)
+    instance("loaded", loaded, xr.Dataset)
+    if lost := {"torque", "mesh_position", "pair"} - set(loaded.coords):
+        raise InputError(f"loaded = dataset without {', '.join(sorted(lost))}: must be that of the cases")
     from scipy.sparse import csc_array
 
     certified = [case for case in cases if case.solution.status == Status.CERTIFIED]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, shown
+from ...core.checks import array, frozen_arrays, shown
 from ...core.errors import InputError
 from .certificate import NO_CERTIFICATE, Certificate, resolved_rotation, violations
 from .contact_problem import ContactProblem
@@ -108,7 +108,7 @@ def require_convex(problem: ContactProblem) -> None:
 
 def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape != (size,):
-        raise InputError(f"{name} = {shown(array)}: must have the shape ({size},)")
-    return array
+    found = array(name, value, anything=True)
+    if found.shape != (size,):
+        raise InputError(f"{name} = {shown(found)}: must have the shape ({size},)")
+    return found

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import instance
+from ...core.checks import array, instance
 from .contact_problem import ContactProblem
 from .operator_compliance import OperatorCompliance
 from .proof.error_free import UNIT_ROUNDOFF
@@ -173,7 +173,10 @@ def certify(
     1.0
     """
     instance("problem", problem, ContactProblem)
-    force = np.asarray(force, dtype=np.float64)
+    rotation = array("rotation", rotation, "rad", ndim=0, anything=True).item()
+    if elastic_rotation is not None:
+        array("elastic_rotation", elastic_rotation, "rad", ndim=0, anything=True)
+    force = array("force", force, "N", anything=True)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
         return NO_CERTIFICATE
     with np.errstate(over="ignore", invalid="ignore"):

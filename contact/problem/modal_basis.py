@@ -13,11 +13,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, whole
 from ...core.errors import InputError
 from .modes.mode_columns import ModeColumns, mode_columns
 from .modes.shared_columns import few_directions, shared_columns
@@ -99,12 +100,13 @@ class ModalBasis:
 
     def __post_init__(self) -> None:
         """Check that the arrays fit: compiled code reads them without asking."""
-        index, modes, size = np.asarray(self.index), np.asarray(self.modes), self.size
-        if not (index.ndim == 2 and index.dtype.kind in "iu" and modes.ndim == 3 and modes.dtype == np.float64):
+        index, modes, size = self.index, self.modes, whole("size", self.size, 0)
+        given = all(isinstance(one, np.ndarray) for one in (index, modes))
+        if not (given and (index.ndim, modes.ndim) == (2, 3) and index.dtype.kind in "iu" and modes.dtype == float):
             raise InputError("index, modes: must be whole numbers (p, m), and floats (p, m, k) [(mm/N)^0.5]")
         if modes.shape[:2] != index.shape:
             raise InputError(f"modes = array of shape {modes.shape}: must have the shape (p, m, k), index being (p, m)")
-        within = bool(index.size) and index.min() >= 0 and index.max() <= size
+        within = bool(index.size) and size <= index.size and index.min() >= 0 and index.max() <= size
         if not (within and (np.bincount(index.ravel(), minlength=size + 1)[:size] == 1).all()):
             raise InputError(f"index = array of shape {index.shape}: must have each segment from 0 to {size - 1} once")
         if not np.isfinite(modes).all() or modes[index == size].any():
@@ -199,10 +201,12 @@ class BendingFactor:
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
     """Check shared modes of a number of segments and blocks."""
+    instance("shared", shared, SharedModes)
     columns, mixing = shared.columns, shared.mixing
+    values: Any
     for name, values, shape in (("columns", columns, f"({size}, q)"), ("mixing", mixing, f"({blocks}, q, s)")):
         wanted = 2 if name == "columns" else 3
-        if not (np.asarray(values) is values and values.dtype == np.float64 and values.ndim == wanted):
+        if not (isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == wanted):
             raise InputError(f"shared {name}: must be an array of floats of shape {shape}")
         if not np.isfinite(values).all():
             raise InputError(f"shared {name}: must be finite")

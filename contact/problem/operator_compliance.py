@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array, frozen_arrays, read_only, shown
 from ...core.errors import InputError
+from .given_compliance import is_operator
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import LinearOperator
@@ -68,6 +69,8 @@ class OperatorCompliance:
 
     def __post_init__(self) -> None:
         """Check shape, numbers and symmetry."""
+        if not is_operator(self.operator):
+            raise InputError(f"operator = {shown(self.operator)}: must be a scipy.sparse.linalg.LinearOperator")
         shape = tuple(self.operator.shape)
         if shape[0] != shape[1]:
             raise InputError(f"compliance = LinearOperator of shape {shape}: must be square")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import instance
 from .modal_basis import ModalBasis, SharedModes
 
 Array = NDArray[np.float64]
@@ -38,6 +39,7 @@ def with_shared_modes(basis: ModalBasis, columns: Array, mixing: Array) -> Modal
     >>> round(float(spring.factor[0] @ spring.factor[3]), 12)
     2.5e-07
     """
+    instance("basis", basis, ModalBasis)
     shared = replace(basis, shared=SharedModes(columns, mixing))
     if not shared.shared_factor.shape[1]:  # rigid supports
         return basis

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, instance, one_of, shown
+from ...core.checks import array, instance, one_of, shown, truth
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
@@ -162,6 +162,8 @@ def solve(
     'made exact on the active set it found'
     """
     instance("problem", problem, ContactProblem)
+    one_of("form", form, FORMS)
+    truth("polish", polish)
     start = perf_counter()
     limits = Limits(tolerance, time_limit, max_iterations)
     own = solver if isinstance(solver, str) else ""
@@ -225,7 +227,6 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
 def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
     declared = declared_solver(solver)
     problem, name = request.problem, require_solver(declared or solver)
-    one_of("form", request.form, FORMS)
     if not problem.is_positive_semidefinite:
         message = f"{name}, not begun: the compliance has a negative eigenvalue, some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
@@ -371,7 +372,10 @@ def _is_installed(name: str) -> bool:
 
 def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
     """Return a warm start as a mask of the segments (n); raises as `solve`."""
-    array = np.asarray(active)
+    try:
+        array = np.asarray(active)
+    except (TypeError, ValueError):
+        array = np.asarray(None)
     if array.dtype == np.bool_:
         if array.shape != (size,):
             raise InputError(f"initial_active = {shown(array)}: must be a mask of shape ({size},), or indices")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, read_only
+from ...core.checks import array, check_fields, frozen_arrays, instance, instances, read_only, two
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support_matrix import checked_compliance, checked_stiffness, held, inverse
@@ -133,7 +133,7 @@ class Support:
     def __post_init__(self) -> None:
         object.__setattr__(self, "reference", array("reference", self.reference, "mm", ndim=1, size=3, frozen=True))
         object.__setattr__(self, "compliance", read_only(checked_compliance("compliance", self.compliance)))
-        object.__setattr__(self, "bearings", tuple(self.bearings))
+        object.__setattr__(self, "bearings", instances("bearings", self.bearings, BearingReaction))
 
     @classmethod
     def of_stiffness(
@@ -211,6 +211,7 @@ class Supports:
     wind_up: bool = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.coupling is not None:
             coupling = array("coupling", self.coupling, "mm/N, 1/N, rad/(N mm)", ndim=2, size=36, frozen=True)
             object.__setattr__(self, "coupling", coupling)
@@ -253,7 +254,8 @@ class Supports:
         >>> Supports.of_matrix(((50.0, 0.0, 0.0), (0.0, 0.0, 50.0)), compliance=both).gear.reference.tolist()
         [0.0, 0.0, 50.0]
         """
-        points = [array("reference", one, "mm", ndim=1, size=3) for one in references]
+        points = [array("reference", one, "mm", ndim=1, size=3) for one in two("references", references, "points [mm]")]
+        bearings = two("bearings", bearings, "tuples of bearings")
         if (compliance is None) == (stiffness is None):
             raise InputError("compliance, stiffness: must be given one of them, not both or none")
         if compliance is not None:
@@ -279,6 +281,7 @@ class Supports:
 
     def at_origin(self, assembly: Assembly) -> Array:
         """Twists of pinion and gear for wrenches on them (12, 12), all about the origin, their free rotations held."""
+        instance("assembly", assembly, Assembly)
         axes = member_axes(assembly)
         couples = np.zeros((12, 2))
         couples[:6, 0], couples[6:, 1] = axes[0].couple, axes[1].couple
@@ -309,6 +312,7 @@ class Supports:
         return self
 
 
+@runtime_checkable
 class LoadedSupports(Protocol):
     """Supports whose stiffness may depend on the load."""
 

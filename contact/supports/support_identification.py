@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays
+from ...core.checks import array, frozen_arrays, instance, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .relative_motion import RelativeMotion
@@ -101,6 +101,8 @@ def identified_support(
     >>> identified_support(assembly, [drive, coast], moved).determined
     7
     """
+    instance("assembly", assembly, Assembly)
+    truth("rotations", rotations)
     rows = array("deflections", deflections, "mm, rad", ndim=2, fewest=4)
     known = array("wrenches", wrenches, "N, N mm", ndim=2, fewest=6)
     if rows.shape[1] != 4 or known.shape != (rows.shape[0], 6):

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import array, instances, two
 from .greatest_temperature import BLOK_FACTOR, greatest_temperature
 from .thermal_material import ThermalMaterial
 
@@ -62,11 +63,19 @@ def rise_per_heat(
     >>> print(f"{gear / pinion:.3f}")
     1.999
     """
+    width, speeds, bodies = _checked(half_width, velocities, materials)
     pinion, gear = (
-        greatest_temperature(peclet_number(velocity, half_width, material)) / material.conductivity
-        for velocity, material in zip(velocities, materials, strict=True)
+        greatest_temperature(peclet_number(velocity, width, material)) / material.conductivity
+        for velocity, material in zip(speeds, bodies, strict=True)
     )
     return pinion, gear
+
+
+def _checked(half_width: ArrayLike, velocities: Any, materials: Any) -> tuple[Array, list[Array], tuple[Any, ...]]:
+    """Arguments of ``rise_per_heat`` as arrays; NaN is a value, as of mesh positions without a solution."""
+    speeds = [array("velocities", one, "m/s", anything=True) for one in two("velocities", velocities, "velocities")]
+    width = array("half_width", half_width, "m", anything=True)
+    return width, speeds, instances("materials", materials, ThermalMaterial, 2)
 
 
 def flash_temperature(
@@ -93,7 +102,7 @@ def flash_temperature(
     35.4 K
     """
     pinion, gear = rise_per_heat(half_width, velocities, materials)
-    return np.asarray(heat * (pinion * gear / (pinion + gear)))
+    return np.asarray(array("heat", heat, "W/m", anything=True) * (pinion * gear / (pinion + gear)))
 
 
 def blok_flash_temperature(
@@ -117,8 +126,9 @@ def blok_flash_temperature(
     >>> print(f"{float(blok_flash_temperature(0.06 * 400e3 * 1.5, 0.3e-3, (4.0, 2.5))):.1f} K")
     35.4 K
     """
+    width, speeds, bodies = _checked(half_width, velocities, materials)
     carried: Any = sum(
         material.thermal_contact_coefficient * np.sqrt(np.abs(velocity))
-        for velocity, material in zip(velocities, materials, strict=True)
+        for velocity, material in zip(speeds, bodies, strict=True)
     )
-    return np.asarray(BLOK_FACTOR * np.asarray(heat) / (carried * np.sqrt(2.0 * np.asarray(half_width))))
+    return np.asarray(BLOK_FACTOR * array("heat", heat, "W/m", anything=True) / (carried * np.sqrt(2.0 * width)))

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import kve
 
-from ...core.checks import frozen_arrays, positive, whole
+from ...core.checks import array, frozen_arrays, instances, positive, whole
 from .flash_temperature import STEEL_PAIR, peclet_number
 from .thermal_material import ThermalMaterial
 
 Array = NDArray[Any]
+STRIP_LIMIT = 10_000
 
 
 @frozen_arrays
@@ -101,17 +102,19 @@ def matched_band(
     81.7 K, by equal maxima 81.6 K
     """
     positive("heat", heat, "W/m")
-    for velocity in velocities:
+    speeds = array("velocities", velocities, "m/s", ndim=1, size=2)
+    bodies = instances("materials", materials, ThermalMaterial, 2)
+    for velocity in speeds:
         positive("size of a velocity", abs(velocity), "m/s")
     positive("half_width", half_width, "m")
-    count = whole("strips", strips, least=4)
+    count = whole("strips", strips, least=4, most=STRIP_LIMIT)
     ends = -np.cos(np.pi * np.arange(count + 1) / count)
     middles = 0.5 * (ends[1:] + ends[:-1])
     below = 2.0 / np.pi * 0.5 * (ends * np.sqrt(1.0 - ends**2) + np.arcsin(ends))
     flux = np.diff(below) / np.diff(ends)  # mean of the elliptic heat over each strip, of a whole of one
     first, second = (
         _influence(middles, ends, float(np.sign(v) * peclet_number(v, half_width, material))) / material.conductivity
-        for v, material in zip(velocities, materials, strict=True)
+        for v, material in zip(speeds, bodies, strict=True)
     )
     into_pinion = np.linalg.solve(first + second, second @ flux)
     return MatchedBand(middles, heat * (first @ into_pinion), float(into_pinion @ np.diff(ends)))

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...core.attributes import flag_attributes, labelled
+from ...core.attributes import labelled
+from ...core.checks import instance
 from .equations.film_certificate import Status
 from .equations.film_complementarity import State
 from .film import Film
 from .rough_passage import RoughPassage
-
-_STATES = {int(state): state.name for state in State}
 
 
 def film_dataset(film: Film) -> xr.Dataset:
@@ -31,12 +30,13 @@ def film_dataset(film: Film) -> xr.Dataset:
     >>> dict(film_dataset(smooth_film(contact, nodes=129)).sizes)
     {'rolling_position': 129}
     """
+    instance("film", film, Film)
     data: dict[str, Any] = {
         "film_pressure": ("rolling_position", 1e-6 * film.pressure),
         "asperity_pressure": ("rolling_position", 1e-6 * film.asperity_pressure),
         "film": ("rolling_position", 1e6 * film.film),
         "asperity_share": film.asperity_share,
-        "node_state": ("rolling_position", film.state, flag_attributes(_STATES)),
+        "node_state": ("rolling_position", film.state, State.flag_attributes()),
         "status": ((), np.int8(film.status), Status.flag_attributes()),
         "worst_residual": film.certificate.worst,
         "iterations": film.iterations,
@@ -61,6 +61,7 @@ def passage_dataset(passage: RoughPassage) -> xr.Dataset:
     >>> dict(passage_dataset(passage).sizes)
     {'time': 40, 'kept_time': 2, 'rolling_position': 65}
     """
+    instance("passage", passage, RoughPassage)
     time = 1e6 * passage.time
     data: dict[str, Any] = {
         "status": ("time", passage.status, Status.flag_attributes()),
@@ -75,7 +76,7 @@ def passage_dataset(passage: RoughPassage) -> xr.Dataset:
         "mean_film": ("time", 1e6 * passage.mean_film),
         "film_pressure": (("kept_time", "rolling_position"), 1e-6 * passage.pressure),
         "film": (("kept_time", "rolling_position"), 1e6 * passage.film),
-        "node_state": (("kept_time", "rolling_position"), passage.state, flag_attributes(_STATES)),
+        "node_state": (("kept_time", "rolling_position"), passage.state, State.flag_attributes()),
     }
     coords = {"time": time, "kept_time": time[passage.kept - 1], "rolling_position": 1e6 * passage.position}
     return labelled(xr.Dataset(data, coords=coords))

@@ -7,6 +7,7 @@ the mean advance by one node. With that step, what a broken film lacks moves on 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from .equations.elastic_deflection import Deflection
 from .equations.film_certificate import Status, certify, judge
 from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
 from .equations.reynolds_equation import Array, History, fluid_part
-from .film import Film, domain, touching_start
+from .film import FEWEST_NODES, MOST_NODES, Film, domain, touching_start
 from .rolling_contact.lubricated_contact import LubricatedContact
 from .rolling_contact.surface_roughness import Profile, smooth
 from .shear_traction import BOUNDARY_FRICTION, traction
@@ -183,9 +184,12 @@ def rough_passage(
     >>> print(f"{passage.certified_share:.0%} of the steps, friction coefficient {passage.friction_coefficient:.4f}")
     100% of the steps, friction coefficient 0.0079
     """
-    checks.whole("steps", steps, 1)
+    checks.instance("first", first, Callable)
+    checks.instance("second", second, Callable)
+    checks.whole("steps", steps, 1, STEP_LIMIT)
+    nodes = checks.whole("nodes", nodes, FEWEST_NODES, MOST_NODES)
     for name, value in (("ramp", ramp), ("keep", keep), ("settle", 0 if settle is None else settle)):
-        checks.whole(name, value, 0)
+        checks.whole(name, value, 0, STEP_LIMIT)
     checks.whole("order", order, 1, 2)
     checks.positive("touching_film", touching_film, "m")
     rows = steps // keep if keep else 0
@@ -238,6 +242,7 @@ def rough_passage(
     )
 
 
+STEP_LIMIT = 1_000_000_000  # beyond, not even the record of the steps fits into memory
 STEP_SIZE, KEPT_NODE_SIZE = 100.0, 20.0  # memory of the record of a step, and of a node of fields kept [byte]
 _RECORDED = (
     "violation",

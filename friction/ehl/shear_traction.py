@@ -113,6 +113,7 @@ def traction(
     >>> print(f"{traction(contact, film.position, film.pressure, film.film).coefficient:.4f}")
     0.0076
     """
+    checks.instance("contact", contact, LubricatedContact)
     oil = contact.oil
     position = checks.array("position", position, "m", ndim=1, fewest=2)
     steps = np.diff(position)
@@ -125,17 +126,12 @@ def traction(
     # Without a pressure nothing is sheared: at the ends of the domain rough surfaces may overlap on paper.
     if (film[pressure > 0.0] <= 0.0).any():
         raise InputError(f"film = {film[pressure > 0.0].min():g}: must be above 0 [m] under pressure")
-    if np.ndim(fluid_part):
-        fluid_part = checks.array("fluid_part", fluid_part, ndim=1, size=position.size, least=0.0, most=1.0)
-    else:
-        fluid_part = checks.number("fluid_part", fluid_part, least=0.0, most=1.0)
-    if np.ndim(asperity_pressure):
-        rounding = -PRESSURE_ROUNDING * contact.hertz_pressure
-        asperity_pressure = checks.array(
-            "asperity_pressure", asperity_pressure, "Pa", ndim=1, size=position.size, least=rounding
-        )
-    else:
-        asperity_pressure = checks.positive("asperity_pressure", asperity_pressure, "Pa", zero=True)
+    fluid_part = checks.array("fluid_part", fluid_part, least=0.0, most=1.0)
+    rounding = -PRESSURE_ROUNDING * contact.hertz_pressure
+    asperity_pressure = checks.array("asperity_pressure", asperity_pressure, "Pa", least=rounding)
+    for name, values in (("fluid_part", fluid_part), ("asperity_pressure", asperity_pressure)):
+        if values.ndim:
+            checks.array(name, values, ndim=1, size=position.size)
     checks.positive("boundary_friction", boundary_friction, zero=True)
     checks.positive("effusivity", effusivity, "J/(m^2 K s^0.5)", infinite=True)
     checks.truth("thermal", thermal)

@@ -19,7 +19,7 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
-from ...core.checks import array, number, one_of
+from ...core.checks import array, instance, number, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from .lubricant import KELVIN, THERMAL_CONDUCTIVITY, WALTHER_VISCOSITY, Array, Lubricant
@@ -106,7 +106,7 @@ def data_sheet_lubricant(
         pressure = scale * kinematic(celsius) ** power
     return Lubricant(
         name,
-        title or f"{base_oil} oil, {cold:g} and {hot:g} mm2/s at 40 and 100 degC",
+        title if title is not None else f"{base_oil} oil, {cold:g} and {hot:g} mm2/s at 40 and 100 degC",
         f"{source}: {cold:g} and {hot:g} mm2/s at 40 and 100 degC, {weight:g} kg/m3 at 15 degC, base oil {base_oil}; "
         f"viscosity by ASTM D341, density by ISO/TS 6336-22, pressure-viscosity coefficient estimated by "
         + ("ISO/TS 6336-22" if base_oil in ISO_CONSTANTS else "Gold and others 2001"),
@@ -177,5 +177,6 @@ def write_lubricant(oil: Lubricant, path: str | os.PathLike[str]) -> None:
     ...     print(lubricant(f"{folder}/mine.toml").name)
     mine
     """
+    instance("oil", oil, Lubricant)
     with whole_file(path) as temporary:
         temporary.write_text(lubricant_toml(oil), encoding="utf-8")

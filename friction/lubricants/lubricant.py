@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import array, frozen_arrays, number, one_of, shown
+from ...core.checks import array, frozen_arrays, instance, number, one_of, shown
 from ...core.errors import InputError
 from ...core.reading.regular_file import named
 from ...core.reading.text_file import TOML_SIZE_LIMIT, read_text
@@ -127,6 +127,8 @@ class Lubricant:
     thermal_conductivity: float = THERMAL_CONDUCTIVITY
 
     def __post_init__(self) -> None:
+        for key in ("name", "title", "source"):
+            instance(key, getattr(self, key), str)
         size = None
         for key, (factor, unit, low, high) in PLAUSIBLE_RANGES.items():
             values, name = getattr(self, key), f"{key} of lubricant {self.name}"
@@ -177,7 +179,7 @@ class Lubricant:
         """
         one_of("out_of_range", out_of_range, get_args(OutOfRange))
         one_of("interpolation", interpolation, get_args(Interpolation))
-        asked = np.asarray(temperature, dtype=float)
+        asked = array("temperature", temperature, "degC", fewest=1, anything=True)
         low, high = self.temperature_range
         clamped = ~((asked >= low) & (asked <= high))
         if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):

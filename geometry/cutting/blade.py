@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.checks import one_of
+from ...core.checks import check_fields
 from ...core.errors import InputError
 from .blade_sections import BladeSection, Relief, SectionName, blade_sections
 
@@ -70,13 +70,13 @@ class Blade:
     flankrem: Relief | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not self.point_radius > 0.0:
             raise InputError(f"blade_point_radius = {self.point_radius}: must be a positive length in mm")
         if not abs(self.pressure_angle) < np.pi / 2:
             raise InputError(
                 f"blade_pressure_angle = {np.degrees(self.pressure_angle)}: must be between -90 and 90 degrees"
             )
-        one_of("blade side", self.side, ("outside", "inside"))
         if not self.edge_radius >= 0.0:
             raise InputError(f"tool_edge_radius = {self.edge_radius}: must be 0 mm or more")
         if self.spheric_radius is not None and not abs(self.spheric_radius) > 1.0:

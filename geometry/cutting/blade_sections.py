@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from ...core.checks import check_fields
 from ...core.errors import InputError
 
 SectionName = Literal["edge", "toprem", "profile", "flankrem"]
@@ -42,6 +43,9 @@ class Relief:
     height: float
     angle: float = 0.0
     radius: float | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True)

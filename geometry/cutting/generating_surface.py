@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import check_fields
 from ..newton import complex_steps
 from ..vectors import cos_sin, cross, dot
 from .blade import Blade
@@ -65,6 +66,9 @@ class GeneratingSurface:
     hand: Hand
     sense: IncrementSense
     part: SectionName = "profile"
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def section(self) -> BladeSection:

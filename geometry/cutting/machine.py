@@ -9,13 +9,13 @@ heel; the tooth lies near the x axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import one_of
+from ...core.checks import array, check_fields, one_of, shown
 from ...core.errors import InputError
 
 Array = NDArray[Any]
@@ -88,20 +88,17 @@ class MachineSettings:
     motions: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        array("modified_roll", self.modified_roll, ndim=1)
+        given: Any = self.motions
+        motions = given if isinstance(given, tuple | list) else (given,)
+        if not all(isinstance(motion, tuple | list) and len(motion) == 2 for motion in motions):
+            raise InputError(f"motions = {shown(self.motions)}: must be pairs of a name and coefficients")
         for name, coefficients in self.motions:
-            one_of("motion", name, MOVING_SETTINGS)
-            if not np.all(np.isfinite(coefficients)):
-                raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
-        for field in fields(self):
-            if field.name == "motions":
-                continue
-            value = getattr(self, field.name)
-            values = () if value is None else np.atleast_1d(value)
-            if not np.all(np.isfinite(values)):
-                raise InputError(f"{field.name} = {value}: must be a finite number")
+            array(f"motion of {one_of('motion', name, MOVING_SETTINGS)}", coefficients, ndim=1)
         if self.ratio_of_roll is None and self.motions:
             raise InputError("motions are given but ratio_of_roll is not: nothing moves while a Formate member is cut")
-        if self.ratio_of_roll is None and self.modified_roll:
+        if self.ratio_of_roll is None and len(self.modified_roll):
             raise InputError("modified_roll is given but ratio_of_roll is not: a Formate member has no generating roll")
 
     @property

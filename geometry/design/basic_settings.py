@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import instance, one_of, positive, truth, whole
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
@@ -23,6 +24,7 @@ from .standard_steps import StandardSteps
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
 NO_STEPS = StandardSteps()
+GROUP_COUNT_LIMIT = 100  # of a face-hobbing cutter
 ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
 
 
@@ -37,6 +39,7 @@ def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
     >>> blank_section(blanks.gear, blanks.clearance).face_width == blanks.gear.face_width
     True
     """
+    instance("member", member, MemberBlank)
     return BlankSection(
         pitch_angle=member.pitch_angle,
         face_angle=member.face_angle,
@@ -155,7 +158,12 @@ def _gear(
     steps: StandardSteps,
     ratio: float | None,
 ) -> Flanks:
-    if groups:
+    instance("blank", blank, BlankDimensions)
+    positive("cutter_radius", cutter_radius, "mm")
+    one_of("hand", hand, get_args(Hand))
+    truth("corrected", corrected)
+    instance("steps", steps, StandardSteps)
+    if whole("number_of_blade_groups", groups, 0, GROUP_COUNT_LIMIT):
         return _face_hobbed(blank, cutter_radius, hand, groups, corrected, steps, ratio)
     return _face_milled(blank, cutter_radius, hand, corrected, steps, ratio)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...core.checks import instance
 from ...core.errors import GeometryError
 from .iso23509.blank_design import BlankDesign
 from .iso23509.blank_dimensions import BlankDimensions, MemberBlank
@@ -93,6 +94,8 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     >>> round(degrees(blank_dimensions(design).gear.face_angle), 3)
     72.387
     """
+    instance("design", design, BlankDesign)
+    instance("cones", cones, PitchCones | None)
     cones = pitch_cones(design) if cones is None else cones
     mean, pressure = _mean_point(design, cones), pressure_angles(design, cones)
     gear_distance, gear_angle = cones.gear_mean_cone_distance, cones.gear_pitch_angle

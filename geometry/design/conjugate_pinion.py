@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import instance, number
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
@@ -59,6 +60,9 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
     True
     """
+    instance("gear", gear, GeneratingSurface)
+    instance("assembly", assembly, Assembly)
+    number("blade_height", blade_height, "mm")
     settings = gear.settings
     if settings.generated:
         raise GeometryError(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, instance
+from ...core.checks import array, check_fields, frozen_arrays, instance, positive, truth, words
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
@@ -75,6 +75,9 @@ class EaseOffTarget:
     bias: float = 0.0
     spiral_angle_error: float = 0.0
     pressure_angle_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Target (n) [mm] at fractions (n)."""
@@ -194,12 +197,16 @@ def fit_pinion(
     True
     """
     instance("pair", pair, GearPair)
+    instance("target", target, Callable)
+    truth("follow_root", follow_root)
+    positive("fold_margin", fold_margin, zero=True)
     from scipy.optimize import least_squares
 
-    names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
+    names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
-    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
     known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
     fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, number, truth, words
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
@@ -213,7 +213,12 @@ def corrective_settings(
     >>> correction.rms < 0.02 * correction.rms_before
     True
     """
-    one = shares_set_up(member) if shared is None else shared
+    instance("deviation", deviation, Deviation)
+    instance("opposite", opposite, Deviation | None)
+    truth("rounded", rounded)
+    if thickness is not None:
+        number("thickness", thickness, "mm")
+    one = shares_set_up(member) if shared is None else truth("shared", shared)
     if one and not shares_set_up(member):
         raise InputError(
             "shared set-up: must be both flanks of a member with the same machine settings; those of this member "
@@ -224,7 +229,7 @@ def corrective_settings(
         raise InputError(f"{what} is given for flanks with set-ups of their own: correct each flank by itself")
     if thickness is not None and opposite is None:
         raise InputError(f"thickness = {1e3 * thickness:g} um: must go with the deviations of both flanks")
-    names = tuple(free) if free is not None else usual_settings(member.loaded)
+    names = words("free", free) if free is not None else usual_settings(member.loaded)
     require_movable(member.loaded, names)
     measured = [(member, deviation), *([] if opposite is None else [(member.from_opposite, opposite)])]
     fit, steps, before, cut = _fit(measured, names, thickness)

@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays, one_of
+from ...core.checks import array, frozen_arrays, instance, one_of, two_whole
 from ...core.errors import InputError
 from ..flanks.blank_section import BlankSection
 from .interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
@@ -80,6 +80,9 @@ class Deviation:
 
     def __post_init__(self) -> None:
         require_method(self.method)
+        instance("section", self.section, BlankSection)
+        for name in ("axial", "radial", "value"):
+            object.__setattr__(self, name, array(name, getattr(self, name), "mm", anything=True))
         shapes = {name: np.shape(getattr(self, name)) for name in ("axial", "radial", "value")}
         if len(set(shapes.values())) != 1 or np.ndim(self.value) != 2 or min(np.shape(self.value)) < 2:
             given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
@@ -191,9 +194,13 @@ def deviation_from_formula(
     >>> round(1e3 * float(deviation.at(np.array([1.0]), np.array([0.5]))[0]), 6)  # at the heel [um]
     5.0
     """
-    t, h = np.meshgrid(np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1]), indexing="ij")
+    instance("section", section, BlankSection)
+    instance("formula", formula, Callable)
+    t, h = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in two_whole("nodes", nodes, 2)), indexing="ij")
     axial, radial = section.points(t, h)
-    return Deviation(section, axial, radial, 1e-3 * np.broadcast_to(formula(t, h), t.shape))
+    return Deviation(
+        section, axial, radial, 1e-3 * (np.zeros(t.shape) + array("formula", formula(t, h), "um", anything=True))
+    )
 
 
 def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: Method = "spline") -> Deviation:

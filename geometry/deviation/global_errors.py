@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import check_fields, instance
 from ...core.errors import InputError
 from ..design.mean_point import angles_of_normal
 from ..flanks.flank import solve_flank
@@ -53,6 +54,9 @@ class GlobalErrors:
     profile_crowning: float = 0.0
     twist: float = 0.0
     level: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Deviation (...) [um] at fractions (...)."""
@@ -102,6 +106,7 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     >>> round(fit_global_errors(deviation).errors.spiral_angle, 9)
     5.0
     """
+    instance("deviation", deviation, Deviation)
     if min(deviation.value.shape) < 3:
         columns, rows = deviation.value.shape
         raise InputError(f"grid = {rows} rows x {columns} columns: must have at least 3 of each for global errors")
@@ -139,6 +144,8 @@ def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
     >>> bool(abs(pressure) > abs(spiral))
     True
     """
+    instance("errors", errors, GlobalErrors)
+    instance("member", member, Member)
     surface, section = member.loaded.designed, member.section
     t, h = 0.5 + TANGENT_HALF_WIDTH * np.array([0, -1, 1, 0, 0]), 0.5 + TANGENT_HALF_WIDTH * np.array([0, 0, 0, -1, 1])
     flank = solve_flank(surface, section, *section.points(t, h))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...core.checks import instance
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from ..cutting.generating_surface import GeneratingSurface
@@ -55,6 +56,7 @@ def shares_set_up(member: Member) -> bool:
     >>> shares_set_up(pair.gear), shares_set_up(pair.pinion)
     (True, False)
     """
+    instance("member", member, Member)
     return member.opposite is not None and member.opposite.settings == member.loaded.settings
 
 
@@ -69,6 +71,7 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     >>> usual_settings(gear_pair(read_case("fm-11x41")).gear.loaded)[:3]
     ('radial_distance', 'cradle_angle', 'machine_root_angle')
     """
+    instance("surface", surface, GeneratingSurface)
     if not surface.settings.generated:
         return FREE_FORMATE_SETTINGS
     unused = [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) == 0.0]

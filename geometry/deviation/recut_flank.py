@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, number, two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -174,7 +174,10 @@ def departure(
     >>> departure(gear, wrong).value.shape
     (9, 5)
     """
-    fractions = (np.linspace(margin, 1.0 - margin, count) for count in nodes)
+    instance("member", member, Member)
+    instance("surface", surface, GeneratingSurface)
+    ends = number("margin", margin, least=0.0, below=0.5)
+    fractions = (np.linspace(ends, 1.0 - ends, count) for count in two_whole("nodes", nodes, 2))
     axial, radial = member.section.points(*np.meshgrid(*fractions, indexing="ij"))
     real = surface.designed
     # The measuring machine turns the tooth until its flank passes through the reference point.

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import check_fields, frozen_arrays
 from ...core.errors import GeometryError
 
 Array = NDArray[np.float64]
@@ -68,6 +68,7 @@ class BlankSection:
     back_angle: float | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         corners = self.corners
         depth = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
         towards_tip = np.einsum("ij,ij->i", corners[:, 1] - corners[:, 0], np.stack([self._root_normal] * 2))

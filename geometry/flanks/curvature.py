@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance
 from ..cutting.generating_surface import GeneratingSurface
 from ..newton import complex_steps
 from ..vectors import dot
@@ -81,6 +81,7 @@ def principal_curvatures(flank: Flank) -> Curvatures:
     >>> bool((first > second).all())
     True
     """
+    instance("flank", flank, Flank)
     tangents, first, second = shape_operator(flank)
     usable = np.all(np.isfinite(flank.normal.reshape(3, -1)), axis=0)
     usable &= np.all(np.isfinite(first) & np.isfinite(second), axis=(0, 1))

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, one_of, shown
+from ...core.checks import array, frozen_arrays, one_of, shown
 from ...core.errors import InputError
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import side
@@ -181,12 +181,7 @@ def table_of_matrix(
     given = {"flank": flank, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
     for key, allowed in WANTED.items():
         one_of(key, given[key], allowed)
-    try:
-        values = np.array(deviation, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InputError("matrix of deviations: must be numbers in rows of one length") from error
-    if values.ndim != 2:
-        raise InputError(f"matrix of deviations: shape = {values.shape}: must be rows x columns")
+    values = array("matrix of deviations", deviation, deviation_unit, ndim=2, anything=True)
     require_size(values.shape[0], values.shape[1], "matrix of deviations")
     values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, "matrix of deviations")
     return DeviationTable(values, flank, margins or EdgeMargins(), "matrix of deviations")

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...core.attributes import labelled
-from ...core.checks import file_path, one_of
+from ...core.checks import array, file_path, instance, one_of
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from ..deviation.deviation import Deviation, Method
@@ -21,7 +21,7 @@ from . import csv_points as cmm_csv
 from . import deviation_table, dmis
 from . import measuring_points as cmm
 
-FORMAT = "easeoff measured grid"
+FORMAT = cmm.GRID_FORMAT
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
 TEXT_SUFFIXES = (".csv", ".txt")
 SUFFIXES = (*cmm.SUFFIXES, ".txt", *DMIS_SUFFIXES)
@@ -65,8 +65,9 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
     >>> grid["deviation"].attrs["units"]
     'um'
     """
+    cmm.check_points(points, "points", cmm.FORMAT, FORMAT)
     sizes = tuple(points.sizes[name] for name in ("flank", "row", "column"))
-    values = np.asarray(deviation, dtype=float)
+    values = array("deviation", deviation, "um", anything=True)
     if values.ndim == 2 and sizes[0] == 1:
         values = values[None]
     if values.shape != sizes:
@@ -107,6 +108,8 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ...     write_measured_grid(measured_grid(points, np.full((3, 5), 4.0)), f"{folder}/gear.dmi")
     """
     if _suffix(path) in DMIS_SUFFIXES:
+        cmm.check_points(grid, "grid", FORMAT)
+        _require_deviation(grid, "grid")
         with whole_file(path) as temporary:
             temporary.write_text(dmis.text(grid), encoding="utf-8")
     else:
@@ -168,15 +171,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     cmm.check_points(grid, source, FORMAT)
     if "measured_position" in grid:
         grid = _along_normals(grid, source)
-    if (
-        "deviation" not in grid
-        or grid["deviation"].dims != ("flank", "row", "column")
-        or grid["deviation"].dtype.kind not in "fiu"
-    ):
-        raise InputError(
-            f"{source} holds nominal points but nothing measured: add a column 'deviation' [um], or measured_x, "
-            "measured_y and measured_z [mm]"
-        )
+    _require_deviation(grid, source)
     unit = str(grid.attrs.get("deviation_unit", "um"))
     one_of(f"{source}: deviation_unit", unit, ("um", "mm"))
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
@@ -211,6 +206,9 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     >>> round(1e3 * float(flank_deviation(grid, gear).at(np.array([0.5]), np.array([0.5]))[0]), 9)  # [um]
     4.0
     """
+    cmm.check_points(grid, "grid", FORMAT)
+    _require_deviation(grid, "grid")
+    instance("member", member, Member)
     name, known = side(member.loaded), [str(v) for v in grid["flank"].values]
     if name not in known:
         raise InputError(
@@ -260,6 +258,19 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
         )
     deviation = (("flank", "row", "column"), 1e3 * along)
     return grid.drop_vars("measured_position").assign(deviation=deviation).assign_attrs(deviation_unit="um")
+
+
+def _require_deviation(grid: xr.Dataset, source: Path | str) -> None:
+    """Refuse points without deviations."""
+    if (
+        "deviation" not in grid
+        or set(grid["deviation"].dims) != {"flank", "row", "column"}
+        or grid["deviation"].dtype.kind not in "fiu"
+    ):
+        raise InputError(
+            f"{source} holds nominal points but nothing measured: add a column 'deviation' [um], or measured_x, "
+            "measured_y and measured_z [mm]"
+        )
 
 
 def _check_size(grid: xr.Dataset, source: str) -> None:

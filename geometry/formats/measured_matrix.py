@@ -5,6 +5,7 @@ from __future__ import annotations
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from ...core.checks import instance
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
 from .deviation_table import table_of_matrix
@@ -52,9 +53,11 @@ def measured_matrix(
     >>> float(grid["deviation"].sel(flank="convex", row=1, column=3))  # at root and heel
     6.0
     """
+    instance("member", member, Member)
+    instance("edge_margins", edge_margins, EdgeMargins | None)
     table = table_of_matrix(
         deviation,
-        flank or side(member.loaded),
+        side(member.loaded) if flank is None else flank,
         rows=rows,
         columns=columns,
         deviation_unit=deviation_unit,

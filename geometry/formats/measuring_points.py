@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import file_path, shown
+from ...core.checks import file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
@@ -27,6 +27,7 @@ from . import csv_points as cmm_csv
 Array = NDArray[Any]
 
 FORMAT = "easeoff measurement points"
+GRID_FORMAT = "easeoff measured grid"
 FORMAT_VERSION = 1
 DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
 # Tried in this order where the flank ends early.
@@ -54,6 +55,11 @@ class EdgeMargins:
     root: float | None = None
     tip: float | None = None
 
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None:
+                positive(f"edge margin {name}", value, "mm", zero=True)
+
     def of(self, section: BlankSection, root_share: float = DEFAULT_MARGIN_SHARE) -> dict[str, float]:
         """The four margins on a blank [mm].
 
@@ -63,11 +69,6 @@ class EdgeMargins:
             The blank.
         root_share
             Default of the margin at the root, as a share of the mean depth of the flank.
-
-        Raises
-        ------
-        InputError
-            If a margin is negative or not finite.
         """
         corners = section.corners
         depth = float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)))
@@ -77,8 +78,6 @@ class EdgeMargins:
             if value is None:
                 share = root_share if name == "root" else DEFAULT_MARGIN_SHARE
                 value = share * (section.face_width if name in ("toe", "heel") else depth)
-            if not 0.0 <= value < np.inf:
-                raise InputError(f"edge margin {name} = {value} mm: must be zero or more")
             margins[name] = float(value)
         return margins
 
@@ -127,13 +126,14 @@ def cmm_points(
     >>> dict(points["position"].sizes)
     {'flank': 1, 'row': 3, 'column': 5, 'xyz': 3}
     """
-    for name, number in (("rows", rows), ("columns", columns)):
-        if number < 2:
-            raise InputError(f"{name} = {number}: must be at least 2")
+    instance("member", member, Member)
+    for name, count in (("rows", rows), ("columns", columns)):
+        whole(name, count, 2, cmm_csv.GRID_SIZE_LIMIT)
+    instance("edge_margins", edge_margins, EdgeMargins | None)
     given = edge_margins or EdgeMargins()
     flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}
     attributes: dict[str, Any] = {}
-    if tooth_angle is not None and member.opposite is not None:
+    if tooth_angle is not None and number("tooth_angle", tooth_angle, "rad") and member.opposite is not None:
         flanks = placed_flanks(member, tooth_angle)
         attributes["tooth_angle_rad"] = float(tooth_angle)
     names = sorted(flanks)
@@ -249,6 +249,7 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ...     write_cmm_points(points, f"{folder}/gear.csv")
     """
     suffix = _suffix(path)
+    check_points(dataset, "dataset", FORMAT, GRID_FORMAT)
     if suffix == ".csv":
         with whole_file(path) as temporary:
             temporary.write_text(cmm_csv.text(dataset), encoding="utf-8")
@@ -303,10 +304,11 @@ def _suffix(path: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
+def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
     """Refuse a dataset without nominal points, or of another kind."""
-    if dataset.attrs.get("format") != kind:
-        raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kind!r}")
+    instance(str(source), dataset, xr.Dataset)
+    if dataset.attrs.get("format") not in kinds:
+        raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kinds[0]!r}")
     version = str(dataset.attrs.get("format_version", "not given"))
     if version not in map(str, range(1, FORMAT_VERSION + 1)):
         raise InputError(f"{source} is of format version {version}; this program reads up to {FORMAT_VERSION}")

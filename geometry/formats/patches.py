@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core import checks
 from ...core.errors import InputError
 
 Array = NDArray[Any]
 
+COPY_COUNT_LIMIT = 1000  # of a tooth; no gear has more
 NO_AREA = 1e-6  # [mm^2]
 SAME_POINT = 1e-6  # [mm]; far below any tolerance of a drawing, far above rounding
 
@@ -29,13 +31,15 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
     InputError
         If there is none, or one is no grid of finite points or has no area.
     """
+    checks.instance("patches", patches, Mapping)
     if not patches:
         raise InputError("no surface patches to write")
     result = {}
     for name, points in patches.items():
-        array = np.asarray(points, dtype=float)
+        checks.instance("name of a patch", name, str)
+        array = checks.array(f"patch {name!r}", points, "mm", anything=True)
         if array.ndim != 3 or array.shape[2] != 3 or min(array.shape[:2]) < 2:
-            raise InputError(f"patch {name!r} has the shape {array.shape}: expected (m, n, 3) with m and n at least 2")
+            raise InputError(f"patch {name!r} has the shape {array.shape}: must be (m, n, 3) with m and n at least 2")
         if not np.all(np.isfinite(array)):
             raise InputError(f"patch {name!r} has points that are no finite numbers: a surface has no holes")
         diagonals = array[1:, 1:] - array[:-1, :-1], array[1:, :-1] - array[:-1, 1:]
@@ -139,9 +143,8 @@ def rotations(teeth: int, pitch: float | None) -> Array:
     InputError
         If there is no tooth to write.
     """
-    if teeth < 1:
-        raise InputError(f"teeth = {teeth}: at least one has to be written")
-    return np.arange(teeth) * (2.0 * np.pi / teeth if pitch is None else pitch)
+    count = checks.whole("teeth", teeth, 1, COPY_COUNT_LIMIT)
+    return np.arange(count) * (2.0 * np.pi / count if pitch is None else checks.number("pitch", pitch, "rad"))
 
 
 def _border(grid: Array) -> Array:

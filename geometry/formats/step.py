@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import file_path
+from ...core.checks import file_path, instance
 from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.writing.output_file import whole_file
 from .patches import oriented, rotations
@@ -71,6 +71,7 @@ def write_step(
     """
     if file_path("path", path).suffix.lower() not in SUFFIXES:
         raise InputError(f"path = {path}: must end in {' or '.join(SUFFIXES)}")
+    instance("name", name, str)
     angles = rotations(teeth, pitch)
     surfaces = oriented(patches)
     require_opencascade()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import check_fields, number
 from ..cutting.generating_surface import Hand
 from ..vectors import column
 
@@ -50,8 +50,7 @@ class Misalignment:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not np.isfinite(value):
-                raise InputError(f"misalignment {name} = {value}: must be a finite number")
+            number(f"misalignment {name}", value)
 
 
 @dataclass(frozen=True)
@@ -85,6 +84,9 @@ class Assembly:
     shaft_angle: float
     hypoid_offset: float
     misalignment: Misalignment = Misalignment()
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def ratio(self) -> float:

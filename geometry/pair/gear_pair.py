@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, instance, shown, whole
+from ...core.checks import check_fields, frozen_arrays, instance, two_whole
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -57,6 +57,9 @@ class Member:
     loaded: GeneratingSurface
     opposite: GeneratingSurface | None = None
     mean_thickness: float | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def one_set_up(self) -> bool:
@@ -114,6 +117,9 @@ class GearPair:
     gear: Member
     assembly: Assembly
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def misaligned(self, misalignment: Misalignment) -> GearPair:
         """The same pair with other assembly errors."""
         return replace(self, assembly=self.assembly.misaligned(misalignment))
@@ -127,12 +133,8 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
     InputError
         If there are too few nodes for a smooth surface.
     """
-    try:
-        along, up = nodes
-    except (TypeError, ValueError) as error:
-        wanted = "must be two whole numbers, along the face and up the profile"
-        raise InputError(f"nodes = {shown(nodes)}: {wanted}") from error
-    return np.linspace(0.0, 1.0, whole("nodes", along, 5)), np.linspace(0.0, 1.0, whole("nodes", up, 5))
+    along, up = two_whole("nodes", nodes, 5)
+    return np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, up)
 
 
 @frozen_arrays
@@ -306,6 +308,7 @@ def flank(member: Member, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
     >>> flank(pinion, (9, 7))["position"].sizes["xyz"]
     3
     """
+    instance("member", member, Member)
     t, h = grid(nodes)
     return flank_dataset(t, h, member.flank(t, h))
 

@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import one_of
-from ...core.errors import InputError
+from ...core.checks import instance, number, one_of, whole
 from .datasets import first_contact
 
 Array = NDArray[Any]
@@ -40,8 +39,7 @@ def terms(order: int) -> tuple[str, ...]:
     >>> terms(3)[5:]
     ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
     """
-    if order not in TERM_ORDERS:
-        raise InputError(f"order = {order}: must be one of {', '.join(map(str, TERM_ORDERS))}")
+    whole("order", order, min(TERM_ORDERS), max(TERM_ORDERS))
     higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
     return (*NAMED_TERM_POWERS, *higher)
 
@@ -105,10 +103,10 @@ class Modification:
     coefficients: Mapping[str, float]
 
     def __post_init__(self) -> None:
+        instance("coefficients", self.coefficients, Mapping)
         for name, value in self.coefficients.items():
             one_of("modification term", name, TERM_POWERS)
-            if not np.isfinite(value):
-                raise InputError(f"modification term {name} = {value}: must be a finite number of um")
+            number(f"modification term {name}", value, "um")
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
         """Addition to the ease-off [um] at fractions (...) on the gear flank."""

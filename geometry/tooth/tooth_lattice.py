@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import positive
+from ...core.checks import instance, positive, two_whole
 from ...core.errors import GeometryError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
@@ -99,6 +99,10 @@ def tooth_lattice(
     >>> len(fine.cells) / len(coarse.cells)
     2.0
     """
+    instance("size", size, LatticeSize | None)
+    instance("spacing", spacing, LatticeSpacing | None)
+    instance("web", web, Web | None)
+    fillet_nodes, flank_nodes = two_whole("surface_nodes", surface_nodes, 2)
     size = size or LatticeSize()
     blank = named_member(pair, member).section
     depth = usual_depth(blank) if rim_depth is None else positive("rim_depth", rim_depth, "mm")
@@ -107,7 +111,7 @@ def tooth_lattice(
     t, up, through = spacing.lengthwise, spacing.upward, spacing.through
     size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t, surface_nodes[1]), surface_nodes[0])
+        tooth = tooth_surface(pair, member, (t.size, flank_nodes), fillet_nodes, t)
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import whole
+from ...core.checks import two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -244,7 +244,11 @@ class ToothSurface:
 
 
 def tooth_surface(
-    pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
+    pair: GearPair,
+    member: str,
+    nodes: tuple[int, int] = (31, 21),
+    fillet_nodes: int = FILLET_NODES,
+    lengthwise: Array | None = None,
 ) -> ToothSurface:
     """The real tooth of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
 
@@ -255,9 +259,11 @@ def tooth_surface(
     member
         ``"pinion"`` or ``"gear"``.
     nodes
-        Nodes lengthwise, or their lengthwise fractions, and number of nodes up the flank.
+        Nodes lengthwise and up the flank.
     fillet_nodes
         Nodes up the fillet.
+    lengthwise
+        Fractions of the nodes lengthwise; even ones if left out.
 
     Raises
     ------
@@ -267,12 +273,11 @@ def tooth_surface(
         If the member has another name, or there are too few nodes.
     """
     which = named_member(pair, member)
-    t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
-    for index, count in enumerate((t.size, nodes[1])):
-        whole(f"nodes[{index}]", count, FLANK_NODES_MINIMUM)
+    along, upward = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
+    t = np.linspace(0.0, 1.0, along) if lengthwise is None else lengthwise
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
-        tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
+        tooth_side(p.surface, p.section, t, upward, fillet_nodes).turned(p.rotation) for p in placed.values()
     )
     turn = into_tooth(front.flank, front.flank_normal)
     tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)

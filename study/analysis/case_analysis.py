@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,11 +15,12 @@ from ...cases.schema.case_schema import Case
 from ...cases.supported_case import with_supports
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import SolverChoice
+from ...core.checks import instance
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import CaseInMesh, checked_case
+from ..case_in_mesh import CaseInMesh, checked_case, require_kinds
 from ..deviations.deviation_source import Deviated, Source
 from .contact_analysis import case_torques, contact_analysis
 from .friction_analysis import friction_settings, operation_of, with_friction
@@ -147,8 +149,20 @@ def analyze(
     """
     require_solver_options(options, solver, analyze)
     case = checked_case(case)
-    if isinstance(supports, str | Path):
+    require_kinds(
+        deviations=deviations,
+        modification=modification,
+        edge_contact=edge_contact,
+        friction_feedback=friction_feedback,
+    )
+    if isinstance(supports, str | bytes | PathLike):
         case, supports = with_supports(case, supports), None
+    if supports is not None or rounds is not None:
+        from ...contact.supports.assembly_rounds import AssemblyRounds
+        from ...contact.supports.support import LoadedSupports
+
+        instance("supports", supports, LoadedSupports | None)
+        instance("rounds", rounds, AssemblyRounds | None)
     operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     friction_model, feedback = friction_settings(case, operation, friction_model, friction_feedback)
     load = case_torques(case, torques)  # a torque given twice shows before the work, too

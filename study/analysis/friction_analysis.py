@@ -95,12 +95,13 @@ def friction_settings(
     (None, False)
     """
     if case.friction is not None:
-        model = model or case.friction.model()
+        model = case.friction.model() if model is None else model
         feedback = case.friction.feedback if feedback is None else feedback
     if operation is not None:
-        from ...friction import FrictionModel
+        from ...friction import FrictionModel, Operation
 
-        model = model or FrictionModel()
+        model = FrictionModel() if model is None else model
+        instance("operation", operation, Operation)
         instance("friction_model", model, FrictionModel)
         model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif model is not None or feedback:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...core.checks import instance, shown
+from ...core.checks import instance, one_of, shown, words
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
@@ -61,7 +61,7 @@ def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]
 
 def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
     found = []
-    for member, side in SIDES[flank].items():
+    for member, side in SIDES[one_of("flank", flank, SIDES)].items():
         surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
         names = {f"machine.{name}": name for name in (*MACHINE_STEPS, *MODIFIED_ROLL_ORDERS)}
         names |= {f"cutter.{key}": name for key, name in CUTTER_KEYS.items()}
@@ -102,7 +102,7 @@ def chosen_settings(
         f"modification.{term}": NamedSetting(f"modification.{term}", PairSetting("modification", term), 1.0)
         for term in TERM_POWERS
     }
-    wanted = list(derivative_settings(pair, flank)) if names is None else list(names)
+    wanted = list(derivative_settings(pair, flank)) if names is None else list(words("settings", names))
     for name in wanted:
         if name not in known and name != "torque":
             raise InputError(

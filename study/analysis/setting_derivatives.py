@@ -10,6 +10,7 @@ import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
+from ...core.checks import instance
 from ...core.processes.blas_threads import one_blas_thread
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -119,6 +120,7 @@ def contact_derivatives(
     >>> tree["values/transmission_error"].dims
     ('torque', 'mesh_position')
     """
+    instance("state", state, CaseInMesh)
     given: dict[str, Any] = {"edge_contact": edge_contact, "operation": operation, "friction_model": friction_model}
     chosen_settings(state.pair, state.flank, settings)  # refused before anything is solved
     solved = SolvedContact.of(state, torques, **given)

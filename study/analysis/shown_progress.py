@@ -9,7 +9,7 @@ from functools import wraps
 from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
-from ...core.checks import shown
+from ...core.checks import instance, shown
 from ...core.errors import InputError
 
 P = ParamSpec("P")
@@ -46,6 +46,8 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
         def showing(*args: P.args, **kwargs: P.kwargs) -> R:
             given: Any = kwargs
             progress = given.get("progress")
+            if staged:
+                instance("stage", given.get("stage"), Callable | None)
             if progress is False:
                 given["progress"] = progress = None
             if progress is not True:

@@ -15,7 +15,7 @@ from ...contact.evaluation.derivatives.unloaded_slopes import unloaded_slopes
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import Status
 from ...core.attributes import labelled
-from ...core.checks import shown
+from ...core.checks import shown, truth
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ..case_in_mesh import CaseInMesh
@@ -86,11 +86,11 @@ class SolvedContact:
         if case.compliance.model == "shell":
             raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
         load = case_torques(case, torques)
-        edges = case.contact.edge_contact if edge_contact is None else edge_contact
+        edges = case.contact.edge_contact if edge_contact is None else truth("edge_contact", edge_contact)
         loaded, cases = state.cycle.loaded(load, edge_contact=edges)
         if not all(one.solution.status == Status.CERTIFIED for one in cases):
             raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-        operation = operation or operation_of(case.friction)
+        operation = operation_of(case.friction) if operation is None else operation
         model, _ = friction_settings(case, operation, friction_model, None)
         return cls(state, loaded, cases, edges, operation, model)
 

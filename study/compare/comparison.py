@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import xarray as xr
@@ -15,7 +14,7 @@ from ...contact.problem.certificate import Certificate
 from ...contact.solvers import SOLVERS, available_solvers, require_solver
 from ...contact.solvers.declared.solver_lookup import declares_place, entry_point_names
 from ...core.checkpoint import Checkpoint
-from ...core.checks import file_path, number, one_of
+from ...core.checks import array, file_path, instance, number, one_of, words
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder
 from .comparison_plan import Cell, Choice, cells
@@ -113,7 +112,9 @@ def compare(
     chosen = checked_solvers(solvers)
     number("tolerance", tolerance, above=0.0, below=1.0)
     one_of("time", time, tuple(TIMES))
-    choice = Choice(repetitions, time_limit, polish, raw, tuple(float(one) for one in tolerances), threads)
+    instance("progress", progress, Callable | None)
+    tried = tuple(array("tolerances", tolerances, ndim=1).tolist())
+    choice = Choice(repetitions, time_limit, polish, raw, tried, threads)
     target = file_path("folder", folder)
     check_folder(target, "comparison")
     checkpoint = Checkpoint(target / CHECKPOINT, STUDY, encode=_stored, decode=_attempts, fresh=fresh)
@@ -150,7 +151,8 @@ def compare(
 
 def _posed(paths: Sequence[str | os.PathLike[str]]) -> list[PosedProblem]:
     """Problems of all files, solved for reference."""
-    given = list(dict.fromkeys(Path(path) for path in paths))
+    instance("paths", paths, list | tuple)
+    given = list(dict.fromkeys(file_path("paths", path) for path in paths))
     names = [path.name for path in given]
     # Two files of the same name are told apart by their folders.
     shown = [path.name if names.count(path.name) == 1 else str(path) for path in given]
@@ -172,6 +174,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     """
     if solvers is None:
         return available_solvers()
+    solvers = words("solvers", solvers)
     if not [name for name in solvers if name.strip()]:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
     names = []

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ...core.checkpoint import digest
-from ...core.checks import number, whole
+from ...core.checks import number, truth, whole
 from ...core.errors import InputError
 from .measurement.method import (
     COLD,
@@ -59,6 +59,8 @@ class Choice:
         whole("repetitions", self.repetitions, 1, 1000)
         number("time_limit", self.time_limit, "s", above=0.0, most=86400.0)
         whole("threads", self.threads, 1, 1024)
+        truth("polish", self.polish)
+        truth("raw", self.raw)
         for tolerance in self.tolerances:
             number("tolerances", tolerance, above=0.0, below=1.0)
         if len(self.tolerances) > TOLERANCE_COUNT_LIMIT:

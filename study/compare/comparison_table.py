@@ -13,7 +13,7 @@ import xarray as xr
 
 from ...contact.problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from ...core.attributes import labelled
-from ...core.checks import is_number
+from ...core.checks import instance, is_number
 from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.writing.netcdf_output import write_netcdf
@@ -125,6 +125,7 @@ def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
     InputError
         If a file cannot be written.
     """
+    require_comparison(dataset, "dataset")
     paths = [folder / TABLE_FILE, folder / "results.csv"]
     write_netcdf(dataset, paths[0])
     frame: Any = dataset.to_dataframe()
@@ -160,15 +161,21 @@ def read_table(path: Path) -> xr.Dataset:
     1e-05
     """
     dataset = read_dataset(path)
+    require_comparison(dataset, str(path))
+    return dataset
+
+
+def require_comparison(dataset: xr.Dataset, origin: str) -> None:
+    """Refuse what is not the table of a comparison, or not all of it."""
+    instance("dataset", dataset, xr.Dataset)
     if dataset.attrs.get("format") != FORMAT:
-        raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
+        raise InputError(f"{origin} holds no comparison of solvers: make one with 'easeoff compare'")
     wanted = comparison_table([], 0.0, {}).data_vars
     tolerance = dataset.attrs.get("tolerance")
     lacking = [name for name in wanted if name not in dataset or dataset[name].dims != ("attempt",)]
     lacking += [] if is_number(tolerance) and math.isfinite(tolerance) else ["tolerance"]
     if lacking:
-        raise InputError(f"{path} is incomplete, without {', '.join(map(str, lacking))}: make it anew")
-    return dataset
+        raise InputError(f"{origin} is incomplete, without {', '.join(map(str, lacking))}: make it anew")
 
 
 def _finite(value: float) -> float:

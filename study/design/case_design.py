@@ -7,6 +7,7 @@ from ...cases.deflections import misalignment_at
 from ...cases.recording import blank_table, flank_settings, recorded_thicknesses
 from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
+from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ...geometry.design.edge_radius import require_whole_tooth
 from ...geometry.design.pair_design import (
@@ -48,6 +49,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     >>> case.pinion.number_of_teeth, sorted(report.sides)
     (12, ['coast', 'drive'])
     """
+    instance("design", design, Design)
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
     basic_data = blank_design(design.blank_design, teeth, design.pair)
     assembly = Assembly(

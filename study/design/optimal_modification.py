@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import materials
-from ...cases.deflection_table import MisalignmentSource, misalignment_of
+from ...cases.deflection_table import MisalignmentSource, misalignments_of
 from ...cases.schema.case_schema import Case
 from ...contact.modification.convex_programme import (
     Goal,
@@ -140,7 +140,7 @@ def modify(
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
     load = case_torques(checked, torques)
-    others = [misalignment_of(one) for one in misalignments]
+    others = misalignments_of(misalignments)
     AnalysisSize.of(checked, load.size * (1 + len(others))).require_memory()
     unloaded = CaseInMesh.of(checked, flank=flank, stage=stage)
     own = in_assembly_under_load(unloaded, load)

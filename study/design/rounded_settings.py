@@ -11,7 +11,7 @@ import numpy as np
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
-from ...core.checks import instance
+from ...core.checks import array, instance
 from ...core.errors import GeometryError
 from ...geometry.cutting.machine_resolution import (
     USUAL_RESOLUTION,
@@ -51,11 +51,15 @@ def rounded_case(
     14.012
     """
     instance("case", case, Case)
-    steps = resolution or USUAL_RESOLUTION
+    steps = USUAL_RESOLUTION if resolution is None else resolution
+    instance("resolution", steps, MachineResolution)
+    instance("pinion_limits", pinion_limits, Mapping | None)
+    given = (pinion_limits or {}).items()
+    own = {name: array(f"pinion_limits {name}", ends, size=2, infinite=True).tolist() for name, ends in given}
     members: dict[str, Any] = {}
     for name in ("pinion", "gear"):
         member = getattr(case, name)
-        limits = (pinion_limits or {}) if name == "pinion" else {}
+        limits = own if name == "pinion" else {}
         flanks = {
             side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
         }
@@ -87,6 +91,7 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
     True
     """
     instance("case", case, Case)
+    instance("rounded", rounded, Case)
     pinion, gear = case.pinion, case.gear
     flanks: dict[FlankName, tuple[FlankSettings | None, ...]] = {
         "drive": (pinion.concave, gear.convex),

@@ -9,7 +9,7 @@ from typing import Any
 from ...cases.conversion import gear_pair
 from ...cases.recording import flank_settings
 from ...cases.schema.case_schema import Case
-from ...core.checks import instance
+from ...core.checks import instance, number, truth
 from ...core.errors import GeometryError, InputError
 from ...geometry.deviation.corrective_settings import Correction, corrective_settings
 from ...geometry.deviation.deviation import Method
@@ -97,8 +97,10 @@ def correct_case(
     instance("case", case, Case)
     pair = _pair(case)
     measured = measured_flanks(pair, deviations, flank, interpolation)
+    instance("thickness", thickness, Mapping | None)
     thicknesses = dict(thickness or {})
     for name, value in thicknesses.items():
+        number(f"thickness {name}", value, "um")
         if name not in measured:
             raise InputError(f"thickness {name} = {value:g} um: must be of a member with measured flanks")
     corrections = {}
@@ -125,7 +127,7 @@ def _pair(case: Case) -> GearPair:
 def _member_corrections(flanks: Sequence[MeasuredFlank], options: dict[str, Any]) -> tuple[Correction, ...]:
     (member, deviation), *others = flanks
     shared = options["shared"]
-    one = shares_set_up(member) if shared is None else shared
+    one = shares_set_up(member) if shared is None else truth("shared", shared)
     if one and others:
         return (corrective_settings(member, deviation, opposite=others[0][1], **options),)
     return tuple(corrective_settings(seen, own, **options) for seen, own in flanks)

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.reading import shipped_deviations
-from ...core.checks import one_of
+from ...core.checks import instance, one_of
 from ...core.errors import GeometryError, InputError
 from ...core.printable import printable, shortened
 from ...geometry.deviation.deviated_flank import deviated_pair
@@ -139,7 +139,7 @@ def _apart(member: Member, worn: xr.Dataset) -> float:
 
 
 def flank_deviations(
-    pair: GearPair, sources: Mapping[MemberName, Source], interpolation: Method = "spline"
+    pair: GearPair, sources: Mapping[MemberName, Source] | None, interpolation: Method = "spline"
 ) -> dict[str, Deviation]:
     """Deviations of the loaded flanks of a pair.
 
@@ -149,7 +149,7 @@ def flank_deviations(
         The pair, seen from the flanks in contact.
     sources
         By member: a ``Deviation``, a dataset (a measured grid, or ``deviation`` over lengthwise and profile), the path
-        of a measured grid or of a result of ``study.wear``, or the name of a shipped grid.
+        of a measured grid or of a result of ``study.wear``, or the name of a shipped grid; ``None`` for no deviations.
     interpolation
         Between the nodes of a grid or dataset, as in ``Deviation``.
 
@@ -166,8 +166,9 @@ def flank_deviations(
     ['gear']
     """
     require_method(interpolation)
+    instance("deviations", sources, Mapping | None)
     found = {}
-    for name, source in sources.items():
+    for name, source in (sources or {}).items():
         member = named_member(pair, name)
         grid = _from_file(source, name, pair) if isinstance(source, str | Path) else source
         if isinstance(grid, xr.Dataset):

@@ -6,9 +6,12 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
+from ...cases.deflections import FLANKS
+from ...core.checks import instance, one_of
 from ...core.errors import InputError
 from ...geometry.deviation.deviation import Deviation, Method
 from ...geometry.formats.measuring_points import opened as open_netcdf
@@ -50,9 +53,12 @@ def measured_flanks(
     >>> [side(member.loaded) for member, _ in measured_flanks(pair, {"gear": "fm-11x41-worn-gear"})["gear"]]
     ['convex']
     """
+    instance("deviations", sources, Mapping)
+    if flank is not None:
+        one_of("flank", flank, FLANKS)
     found: dict[MemberName, tuple[MeasuredFlank, ...]] = {}
     for name, given in sources.items():
-        listed = [given] if isinstance(given, str | Path | xr.Dataset | Deviation) else list(given)
+        listed: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
         member = named_member(pair, name)
         views = {side(seen.loaded): seen for seen in (member, *_other_views(member))}
         wanted = None if flank is None else side_of(name, flank)

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
-from ...core.checks import file_path
+from ...core.checks import file_path, number, two_whole
 from ...core.errors import InputError
 from ...core.ordered_values import ordered
 from ...core.processes.memory import require_memory
@@ -103,6 +103,7 @@ def export_contact(
         raise InputError(f"{target}: suffix = {target.suffix!r}: must be {SUFFIX} for the contact of a result")
     check_writable(target)
     require_result(tree)
+    nodes = two_whole("nodes", nodes, 2)
     require_memory(f"nodes = {nodes[0]}x{nodes[1]}", NODE_SIZE * math.prod(nodes), "the surfaces of the teeth")
     teeth = TeethInMesh.of(tree, torque, nodes)
     number = teeth.position_number(mesh_position)
@@ -181,7 +182,7 @@ class TeethInMesh:
         InputError
             If the result does not have it.
         """
-        near = np.abs(self.positions - mesh_position)
+        near = np.abs(self.positions - number("mesh_position", mesh_position))
         if not np.min(near) <= POSITION_TOLERANCE:
             count = self.positions.size
             nearest = self.positions[np.argmin(near)]

@@ -6,10 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
-from ...core.checks import positive, whole
+from ...core.checks import number, positive, whole
 from ...core.errors import InputError
 from ...core.magnitude import time_in_words
 
@@ -129,16 +127,17 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     >>> duty_cycle({100: 0.75, 300: 0.25})
     {100.0: 0.75, 300.0: 0.25}
     """
-    shares = dict(torque) if isinstance(torque, Mapping) else {torque: 1.0}
+    given = torque if isinstance(torque, Mapping) else {number("torque", torque, "N m"): 1.0}
+    shares = {number("torque", one, "N m"): number("share of a torque", share) for one, share in given.items()}
     total = sum(shares.values())
-    usable = bool(shares) and all(np.isfinite(v) and v > 0.0 for pair in shares.items() for v in pair)
+    usable = bool(shares) and all(v > 0.0 for pair in shares.items() for v in pair)
     wrong = [one for one in shares if usable and not TORQUE_MINIMUM <= one < TORQUE_LIMIT]
     if wrong:
         raise InputError(f"torque = {wrong[0]:g}: must be {torque_range()}")
     if not usable or abs(total - 1.0) > 1e-6:
-        given = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
+        told = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
         raise InputError(
-            f"torque = {{{given}}}: must be a torque above 0 [N m], or several with their shares of the revolutions, "
+            f"torque = {{{told}}}: must be a torque above 0 [N m], or several with their shares of the revolutions, "
             f"above 0; the shares add up to {total:g}, not 1"
         )
-    return {float(t): float(share) / total for t, share in shares.items()}
+    return {t: share / total for t, share in shares.items()}

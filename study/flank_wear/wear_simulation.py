@@ -30,6 +30,7 @@ from ...contact.load_capacity.archard_wear import (
 from ...contact.mesh_cycle import MeshCycle
 from ...contact.solvers import Status
 from ...core.attributes import labelled
+from ...core.checks import instance
 from ...core.errors import GeometryError
 from ...geometry.deviation.deviation import Deviation, Method
 from ...geometry.deviation.ease_off_update import deviated_ease_off
@@ -115,10 +116,11 @@ def wear(
     >>> worn.attrs["stop"]
     'all revolutions done'
     """
+    instance("law", law, WearLaw)
     checked, shares = checked_case(case), duty_cycle(torque)
     AnalysisSize.of(checked, len(shares)).require_memory()
     pair = prepared_pair(checked, flank, misalignment)
-    start = flank_deviations(pair, deviations or {}, interpolation)
+    start = flank_deviations(pair, deviations, interpolation)
     unloaded = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
     designed = in_assembly_under_load(unloaded, list(shares))
     if stage is not None:

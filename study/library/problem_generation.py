@@ -9,7 +9,8 @@ from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
 from ...contact.mesh_cycle import MeshCycle
 from ...contact.problem.contact_problem import ContactProblem
-from ...core.errors import GeometryError
+from ...core.checks import instance, shown
+from ...core.errors import GeometryError, InputError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import pair_geometry
 from ..case_in_mesh import prepared_pair
@@ -45,7 +46,12 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
     """
     cycles: dict[Any, MeshCycle] = {}
     real: dict[Source, ContactProblem] = {}
-    for entry in entries:
+    try:
+        given = iter(entries)
+    except TypeError as error:
+        raise InputError(f"entries = {shown(entries)}: must be a list of entries") from error
+    for entry in given:
+        instance("entry", entry, Entry)
         source = entry.source
         if source not in real:
             key = (source.case, source.flank, source.offset_error, source.pinion_axial_error)

@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import number
-from ...core.errors import InputError
+from ...core.checks import array, distinct, positive
 
 Array = NDArray[Any]
 
@@ -44,6 +43,11 @@ def equivalent_torque(torques: Array, cycles: Array, exponent: float) -> float:
     exponent
         p.
 
+    Raises
+    ------
+    InputError
+        If a number is negative, or there is no torque above 0 or no cycle.
+
     Examples
     --------
     >>> round(equivalent_torque(np.array([100.0, 200.0]), np.array([3.0, 1.0]), 1.0), 9)
@@ -51,8 +55,11 @@ def equivalent_torque(torques: Array, cycles: Array, exponent: float) -> float:
     >>> round(equivalent_torque(np.array([100.0, 200.0]), np.array([1.0, 1.0]), 1000.0), 1)
     199.9
     """
-    greatest = float(np.max(torques))
-    mean = float(np.average((torques / greatest) ** exponent, weights=cycles))
+    torques = array("torques", torques, "N m", ndim=1, fewest=1, least=0.0)
+    cycles = array("cycles", cycles, ndim=1, size=torques.size, least=0.0)
+    positive("sum of the cycles", cycles.sum())
+    greatest = positive("greatest of the torques", torques.max(), "N m")
+    mean = float(np.average((torques / greatest) ** positive("exponent", exponent), weights=cycles))
     return greatest * math.pow(mean, 1.0 / exponent)
 
 
@@ -69,10 +76,7 @@ def checked_exponents(exponents: Sequence[float]) -> tuple[float, ...]:
     >>> checked_exponents([6.61])
     (6.61,)
     """
-    found = tuple(number("damage_exponents", one, least=1.0, most=EXPONENT_LIMIT) for one in exponents)
-    if not found or len(set(found)) < len(found):
-        raise InputError(f"damage_exponents = {list(found)}: must be numbers that differ")
-    return found
+    return tuple(distinct("damage_exponents", exponents, least=1.0, most=EXPONENT_LIMIT).tolist())
 
 
 def duty_means(numbers: xr.Dataset, exponents: Sequence[float] = DAMAGE_EXPONENTS) -> xr.Dataset:

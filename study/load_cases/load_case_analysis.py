@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import misalignment as case_misalignment
 from ...cases.deflection_table import MisalignmentSource, misalignment_of
-from ...cases.deflections import Deflections
+from ...cases.deflections import FLANKS, Deflections
 from ...cases.load_cases import has_own_misalignment, load_case_misalignment, read_load_cases
 from ...cases.schema.case_schema import Case
 from ...cases.schema.load_case_table import LoadCase, named_load_cases
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import Status
 from ...core.attributes import labelled
+from ...core.checks import instance, one_of
 from ...core.errors import EaseoffError, InputError
 from ...core.stored_status import StoredStatus
 from ...geometry.deviation.deviation import Method
@@ -31,7 +32,7 @@ from ..analysis.contact_analysis import contact_analysis
 from ..analysis.friction_analysis import operation_of, with_friction
 from ..analysis.shown_progress import shows_progress, told
 from ..analysis.solver_options import require_solver_options
-from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case, require_kinds
 from ..deviations.deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
 from ..result_layout import RESULT_SCHEMA_VERSION
@@ -138,6 +139,13 @@ def analyze_load_cases(
     """
     require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
+    one_of("flank", flank, FLANKS)
+    require_kinds(
+        deviations=deviations,
+        modification=modification,
+        edge_contact=edge_contact,
+        friction_feedback=friction_feedback,
+    )
     rows = _named(case, load_cases)
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
     exponents = checked_exponents(damage_exponents)
@@ -229,6 +237,7 @@ def _named(case: Case, load_cases: Sequence[LoadCase] | str | Path | None) -> di
     if isinstance(load_cases, str | Path):
         load_cases = read_load_cases(load_cases)
     rows = case.load_cases if load_cases is None else load_cases
+    instance("load_cases", rows, Sequence)
     if not rows:
         raise InputError("load_cases: the case has none; give some, or tables [[load_cases]] in the case")
     for row in rows:

@@ -19,6 +19,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.checks import number
 from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.operation import named_models
@@ -260,7 +261,7 @@ def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict
         if wanted is None:
             continue
         values = friction[name].values
-        near = np.flatnonzero(np.isclose(values, wanted, rtol=TORQUE_TOLERANCE, atol=0.0))
+        near = np.flatnonzero(np.isclose(values, number(name, wanted), rtol=TORQUE_TOLERANCE, atol=0.0))
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(values))
             raise InputError(f"{name} = {wanted:g}: must be one of the result's: {there} {CONDITION_UNITS[name]}")

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...core.checks import distinct, words
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from .page import evenly_chosen, page
@@ -79,13 +80,19 @@ def panels(
         for axes in found[wanted:]:
             axes.set_visible(False)
         return Panels(figure, found[:wanted], True)
-    given = np.array([own] if isinstance(own, Axes) else list(np.ravel(np.array(own, dtype=object))), dtype=object)
-    if given.size != wanted or not all(isinstance(axes, Axes) for axes in given):
+    given = _flat(own)
+    if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
         needed = "one Axes" if wanted == 1 else f"{wanted} Axes, one a panel"
-        raise InputError(f"axes = {given.size} of {kinds}: must be {needed}")
+        raise InputError(f"axes = {len(given)} of {kinds}: must be {needed}")
     figure = given[0].get_figure(root=True)
-    return Panels(figure, given, False)
+    return Panels(figure, np.array(given, dtype=object), False)
+
+
+def _flat(own: Any) -> list[Any]:
+    """Axes one by one, out of lists and arrays of whatever shape."""
+    own = own.ravel().tolist() if isinstance(own, np.ndarray) else own
+    return [axes for part in own for axes in _flat(part)] if isinstance(own, list | tuple) else [own]
 
 
 def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> NDArray[np.int64]:
@@ -113,7 +120,7 @@ def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None
     if wanted is None:
         return evenly_chosen(torques, most)
     found = []
-    for torque in np.atleast_1d(np.asarray(wanted, dtype=float)):
+    for torque in distinct("torque", wanted, "N m"):
         near = np.flatnonzero(np.isclose(torques, torque, rtol=TORQUE_TOLERANCE, atol=0.0))
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(torques))
@@ -137,10 +144,10 @@ def chosen_parts(known: Sequence[str], wanted: str | Sequence[str] | None, key: 
     """
     if wanted is None:
         return tuple(known)
-    names = tuple(dict.fromkeys([wanted] if isinstance(wanted, str) else wanted))
+    names = (wanted,) if isinstance(wanted, str) else tuple(dict.fromkeys(words(key, wanted)))
     for name in names:
         if name not in known:
-            raise InputError(f"{key} = {str(name)!r}: must be one of {', '.join(known)}{suggestion(str(name), known)}")
+            raise InputError(f"{key} = {name!r}: must be one of {', '.join(known)}{suggestion(name, known)}")
     if not names:
         raise InputError(f"{key}: must name one at least of {', '.join(known)}")
     return names

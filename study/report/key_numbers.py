@@ -11,6 +11,8 @@ from ...contact.evaluation.flank_region import flank_share
 from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
 from ...core.attributes import labelled
+from ...core.checks import instance
+from ...core.errors import InputError
 from ...core.ordered_values import ordered
 
 HARMONIC_COUNT = 3  # of the transmission error
@@ -83,6 +85,9 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
         groups = {name: child.to_dataset() for name, child in result.children.items()}
     else:
         groups = result
+    instance("result", groups, Mapping)
+    if not {"ease_off", "loaded", "unloaded"} <= set(groups):
+        raise InputError("result: must be of analyze or read_result, or its groups by name")
     loaded, unloaded = groups["loaded"], groups["unloaded"]
     numbers = _unloaded(groups["ease_off"], unloaded) | _loaded(loaded)
     sources = [unloaded, loaded]

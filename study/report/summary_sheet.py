@@ -14,6 +14,7 @@ from ...cases.recording import with_blanks
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...cases.schema.usual_names import motion_name, usual_name
+from ...core.checks import instance
 from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ...geometry.pair.gear_pair import FlankName
 from ..design.pair_warnings import case_warnings, unusual_set_ups
@@ -133,7 +134,8 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     >>> list(sheet.tables)
     ['Blanks', 'Cutters', 'Machine settings', 'Teeth and slots']
     """
-    steps = resolution or USUAL_RESOLUTION
+    instance("case", case, Case)
+    steps = USUAL_RESOLUTION if resolution is None else resolution
     rounded = with_blanks(rounded_case(case, steps))
     effect = rounding_effect(case, rounded_case(case, steps))
     spaces, warnings = case_warnings(rounded)

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import number, one_of, shown, whole
+from ...core.checks import array, instance, number, one_of, shown, whole
 from ...core.errors import InputError
 
 Array = NDArray[np.float64]
@@ -55,6 +55,7 @@ class Distribution:
 
     def __post_init__(self) -> None:
         names = PARAMETERS[one_of("distribution", self.kind, PARAMETERS)]
+        array("parameters of a distribution", self.parameters, ndim=1)
         wanted = f"{self.kind}({', '.join(names)})"
         if len(self.parameters) != len(names):
             raise InputError(f"{self.text}: must be {wanted}")
@@ -68,6 +69,7 @@ class Distribution:
     @classmethod
     def parsed(cls, text: str) -> Distribution:
         """Distribution of a text such as ``normal(0, 0.03)``; raises InputError if it is none."""
+        instance("distribution", text, str)
         found = TEXT.fullmatch(text)
         try:
             parameters = tuple(float(part) for part in found[2].split(",")) if found else ()

@@ -15,7 +15,7 @@ import xarray as xr
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.deflections import Deflections, misalignment_at
 from ...cases.schema.case_schema import Case
-from ...core.checks import whole
+from ...core.checks import file_path, whole
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -217,7 +217,7 @@ def batch_store(plan: SweepPlan, folder: str | os.PathLike[str], *, fresh: bool 
     ...     batch_store(planned_sweep("nasa-12x36", {"E": [0.05]}), f"{folder}/batches").bounds is None
     True
     """
-    return BatchStore(Path(folder), plan.digest, plan.description, plan.table.count, fresh=fresh)
+    return BatchStore(file_path("store", folder), plan.digest, plan.description, plan.table.count, fresh=fresh)
 
 
 def _blocks(

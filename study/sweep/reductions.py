@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import one_of, shown, whole
+from ...core.checks import array, one_of, truth, whole, words
 from ...core.errors import InputError
 
 Array = NDArray[Any]
@@ -107,12 +107,10 @@ def percentiles(
     >>> bool(middle.item() == found["peak_to_peak"].sel(E=0.02).item())
     True
     """
-    wanted = np.asarray(percent, dtype=float)
-    if wanted.ndim != 1 or not np.all((wanted >= 0.0) & (wanted <= 100.0)):
-        raise InputError(f"percent = {shown(percent)}: must be numbers from 0 to 100")
+    wanted = array("percent", percent, ndim=1, least=0.0, most=100.0)
     own = set(reduced_dimensions(dataset))
     data: dict[str, Any] = {}
-    for name in numbers(dataset) if names is None else names:
+    for name in numbers(dataset) if names is None else words("names", names):
         variable = dataset[one_of("name", name, numbers(dataset))].variable
         over = [dim for dim in variable.dims if dim in own]
         rest = [dim for dim in variable.dims if dim not in own]
@@ -268,6 +266,7 @@ def worst_points(dataset: xr.Dataset, name: str, count: int = 3, *, least: bool 
     """
     one_of("name", name, numbers(dataset))
     whole("count", count, 1)
+    truth("least", least)
     variable = dataset[name]
     values = variable.values.ravel()
     known = np.flatnonzero(~np.isnan(values))

@@ -17,14 +17,14 @@ from ...cases.reading import shipped_deviations
 from ...cases.schema.case_schema import Case
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import require_solver
-from ...core.checks import shown
+from ...core.checks import instance, shown
 from ...core.errors import InputError
 from ...core.processes.memory import require_memory
 from ...core.reading.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
 from ..analysis.contact_analysis import case_torques
 from ..analysis.friction_analysis import friction_settings, operation_of
-from ..case_in_mesh import checked_case, prepared_pair
+from ..case_in_mesh import checked_case, prepared_pair, require_kinds
 from ..deviations.deviation_source import flank_deviations
 from .axis import Axis, grid_axis, is_distribution
 from .distribution import Distribution, Sampler, sample_values
@@ -174,6 +174,8 @@ def planned_sweep(
         checked_thickness(options["marking"])
     if options.get("misalignment") is not None:
         options["misalignment"] = misalignment_of(options["misalignment"])
+    instance("over", over, Mapping | None)
+    require_kinds(deviations=deviations, **options)
     axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)
     single = {"torque": torques, "speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     single |= {f"deviation.{member}": source for member, source in (deviations or {}).items()}

@@ -18,8 +18,7 @@ from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case, ComplianceTable
 from ...contact.evaluation.marking_print import checked_thickness
 from ...core.attributes import labelled
-from ...core.checks import number, whole
-from ...core.errors import InputError
+from ...core.checks import number, two_whole, whole
 from ...core.writing.netcdf_output import write_netcdf
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
@@ -150,9 +149,8 @@ def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def _counts(grid: tuple[int, int]) -> tuple[int, int]:
-    if np.shape(grid) != (2,):
-        raise InputError(f"grid = {grid!r}: must be two numbers of values, of V and of H")
-    return whole("grid", grid[0], 2, GRID_COUNT_LIMIT), whole("grid", grid[1], 2, GRID_COUNT_LIMIT)
+    of_v, of_h = two_whole("grid", grid, 2)
+    return whole("grid", of_v, 2, GRID_COUNT_LIMIT), whole("grid", of_h, 2, GRID_COUNT_LIMIT)
 
 
 def _unloaded(case: Case, nodes: tuple[int, int], mesh_positions: int) -> Case:

@@ -19,13 +19,14 @@ from scipy.interpolate import PchipInterpolator
 from ...contact.compliance.finite_elements.bricks import quadratic
 from ...contact.compliance.finite_elements.elastic_body import elastic_body
 from ...contact.compliance.material import Material
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, number, whole
 from ...geometry.tooth.lattice_spacing import with_middles
 
 Array = NDArray[Any]
 FACE_GAUSS_POINTS = 8  # in each direction of a brick's face; the stress is singular at the load
 FIRST_BRICK = 0.03  # [mm]
 GROWTH = 2.0  # of the bricks' borders away from the end of the load
+BORDER_COUNT_LIMIT = 16  # 1 km
 
 
 @frozen_arrays
@@ -86,14 +87,18 @@ def end_relief(material: Material, *, slant: float = 0.0, oblique: float = 0.0, 
     >>> found.sinking.shape, bool(np.all(np.diff(found.sinking[1:6, 0]) < 0.0))
     ((13, 13), True)
     """
+    instance("material", material, Material)
+    number("slant", slant, "rad", above=-0.5 * math.pi, below=0.5 * math.pi)
+    number("oblique", oblique, "rad", above=-0.5 * math.pi, below=0.5 * math.pi)
+    whole("borders", borders, 2, BORDER_COUNT_LIMIT)
     sides = np.concatenate([[0.0], FIRST_BRICK * GROWTH ** np.arange(borders)])
     one, both = with_middles(sides), with_middles(np.concatenate([-sides[:0:-1], sides]))
     across, along, deep = np.meshgrid(both, one, one, indexing="ij")
     leaning = math.tan(slant), math.tan(oblique)
     nodes = np.stack([across, along + leaning[0] * deep + leaning[1] * across, deep], axis=-1)
-    number = np.arange(across.size).reshape(across.shape)
-    windows = np.lib.stride_tricks.sliding_window_view(number, (3, 3, 3))[::2, ::2, ::2]
-    held = np.unique(np.concatenate([number[0], number[-1], number[:, -1], number[:, :, -1]], axis=None))
+    index = np.arange(across.size).reshape(across.shape)
+    windows = np.lib.stride_tricks.sliding_window_view(index, (3, 3, 3))[::2, ::2, ::2]
+    held = np.unique(np.concatenate([index[0], index[-1], index[:, -1], index[:, :, -1]], axis=None))
     body = elastic_body(nodes.reshape(-1, 3), windows.reshape(-1, 3, 3, 3), held, material)
     loads = np.zeros((across.size, 3))
     x, w = np.polynomial.legendre.leggauss(FACE_GAUSS_POINTS)
@@ -104,7 +109,7 @@ def end_relief(material: Material, *, slant: float = 0.0, oblique: float = 0.0, 
             at = (both[i + 1] + half[0] * x)[:, None], (one[k + 1] + half[1] * x)[None]
             weight = half[0] * half[1] * np.outer(w, w)
             traction = _traction(*at, leaning, material.poisson_ratio) * weight[..., None]
-            face = number[i : i + 3, 0, k : k + 3].ravel()
+            face = index[i : i + 3, 0, k : k + 3].ravel()
             loads[face] += np.einsum("pi,qj,pqx->ijx", shape, shape, traction).reshape(9, 3)
     moved = body.solve(loads.reshape(-1, 1)).reshape(*across.shape, 3)
     return EndRelief(one, one, moved[both.size // 2, :, :, 2], leaning[0])

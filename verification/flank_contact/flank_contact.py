@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...contact.compliance.material import Material
 from ...contact.lines.mesh_lines import MeshLines
-from ...core.checks import frozen_arrays, positive
+from ...core.checks import frozen_arrays, instance, instances, positive, truth, whole
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
@@ -114,6 +114,12 @@ def contact_of_flanks(
     >>> print(found.load_share.sum().round(9))
     1.0
     """
+    instance("flanks", flanks, FlanksInMesh)
+    instance("mesh", mesh, MeshLines)
+    whole("position", position, 0, mesh.rotations.size - 1)
+    truth("beyond_lines", beyond_lines)
+    instances("responses", responses, FlankResponse, 2)
+    instances("materials", materials, Material, 2)
     for name, value, unit in (
         ("torque", torque, "N m"),
         ("half_width", half_width, "mm"),

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 from ...contact.compliance.finite_elements.array_store import kept, key_of
 from ...contact.compliance.finite_elements.finite_element_tooth import unfilled
 from ...contact.compliance.material import Material
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance
 from ...core.errors import GeometryError
 from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
@@ -143,6 +143,8 @@ def flank_response(
     >>> response.beyond_half_space.shape
     (35, 35)
     """
+    instance("material", material, Material)
+    instance("size", size, LatticeSize)
     lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS))
     key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}

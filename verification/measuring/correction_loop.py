@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...cases.conversion import gear_pair
 from ...cases.reading import read_case
 from ...cases.schema.case_schema import Case
-from ...core.checks import frozen_arrays
+from ...core.checks import frozen_arrays, instance, number, positive
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.cutting.named_settings import get_setting, with_settings
 from ...geometry.flanks.flank import solve_flank
@@ -117,6 +117,13 @@ def correction_loop(
     >>> correction_loop(read_case("fm-11x41"), "gear", errors).left < 0.03
     True
     """
+    instance("case", case, Case)
+    instance("errors", errors, Mapping)
+    for which in SIDES:
+        instance(f"errors of the {which} flank", errors.get(which), Mapping)
+        for name, by in errors[which].items():
+            number(f"error {name}", by)
+    positive("noise", noise, "um", zero=True)
     before = measured_case(case, case, member, errors)
     random = np.random.default_rng(7)
     noisy = {which: value + noise * random.normal(size=value.shape) for which, value in before.items()}

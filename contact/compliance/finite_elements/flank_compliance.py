@@ -150,7 +150,8 @@ def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDA
     along = np.interp(at[:, None] + away, nodes, lengthwise)
     spread = np.stack([along, np.broadcast_to(points[1][:, None], along.shape)]).reshape(2, -1)
     found, shares = flank_shares(lengthwise, profile, spread)
-    return found.reshape(at.size, -1), shares.reshape(at.size, -1) / SPREAD_POINT_COUNT
+    of_point = (at.size, 9 * SPREAD_POINT_COUNT)
+    return found.reshape(of_point), shares.reshape(of_point) / SPREAD_POINT_COUNT
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.checks import shown
+from ....core.checks import instance, shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
 from ....core.writing.netcdf_output import write_netcdf
@@ -104,13 +104,16 @@ def write_problems(
     dataset = _dataset(problems)
     if answers is not None:
         dataset = dataset.assign(reference_variables(answers, dataset.sizes["segment"]))
-    for name, values in (labels or {}).items():
+    labels, attributes = {} if labels is None else labels, {} if attributes is None else attributes
+    instance("labels", labels, Mapping)
+    instance("attributes", attributes, Mapping)
+    for name, values in labels.items():
         described = values.attrs if isinstance(values, xr.DataArray) else None
         dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
-    taken = sorted(set(attributes or {}) & set(dataset.attrs))
+    taken = sorted(set(attributes) & set(dataset.attrs))
     if taken:
         raise InputError(f"attribute = {taken[0]!r}: must be another name, the file has an attribute of this one")
-    dataset.attrs.update(attributes or {})
+    dataset.attrs.update(attributes)
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
         for name, variable in dataset.variables.items()

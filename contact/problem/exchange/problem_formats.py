@@ -98,7 +98,7 @@ def export_problems(
     ['problem_0000.qps', 'problem_0001.qps']
     """
     given = ProblemSet.of(problems)
-    path = Path(output)
+    path = file_path("output", output)
     name = output_format(path, format, len(given.problems))
     kind = FORMATS[name]
     if form is not None:

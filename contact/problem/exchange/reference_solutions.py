@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.checks import shown
+from ....core.checks import instances, shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
 from ..answer import Answer, no_answer, with_certificate
@@ -44,6 +44,7 @@ def require_answers(problems: Sequence[ContactProblem], answers: Sequence[Answer
     """
     if answers is None:
         return
+    instances("answers", answers, Answer)
     if len(answers) != len(problems):
         raise InputError(f"answers = {len(answers)}: must be one for each of {len(problems)} problems")
     for i, (problem, answer) in enumerate(zip(problems, answers, strict=True)):

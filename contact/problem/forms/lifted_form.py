@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.checks import instance
+from ....core.checks import instance, truth
 from ....core.errors import InputError
 from ..answer import Answer, unscaled, vector_of
 from ..contact_problem import ContactProblem
@@ -99,6 +99,7 @@ def lifted_qp(problem: ContactProblem, *, compress: bool = False) -> LiftedQP:
     (2, 3)
     """
     instance("problem", problem, ContactProblem)
+    truth("compress", compress)
     return LiftedQP(lifted_programme(problem.scaled(), compress=compress), problem)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import number, one_of, shown, truth
+from ....core.checks import instance, number, one_of, shown, truth
 from ....core.errors import InputError
 from ....core.processes.foreign_code import ForeignCodeError, foreign_code
 from ...problem.certificate import EXACT_TOLERANCE
@@ -107,13 +107,11 @@ class Solver:
         name: Any = self.name
         if not isinstance(name, str) or not name.strip():
             raise InputError(f"name = {shown(name)}: must be a text")
-        function: Any = self.function
-        if not callable(function):
-            raise InputError(f"function = {shown(function)}: must be callable with a problem")
+        instance("function", self.function, Callable)
         given: Any = self.forms
-        forms = (given,) if isinstance(given, str) else tuple(given)
+        forms = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Sequence) else ()
         if not forms:
-            raise InputError(f"forms = (): must be at least one of {', '.join(DECLARED_FORMS)}")
+            raise InputError(f"forms = {shown(given)}: must be at least one of {', '.join(DECLARED_FORMS)}")
         for form in forms:
             one_of("forms", form, DECLARED_FORMS)
         object.__setattr__(self, "forms", forms)

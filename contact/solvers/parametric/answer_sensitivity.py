@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.checks import positive
 from ...problem.answer import Answer
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
@@ -39,6 +40,7 @@ def tangent_answer_sensitivity(
     deflection
         Deflections under the forces of the answer (n) [mm].
     """
+    positive("tolerance", tolerance, zero=True)
     force, gap = answer.force, answer.gap
     scale = abs(answer.elastic_rotation) * float(np.abs(problem.lever_arm[force > 0.0]).max(initial=0.0))
     yielding = float(force.max()) * float(tangent.diagonal.max())

@@ -23,12 +23,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....core.checks import frozen_arrays
+from ....core.stored_status import StoredStatus
 from ..rolling_contact.asperities import Asperities
 from ..rolling_contact.lubricated_contact import LubricatedContact
 from . import hierarchical_matrix as hierarchical
@@ -44,7 +44,7 @@ HERTZ_LOAD = 0.5 * math.pi
 PRESSURE_TOLERANCE = 1e-9
 
 
-class State(IntEnum):
+class State(StoredStatus):
     """Which condition holds at a node; the order is that of the members of the condition.
 
     Examples

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ....core.checks import one_of
+from ....core.checks import instance, one_of
 from ....core.errors import InputError
 from ...oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 from .lubricated_contact import LubricatedContact
@@ -36,6 +36,7 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     >>> print(f"{film_factor(LubricatedContact(1e9, 0.02, 10.0, oil)):.3f}")
     0.736
     """
+    instance("contact", contact, LubricatedContact)
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
     value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS[1:])](groups))
     if not 0.0 < value <= 1.0:

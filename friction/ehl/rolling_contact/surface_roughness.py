@@ -171,6 +171,7 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
     """
     trace = checks.array("heights", heights, "m", ndim=1, fewest=16)
     checks.positive("spacing", spacing, "m")
+    checks.truth("detrend", detrend)
     largest = np.abs(trace).max()
     if detrend:
         index = np.arange(trace.size)

@@ -86,8 +86,8 @@ def run_study(
     checks.instance("design", design, Design)
     checks.instance("resolution", resolution, Resolution)
     checks.number("seconds", seconds, "s", infinite=True)
-    if progress is not None and not callable(progress):
-        raise InputError(f"progress = {checks.shown(progress)}: must be a function of two numbers")
+    checks.truth("dask", dask)
+    checks.instance("progress", progress, Callable | None)
     target = checks.file_path("path", path)
     check_writable(target)
     _check_is_study(target)

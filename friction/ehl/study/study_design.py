@@ -156,7 +156,7 @@ class Design:
     def __post_init__(self) -> None:
         for field in fields(self):
             levels = getattr(self, field.name)
-            if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
+            if not isinstance(levels, list | tuple | np.ndarray) or getattr(levels, "ndim", 1) != 1 or not len(levels):
                 raise InputError(f"{field.name} = {checks.shown(levels)}: must be levels in a row, such as (1.0, 2.0)")
             object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
 

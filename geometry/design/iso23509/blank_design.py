@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
-from ....core.checks import number, one_of, positive
+from ....core.checks import number, one_of, positive, two_whole, whole
 from ....core.errors import InputError
 
 Process = Literal["face_milled", "face_hobbed"]
@@ -152,15 +151,13 @@ class BlankDesign:
             number(field.name, value)
 
     def _check_choices(self) -> None:
-        if self.method not in (0, 1, 2, 3):
-            raise InputError(f"method = {self.method!r}: must be one of 0, 1, 2, 3")
+        whole("method", self.method, 0, 3)
         one_of("process", self.process, PROCESSES)
         if self.depth_taper is not None:
             one_of("depth_taper", self.depth_taper, DEPTH_TAPERS)
-        teeth: Sequence[object] = self.number_of_teeth
-        whole = [n for n in teeth if isinstance(n, int) and n > 0]
-        if len(teeth) != 2 or len(whole) != 2 or whole[0] > whole[1]:
-            raise InputError(f"number_of_teeth = {teeth!r}: must be two whole numbers, pinion first, pinion <= gear")
+        pinion_teeth, gear_teeth = two_whole("number_of_teeth", self.number_of_teeth, 1)
+        if pinion_teeth > gear_teeth:
+            raise InputError(f"number_of_teeth = {self.number_of_teeth}: must be pinion first, pinion <= gear")
         if self.process == "face_milled" and self.number_of_blade_groups is not None:
             raise InputError("number_of_blade_groups: belongs to a face-hobbed pair, leave it out for face_milled")
         if self.process == "face_hobbed":

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ....core.checks import check_fields
+
 
 @dataclass(frozen=True)
 class PitchCones:
@@ -42,6 +44,9 @@ class PitchCones:
     pinion_mean_spiral_angle: float
     gear_mean_spiral_angle: float
     face_width_factor: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def pinion_mean_pitch_diameter(self) -> float:

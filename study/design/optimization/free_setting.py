@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ....cases.conversion import gear_pair
 from ....cases.recording import flank_settings
 from ....cases.schema.case_schema import Case
-from ....core.checks import shown
+from ....core.checks import array, shown, words
 from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
@@ -108,7 +108,7 @@ def free_settings(
             raise InputError("free = None: must name settings, as the pinion has none that its set-up moves")
         return usual
     found: dict[str, FreeSetting] = {}
-    for pattern in patterns:
+    for pattern in words("free", patterns, 1):
         names = [name for name, one in known.items() if any(fnmatchcase(key, pattern) for key in (name, *one.moves))]
         if not names:
             raise InputError(
@@ -321,7 +321,8 @@ def with_limits(
         one.name: replace(one, low=one.start - reach * u, high=one.start + reach * u)
         for one, u in zip(free, units, strict=True)
     }
-    for pattern, (low, high) in limits.items():
+    for pattern, ends in limits.items():
+        low, high = array(f"limit_setting {pattern}", ends, ndim=1, size=2).tolist()
         names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in one.own_keys)]
         if not names:
             raise InputError(

@@ -12,11 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....cases.conversion import misalignment as case_misalignment
-from ....cases.deflection_table import MisalignmentSource, misalignment_of
+from ....cases.deflection_table import MisalignmentSource, misalignments_of
 from ....cases.schema.case_schema import Case
 from ....cases.writing import case_toml
 from ....core.attributes import labelled
-from ....core.checks import number, one_of, positive, shown, whole
+from ....core.checks import array, instance, number, one_of, shown, whole, words
 from ....core.errors import InputError
 from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
@@ -150,6 +150,10 @@ def optimize(
     sides: tuple[FlankName, ...] = (
         get_args(FlankName) if one_of("flank", flank, get_args(Flanks)) == "both" else (flank,)
     )
+    instance("spread", spread, Mapping | None)
+    instance("limit_settings", limit_settings, Mapping | None)
+    instance("resolution", resolution, MachineResolution | None)
+    instance("resume", resume, xr.DataTree | None)
     whole("steps", steps, 1, STEP_LIMIT)
     number("move", move, "um", above=0.0, most=1000.0)
     load = case_torques(checked, torques)
@@ -242,17 +246,16 @@ def _point_count(aim: Aim, points: int | None, weights: Sequence[float] | None) 
 
 
 def _objectives(minimize: Sequence[str], weights: Sequence[float] | None) -> tuple[Objective, ...]:
-    if isinstance(minimize, str):
-        raise InputError(f"minimize = {minimize!r}: must be a list of quantities, such as ['peak_to_peak']")
-    own = [1.0] * len(minimize) if weights is None else [positive("weight", weight) for weight in weights]
-    if len(own) != len(minimize):
-        raise InputError(f"weights = {own}: must be as many as objectives, {len(minimize)}")
-    return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(minimize, own, strict=True))
+    texts = words("minimize", minimize)
+    own = [1.0] * len(texts) if weights is None else array("weights", weights, ndim=1, above=0.0).tolist()
+    if len(own) != len(texts):
+        raise InputError(f"weights = {own}: must be as many as objectives, {len(texts)}")
+    return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(texts, own, strict=True))
 
 
 def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLimit, ...]:
     """Limits that are given; the usual one of the root line, unless one is given."""
-    given = tuple(limit for text in texts for limit in QuantityLimit.parsed(text))
+    given = tuple(limit for text in words("limits", texts) for limit in QuantityLimit.parsed(text))
     if any(limit.quantity.name == "root_line_change" for limit in given):
         return given
     return (*given, QuantityLimit(ContactQuantity("root_line_change"), usual_root_line_change(pairs)))
@@ -269,7 +272,7 @@ def _assemblies(
 ) -> tuple[list[Misalignment], int]:
     """All assemblies, the case's own first, and how many of them were drawn; of a worst case with the corners."""
     own = constant_assemblies([case_misalignment(case.misalignment)])[0]
-    given = constant_assemblies([misalignment_of(one) for one in misalignments])
+    given = constant_assemblies(misalignments_of(misalignments))
     drawn = sampled_assemblies(own, spread, samples, seed)
     corners = corner_assemblies(own, spread) if form == "worst" else []
     return [own, *given, *corners, *drawn], len(drawn)

@@ -15,6 +15,7 @@ from matplotlib.patches import Ellipse, Rectangle
 from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
+from ....core.checks import instance
 from ....core.errors import InputError
 from ...report.sweep_report import outcome
 from ...sweep.reductions import (
@@ -108,6 +109,7 @@ def draw(
     InputError
         As ``pictures``, and if the sweep does not have the picture or a number.
     """
+    instance("picture", picture, str | None)
     there = short_names(dataset)
     if not there:
         raise InputError("the sweep has no picture: nothing in it takes several values")

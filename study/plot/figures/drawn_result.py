@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import xarray as xr
 
 from ....core.errors import InputError
-from ....core.suggestion import suggestion
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_flanks import MemberName
+from ...result_layout import VARIABLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +45,7 @@ def require_result(tree: object, *groups: str) -> None:
     Traceback (most recent call last):
     easeoff.core.errors.InputError: tree: must be a result of 'easeoff run' or analyze
     """
-    if not isinstance(tree, xr.DataTree) or ("loaded" not in tree.children and "load_cases" not in tree.children):
+    if not isinstance(tree, xr.DataTree) or not ("load_cases" in tree.children or VARIABLES.keys() <= {*tree.children}):
         raise InputError("tree: must be a result of 'easeoff run' or analyze")
     for group in groups or ("loaded",):
         if group not in tree.children:
@@ -57,9 +57,9 @@ def require_result(tree: object, *groups: str) -> None:
 
 def views(tree: xr.DataTree, member: str | None = None) -> tuple[ToothView, ...]:
     """Views of the flanks of gear and pinion, or of one of them."""
+    from ..panel_grid import chosen_parts
     from ..tooth_view import tooth_view
 
     names: tuple[MemberName, ...] = ("gear", "pinion")
-    if member is not None and member not in names:
-        raise InputError(f"member = {member!r}: must be one of {', '.join(MEMBERS)}{suggestion(str(member), MEMBERS)}")
-    return tuple(tooth_view(tree, name) for name in names if member in (None, name))
+    chosen = chosen_parts(MEMBERS, member, "member")
+    return tuple(tooth_view(tree, name) for name in names if name in chosen)

@@ -9,6 +9,7 @@ import xarray as xr
 
 from ....core.errors import InputError
 from ...report.summary.deflection_report import misalignment_over_torque
+from ...result_layout import VARIABLES
 from . import contact_figures, friction_figures, study_figures
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
     for name, (_, sign) in STUDY_PICTURES.items():
         if sign in held:
             return (name,)
-    if not isinstance(result, xr.DataTree) or "loaded" not in held:
+    if not isinstance(result, xr.DataTree) or not VARIABLES.keys() <= {*held}:
         raise InputError("result: must be of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'")
     return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import xarray as xr
 
+from ....core.checks import instance
 from ....core.errors import InputError
 from ...sweep.sweep_file import is_sweep
 from ..drawing_style import drawing
@@ -142,6 +143,7 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     >>> len(easeoff.plot.vh_check(found).axes)
     3
     """
+    instance("found", found, xr.Dataset)
     if "print_excess" not in found or "in_plane" not in found:
         raise InputError("found: must be of 'easeoff vh' or study.vh_check")
     with drawing(axes):
@@ -183,6 +185,7 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     >>> len(easeoff.plot.wear(history, parts=["largest_depth", "max_pressure"]).axes)
     2
     """
+    instance("history", history, xr.Dataset)
     if "wear_depth" not in history or "revolutions" not in history:
         raise InputError("history: must be of 'easeoff wear' or study.wear")
     with drawing(axes):

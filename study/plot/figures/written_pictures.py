@@ -7,12 +7,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
-from ....core.checks import file_path, whole
+from ....core.checks import distinct, file_path, one_of, whole
 from ....core.errors import InputError
-from ....core.suggestion import suggestion
 from ..drawing_style import drawing
 from ..picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
 from .picture_list import WITH_TORQUES, draw_picture, kind_of, pictures
@@ -78,15 +76,14 @@ def write_pictures(
     ...     [path.name for path in write_pictures(tree, folder, names=["ease_off", "pressure"])]
     ['nasa-12x36-drive-ease_off.png', 'nasa-12x36-drive-pressure.png']
     """
-    if file_format not in FORMATS:
-        raise InputError(f"format = {file_format!r}: must be one of {', '.join(FORMATS)}")
+    one_of("format", file_format, FORMATS)
     if dpi is not None:
         dpi = whole("dpi", dpi, DPI_MINIMUM, DPI_LIMIT)
     if marking is not None:
         from ....contact.evaluation.marking_print import checked_thickness
 
         checked_thickness(marking)
-    torques = None if torque is None else [float(one) for one in np.atleast_1d(torque)]
+    torques = None if torque is None else distinct("torque", torque, "N m").tolist()
     parts = list(_parts(result, file_path("folder", folder), flank))
     chosen = _chosen([one for one, _ in parts], names, torques)
     written: list[Path] = []
@@ -107,8 +104,8 @@ def _parts(
     result: xr.DataTree | xr.Dataset, folder: Path, flank: str | None
 ) -> Iterator[tuple[xr.DataTree | xr.Dataset, Path]]:
     """What is drawn, and where: the result, and of one over load cases each of theirs; those of a flank alone."""
-    if flank is not None and flank not in FLANKS:
-        raise InputError(f"flank = {flank!r}: must be one of {', '.join(FLANKS)}")
+    if flank is not None:
+        one_of("flank", flank, FLANKS)
     if isinstance(result, xr.Dataset) and "flank" in result.dims:
         there = [str(name) for name in result["flank"].values]
         yield (result if flank is None else result.isel(flank=[_number(there, flank)])), folder
@@ -138,17 +135,11 @@ def _chosen(
     results: Sequence[xr.DataTree | xr.Dataset], names: str | Sequence[str] | None, torques: Sequence[float] | None
 ) -> list[tuple[str, ...]]:
     """Names of the pictures of each result; those that are asked for if one has them, before anything is drawn."""
+    from ..panel_grid import chosen_parts
+
     there = [pictures(one) for one in results]
     known = tuple(dict.fromkeys(name for own in there for name in own))
-    wanted = known if names is None else tuple(dict.fromkeys([names] if isinstance(names, str) else names))
-    for name in wanted:
-        if name not in known:
-            raise InputError(
-                f"pictures = {str(name)!r}: must be one of those of the result: {', '.join(known)}"
-                f"{suggestion(str(name), known)}"
-            )
-    if not wanted:
-        raise InputError(f"pictures: must name one at least of {', '.join(known)}")
+    wanted = chosen_parts(known, names, "pictures")
     if torques is not None:
         _require_torques(results, torques)
         if names is not None and not set(wanted) & set(WITH_TORQUES):

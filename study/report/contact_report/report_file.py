@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....core.checks import instance
 from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.writing.output_file import whole_file
@@ -79,12 +80,12 @@ def write_report(
     ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     True
     """
-    if isinstance(results, Sequence):
-        named = by_name(results)
-    elif isinstance(results, xr.DataTree | xr.Dataset):
-        named = by_name([results])
-    else:
-        named = dict(results)
+    instance("author", author, str)
+    given = [results] if isinstance(results, xr.DataTree | xr.Dataset) else results
+    instance("results", given, Mapping | list | tuple)
+    for one in given.values() if isinstance(given, Mapping) else given:
+        instance("one of the results", one, xr.DataTree | xr.Dataset)
+    named = given if isinstance(given, Mapping) else by_name(given)
     text = report_page(named, author)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

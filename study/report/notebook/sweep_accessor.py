@@ -42,7 +42,7 @@ class SweepSummary:
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset = dataset
+        self._dataset = _checked_sweep(dataset)
         self.text = sweep_summary(dataset)
 
     @cached_property
@@ -165,9 +165,13 @@ class SweepAccessor:
             return None  # a notebook shows the text instead
 
     def _sweep(self) -> xr.Dataset:
-        """The dataset, if it is a sweep."""
-        if not is_sweep(self._dataset):
-            raise InputError("dataset: must be a sweep of easeoff.sweep or easeoff.study.sweep.read_sweep")
-        if faults := sweep_faults(self._dataset):
-            raise InputError(f"dataset: a sweep that is damaged or changed: {faults[0]}")
-        return self._dataset
+        return _checked_sweep(self._dataset)
+
+
+def _checked_sweep(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset, if it is a sweep."""
+    if not is_sweep(dataset):
+        raise InputError("dataset: must be a sweep of easeoff.sweep or easeoff.study.sweep.read_sweep")
+    if faults := sweep_faults(dataset):
+        raise InputError(f"dataset: a sweep that is damaged or changed: {faults[0]}")
+    return dataset
