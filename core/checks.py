@@ -476,10 +476,11 @@ def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
     return found
 
 
-def check_fields(record: Any) -> None:
+def check_fields(record: Any, of: str = "") -> None:
     """Refuse a record whose values are of other kinds than the annotations of its fields: for ``__post_init__``.
 
-    A ``float`` is a finite number, an ``int`` a whole one of 0 or more. Arrays, tuples and dicts are not looked into.
+    A ``float`` is a finite number, one that is none of Python's own is made that; an ``int`` is a whole number of 0 or
+    more. Arrays, tuples and dicts are not looked into. ``of`` stands before the name in the message.
 
     Raises
     ------
@@ -507,7 +508,9 @@ def check_fields(record: Any) -> None:
             if not isinstance(value, str | int) or value not in get_args(kind):
                 raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")
         elif kind is float:
-            number(name, value)
+            found = number(f"{of}{name}", value)
+            if not isinstance(value, float):
+                object.__setattr__(record, name, found)
         elif kind is int:
             whole(name, value, 0)
         elif kind is bool:

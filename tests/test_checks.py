@@ -297,6 +297,12 @@ def test_records_refuse_what_is_no_number(record: Any, name: str, wrong: object)
         replace(record, **{name: wrong})
 
 
+def test_numbers_of_numpy_become_numbers_in_records() -> None:
+    moved = geometry.Misalignment(offset=np.array(0.1), shaft_angle=0)  # type: ignore[arg-type]
+    assert type(moved.offset) is type(moved.shaft_angle) is float
+    assert hash(moved) == hash(geometry.Misalignment(0.1))
+
+
 @pytest.mark.parametrize("wrong", [5, None, [], {}, b"x"])
 def test_texts_are_texts(wrong: Any) -> None:
     with pytest.raises(InputError, match=r"^comment = .*: must be text$"):

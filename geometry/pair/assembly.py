@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import check_fields, number
+from ...core.checks import check_fields
 from ..cutting.generating_surface import Hand
 from ..vectors import column
 
@@ -49,8 +49,7 @@ class Misalignment:
     shaft_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            number(f"misalignment {name}", value)
+        check_fields(self, "misalignment ")
 
 
 @dataclass(frozen=True)
