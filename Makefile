@@ -1,4 +1,4 @@
-# Everything needed is set up on first use; only Python 3.11+ and pip are expected on the machine.
+# Everything needed is set up on first use; only Python 3.11+, its headers and pip are expected on the machine.
 PYTHON ?= python3
 WORKERS ?= 2
 export PYTHON
@@ -10,6 +10,9 @@ READY_FOR_TESTS := .venv/tests
 READY_FOR_CHECKS := .venv/checks
 READY_FOR_DOCS := .venv/docs
 SITE := docs/_build/html
+# What is compiled when the package is installed.
+TYPES := $(wildcard contact/*/*.pxd contact/*/*/*.pxd)
+KERNELS := builder/compiled_backend.py $(TYPES) $(TYPES:.pxd=.py)
 
 run: $(READY)
 	$(READY) run fm-11x41 -o results/fm-11x41.nc --plots results
@@ -71,19 +74,19 @@ fuzz: $(READY_FOR_TESTS)
 	$(PYTHON) -m venv --without-pip .venv
 	$(PIP) pip
 
-$(READY): pyproject.toml | .venv
+$(READY): pyproject.toml $(KERNELS) | .venv
 	$(PIP) -e .
 	touch $@
 
-$(READY_FOR_TESTS): pyproject.toml | .venv
+$(READY_FOR_TESTS): pyproject.toml $(KERNELS) | .venv
 	$(PIP) -e '.[test]'
 	touch $(READY) $@
 
-$(READY_FOR_CHECKS): pyproject.toml | .venv
+$(READY_FOR_CHECKS): pyproject.toml $(KERNELS) | .venv
 	$(PIP) -e '.[test,lint,dask]'
 	touch $(READY) $(READY_FOR_TESTS) $@
 
-$(READY_FOR_DOCS): pyproject.toml | .venv
+$(READY_FOR_DOCS): pyproject.toml $(KERNELS) | .venv
 	$(PIP) -e '.[docs]'
 	touch $(READY) $@
 

@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from easeoff.core.compiled.compiled_use import compiling
 from easeoff.cases import gear_pair, read_case
 from easeoff.cases.conversion import elastic_model, finite_elements
 from easeoff.contact import lines_in_mesh, unloaded_contact
@@ -89,7 +88,6 @@ def help_seconds(repetitions: int) -> float:
     return statistics.median(values[1:])
 
 
-@compiling()
 def main() -> None:
     """Print the table."""
     name = sys.argv[1] if len(sys.argv) > 1 else "fm-11x41"

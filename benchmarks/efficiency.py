@@ -15,7 +15,6 @@ import statistics
 import sys
 import time
 
-from easeoff.core.compiled.compiled_use import compiling
 import easeoff
 import numpy as np
 from easeoff.friction import FrictionModel, Operation, friction
@@ -29,7 +28,6 @@ OPERATION = Operation(np.linspace(150.0, 3000.0, 20), [30.0, 50.0, 75.0, 100.0],
 MODELS = ("kolivand_blended", "kolivand", "mixed_lubrication", "xu_kahraman", "benedict_kelly", "constant")
 
 
-@compiling()
 def main() -> None:
     """Print the table."""
     name = sys.argv[1] if len(sys.argv) > 1 else "fh-design-a"

@@ -15,7 +15,6 @@ import sys
 import time
 
 import numpy as np
-from easeoff.core.compiled.compiled_use import compiling
 from easeoff.contact import ContactProblem, available_solvers, solve
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact import SOLVERS
@@ -51,7 +50,6 @@ def milliseconds(problem: ContactProblem, name: str, form: str) -> float:
     return statistics.median(times)
 
 
-@compiling()
 def main() -> None:
     """Print the table."""
     sizes = [int(word) for word in sys.argv[1:]] or [60, 150, 240, 399, 600, 999]

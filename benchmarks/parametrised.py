@@ -16,7 +16,6 @@ import time
 from typing import Any
 
 import numpy as np
-from easeoff.core.compiled.compiled_use import compiling
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact import SOLVERS
 from easeoff.contact.solvers.adapters.cvxpy import solve_scaled
@@ -38,7 +37,6 @@ def milliseconds(problem: ContactProblem, **settings: Any) -> tuple[float, float
     return times[0], statistics.median(times[1:])
 
 
-@compiling()
 def main() -> None:
     """Print the table: the dense form written out as the unit of every row."""
     sizes = [int(word) for word in sys.argv[1:]] or [15, 30, 60, 93, 150, 240, 399, 999]

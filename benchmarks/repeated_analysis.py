@@ -23,7 +23,6 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from easeoff.core.compiled.compiled_use import compiling
 from easeoff import analyze, read_case
 from easeoff.cases import gear_pair
 from easeoff.cases.conversion import elastic_model
@@ -111,7 +110,6 @@ def processes(repetitions: int) -> Iterator[tuple[str, float]]:
             yield f"easeoff {words.split(' {')[0].replace(' -o', '')}", min(spent() for _ in range(repetitions + 1))
 
 
-@compiling()
 def main() -> None:
     """Print the table."""
     repetitions = int(sys.argv[1]) if len(sys.argv) > 1 else 15

@@ -19,13 +19,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from easeoff.core.compiled.compiled_use import compiling
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact import ContactProblem
-from easeoff.contact.problem.scaled_problem import ScaledProblem
 from easeoff.contact import available_solvers, solve, solve_many
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.contact.solvers.modal_newton import modal_newton
+from easeoff.contact.solvers.compiled.compiled_answer import scaled_answer
 from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
 from easeoff.contact.solvers.problem_batch import plain_solutions
 from numpy.polynomial.legendre import legvander
@@ -96,12 +93,7 @@ def median_seconds(work: list[Callable[[], Any]]) -> float:
                 return statistics.median(values[1:] or values)
 
 
-def modal(scaled: ScaledProblem, start: Any) -> ScaledAnswer | None:
-    """The modal method on one problem."""
-    return modal_newton([scaled], [start])[0]
-
-
-def answered(answer: ScaledAnswer | None) -> ScaledAnswer:
+def answered(answer: Any) -> Any:
     """The answer of a method that must not give up here."""
     assert answer is not None
     return answer
@@ -137,11 +129,11 @@ class Rows:
         if self.size <= LARGEST["Cholesky"]:
             matrix = self.scaled[0].compliance
             self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
-        self.seconds["modal in numpy, cold"] = median_seconds([partial(modal, s, a) for s, a in cold])
-        before: list[Callable[[], Any]] = [partial(modal, s, a) for s, a in warm]
-        self.seconds["modal in numpy, warm from the position before"] = median_seconds(before)
+        self.seconds["modal, scaled, cold"] = median_seconds([partial(scaled_answer, s, a) for s, a in cold])
+        before: list[Callable[[], Any]] = [partial(scaled_answer, s, a) for s, a in warm]
+        self.seconds["modal, scaled, warm from the position before"] = median_seconds(before)
         self.iterations = [
-            statistics.mean(answered(modal(s, a)).iterations for s, a in those) for those in (cold, warm)
+            statistics.mean(answered(scaled_answer(s, a))[2] for s, a in those) for those in (cold, warm)
         ]
         self.error = np.nan
         if self.size <= LARGEST["dense active set"]:
@@ -200,7 +192,6 @@ class Rows:
         ]
 
 
-@compiling()
 def main() -> None:
     """Print the tables."""
     sizes = tuple(int(word) for word in sys.argv[1:]) or SIZES

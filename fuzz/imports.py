@@ -1,4 +1,4 @@
-"""Import everything before forking: no child spends its time on it, nor on compiling."""
+"""Import everything before forking: no child spends its time on it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import pkgutil
 def load() -> None:
     """Import every module of the package, but for adapters of solvers that are not installed."""
     import easeoff
-    from easeoff.core.compiled.compiled_use import compiling
 
     for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."):
         if ".adapters." not in found.name:
-            with compiling():  # modules of compiled functions cannot be imported in a new clone otherwise
-                importlib.import_module(found.name)
+            importlib.import_module(found.name)
     for name in ("scipy.optimize", "scipy.interpolate", "tqdm", "PIL.Image", "netCDF4", "clarabel"):
         importlib.import_module(name)

@@ -18,8 +18,6 @@ from hypothesis import HealthCheck, settings
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 os.environ["EASEOFF_PROGRESS"] = "off"  # lines of progress come by the clock
-# The methods in numpy, whatever this machine has compiled; tests of compiled functions ask for them, see ``kernels``.
-os.environ["EASEOFF_COMPILED"] = "0"
 # Modules are read by two workers and by all processes that tests start: their byte code is kept.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
@@ -28,8 +26,6 @@ if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker takes the folder of the 
     CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")
     atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
     os.environ["EASEOFF_CACHE"] = CACHE
-
-import kernels  # noqa: E402  # with the environment above
 
 # No test is judged by the clock. ``make random`` takes the second profile: other examples, and more of them.
 CALM: dict[str, Any] = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
@@ -69,20 +65,6 @@ def shared_geometry() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         replace_everywhere(patch, pair_geometry, Shared(GEOMETRY_COUNT).once(pair_geometry))
-        yield
-
-
-@pytest.fixture
-def kernels_in_python() -> Iterator[None]:
-    """Run compiled functions as the Python that they are written in."""
-    with kernels.in_python():
-        yield
-
-
-@pytest.fixture
-def compiled_kernels() -> Iterator[None]:
-    """Compile what a test uses of the compiled functions, unless the same files are compiled on this machine."""
-    with kernels.compiled():
         yield
 
 

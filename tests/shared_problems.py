@@ -9,7 +9,7 @@ from easeoff.contact import STEEL, ContactProblem, Material, ModalBasis, with_sh
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.problem.certificate import Certificate, violations
 from easeoff.contact.problem.modal_basis import basis_of_blocks
-from easeoff.contact.solvers.compiled.compiled_answer import compiled_code
+from easeoff.contact.solvers.compiled.proof_kernel import certificate
 
 Array = NDArray[np.float64]
 
@@ -119,5 +119,5 @@ def compiled_certificate(problem: ContactProblem, force: Array, elastic: float) 
     numbers = np.array([0.0, elastic, *[np.nan] * 7])
     terms = problem.size + basis_of(problem).factor.shape[1] + 10.0
     arguments = (force, deflection, gap, np.array(shifted), problem.lever_arm, np.array(whole))
-    compiled_code()._certificate(*arguments, problem.torque, (terms, 0.0), numbers)
+    certificate(*arguments, problem.torque, terms, 0.0, numbers)
     return numbers[2:], violations(problem, force, elastic, deflection, gap)

@@ -1,12 +1,10 @@
-"""The compiled contact solution beside the plain one: answers, certificates, statuses; and without numba."""
+"""The compiled contact solution beside other methods, and beside its own source run as Python."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
+import importlib
+import types
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,29 +12,26 @@ import kernels
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from shared_problems import compiled_certificate, line_contact_of
+from shared_problems import compiled_certificate, line_contact_of, shared_problem
 
-import easeoff
-from easeoff import InputError
+from easeoff import InputError, MissingPackageError
 from easeoff.contact import ContactProblem, Status, solve, solve_many
-from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
-from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.solvers import registry
-from easeoff.contact.solvers.compiled import compiled_answer
-from easeoff.contact.solvers.compiled.compiled_answer import (
-    CompiledAnswer,
-    compiled_code,
-    line_contact_answers,
-    linear_answer,
-)
+from easeoff.contact.evaluation import least_gap_kernel
+from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
+from easeoff.contact.lines import tensor_spline
+from easeoff.contact.lines.tensor_spline import TensorSpline
+from easeoff.contact.problem.compliance_matrix import ModalCompliance
+from easeoff.contact.problem.modal_basis import ModalBasis, modal_basis
+from easeoff.contact.solvers.compiled import compiled_answer, newton_kernel
+from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
+from easeoff.contact.solvers.compiled.line_deflection import strip
+from easeoff.contact.solvers.compiled.proof_kernel import certificate
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
-from easeoff.contact.solvers.problem_batch import plain_solutions
+from easeoff.core.kernels import kernel, source_digest
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 Array = NDArray[np.float64]
-
-pytestmark = pytest.mark.usefixtures("kernels_in_python")
 
 
 def modal(problem: ContactProblem) -> ContactProblem:
@@ -58,24 +53,15 @@ def lines(size: int, phase: float, torque: float = 1e6) -> ContactProblem:
     return ContactProblem(gap, 42.0 + 2.0 * along, torque, (np.full(size, 3e-8 * size), factor))
 
 
-@pytest.fixture
-def plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`solve` without compiled code."""
-    monkeypatch.setattr(registry, "linear_answer", lambda *_: None)
-
-
 @pytest.mark.parametrize("name", PROBLEM_CLASSES)
-def test_every_kind_of_problem_ends_as_with_the_plain_methods(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    given = list(problems(name, 40, 11))
-    compiled = [solve(problem) for problem in given]
-    monkeypatch.setattr(registry, "linear_answer", lambda *_: None)
-    for problem, found, other in zip(given, compiled, plain_solutions(given, [None] * len(given)), strict=True):
-        assert found.status is other.status
-        if found.certified:
+def test_every_kind_of_problem_ends_as_with_the_active_set(name: str) -> None:
+    for problem in problems(name, 40, 11):
+        found, other = solve(problem), solve(problem, method="primal_dual_active_set")
+        if found.certified and other.certified:
             # By strict convexity of the energy of local deformation, forces are unique up to the certificate.
             scale = other.force.max()
             assert found.certificate.worst <= 1e-10
-            if problem.is_structured and found.method == other.method == "modal":
+            if found.method == "modal":
                 assert np.abs(found.force - other.force).max() <= 1e-8 * scale
             assert found.elastic_rotation == pytest.approx(other.elastic_rotation, rel=1e-8)
 
@@ -118,8 +104,7 @@ def test_forces_that_are_not_finite_have_no_certificate() -> None:
     ones = np.ones(3)
     for wrong in (np.nan, np.inf):
         numbers = np.array([0.0, 1.0, *[0.0] * 7])
-        known = (10.0, 0.0)
-        compiled_code()._certificate(np.array([1.0, wrong, 0.0]), ones, ones, ones, ones, ones, 1.0, known, numbers)
+        certificate(np.array([1.0, wrong, 0.0]), ones, ones, ones, ones, ones, 1.0, 10.0, 0.0, numbers)
         assert np.isinf(numbers[2:7]).all()
 
 
@@ -230,21 +215,20 @@ def test_proof_is_on_the_factor_as_given() -> None:
 
 @pytest.mark.parametrize("edges", [False, True])
 @pytest.mark.parametrize("size", [4, 30, 62, 300])
-def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> None:
+def test_line_contact_is_that_of_exact_programmes(size: int, edges: bool) -> None:
     bendings, contacts = [], []
     for number, torque in enumerate((1e2, 1e4, 1e6, 3e6)):
         given = lines(size, 0.2 * number - 0.3, torque)
         basis = modal_basis(given.compliance[1])
         bendings.append(ContactProblem.of_modes(given.separation, given.lever_arm, torque, np.zeros(size), basis))
         contacts.append(line_contact_of(size, number, edges=edges))
-    expected = newton_answers(bendings, LineContacts(contacts), [None] * 4)
-    for bending, contact, other in zip(bendings, contacts, expected, strict=True):
-        assert other is not None
+    for bending, contact in zip(bendings, contacts, strict=True):
+        other, _ = solve_on_bending(bending, contact)
         found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
-        assert np.abs(force - other[0].force).max() <= 1e-11 * force.max()
-        assert found.answer.elastic_rotation == pytest.approx(other[0].elastic_rotation, rel=1e-12)
+        assert np.abs(force - other.force).max() <= 1e-11 * force.max()
+        assert found.answer.elastic_rotation == pytest.approx(other.elastic_rotation, rel=1e-12)
         assert found.secant == pytest.approx(contact.secant(force), rel=1e-14)
         assert found.answer.certificate.worst <= 1e-11
         assert bending.modal_basis is not None
@@ -274,117 +258,110 @@ def test_strip_is_the_formula_over_all_decades(edges: bool) -> None:
     for scale in np.geomspace(1e-6, 1e7, 14):
         force = np.full(size, scale)
         secant, tangent = np.array(
-            [compiled_code()._strip(p, f / p[0]) for p, f in zip(contact.parameters, force, strict=True)]
+            [strip(contact.parameters, i, f / contact.parameters[i, 0]) for i, f in enumerate(force)]
         ).T
         assert secant / contact.length == pytest.approx(contact.secant(force), rel=1e-14)
         assert tangent / contact.length == pytest.approx(contact.tangent(force), rel=1e-13)
-
-
-# Without numba
-
-
-def test_package_works_without_numba(tmp_path: Path) -> None:
-    """The plain methods give the same answers where numba cannot be imported, or is switched off."""
-    program = (
-        "import sys, numpy as np\n"
-        "if sys.argv[1] == 'missing': sys.modules['numba'] = None\n"
-        "from easeoff.contact import ContactProblem, solve, solve_many\n"
-        "from easeoff.contact.solvers.compiled.compiled_answer import compiled_code\n"
-        "assert compiled_code() is None\n"
-        "springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8e4, (np.full(2, 1e-6), np.full((2, 1), 1e-4)))\n"
-        "print(solve(springs).force.tolist(), solve_many(springs, torque=[8e4, 4e4]).certified.all())\n"
-    )
-    root = str(Path(easeoff.__file__).parent.parent)
-    for way, switch in (("missing", "1"), ("off", "0")):
-        environment = {"PYTHONPATH": root, "EASEOFF_COMPILED": switch, "PATH": ""}
-        done = subprocess.run(
-            [sys.executable, "-c", program, way], env=environment, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.strip() == "[1000.0, 1000.0] True"
 
 
 def test_statuses_have_numbers_in_arrays() -> None:
     assert solve_many(modal(lines(12, 0.0))).status.tolist() == [Status.CERTIFIED]
 
 
-@pytest.mark.thorough
-def test_compiled_code_is_its_source() -> None:
-    """On all classes of problems, lines of every size and line contact; its sums may be taken in another order."""
-    given = [*chain.from_iterable(problems(name, 10, 11) for name in PROBLEM_CLASSES)]
-    given += [modal(lines(size, phase)) for size in (60, 151, 400) for phase in (-0.9, 0.4)]
-    soft, contact = lines(62, 0.1), line_contact_of(62, 3, edges=True)
-    basis = modal_basis(soft.compliance[1])
-    bending = ContactProblem.of_modes(soft.separation, soft.lever_arm, 1e6, np.zeros(62), basis)
-
-    def answers() -> list[CompiledAnswer | None]:
-        return [*map(linear_answer, given), *line_contact_answers([bending], contact.parameters)]
-
-    expected = answers()
-    with kernels.compiled():
-        assert compiled_code().solve_batch.signatures
-        found = answers()
-    assert sum(answer is not None for answer in found) > 100
-    for mine, other in zip(found, expected, strict=True):
-        assert (mine is None) == (other is None)
-        if mine is not None and other is not None:
-            assert np.abs(mine.answer.force - other.answer.force).max() <= 1e-10 * other.answer.force.max()
-            assert mine.answer.elastic_rotation == pytest.approx(other.answer.elastic_rotation, rel=1e-11)
-            assert mine.secant == pytest.approx(other.secant, rel=1e-10)
-            assert mine.stiffness == pytest.approx(other.stiffness, rel=1e-10, nan_ok=True)
+# The source
 
 
-@pytest.mark.thorough
-def test_the_process_that_compiles_gives_the_same_bits_as_later_ones(tmp_path: Path) -> None:
-    """Inner sums are taken in any order: which copies of them run must not depend on who compiled them."""
-    code = """
-import easeoff
-from easeoff.cases import read_case
-from easeoff.core.compiled.compiled_use import compiling
-coarse = {"mesh_positions": 6, "segments_per_line": 21}
-case = read_case("nasa-12x36")
-case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-with compiling():
-    print(easeoff.analyze(case, torques=[50.0, 150.0])["loaded/force"].values.tobytes().hex())
-"""
-    variables = {
-        "EASEOFF_COMPILED": "1",
-        "NUMBA_CACHE_DIR": str(tmp_path),
-        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-    }
-    first, second = (
-        subprocess.run(
-            [sys.executable, "-c", code], env={**os.environ, **variables}, capture_output=True, text=True, check=True
-        ).stdout
-        for _ in range(2)
+def bits_of(kernel: Any, given: ContactProblem, law: Array, torques: Array, mask: Array) -> list[Array]:
+    """What `solve_batch` gives of a problem at several torques."""
+    matrix, count, size = given.compliance_matrix, torques.size, given.size
+    assert isinstance(matrix, ModalCompliance)
+    assert isinstance(matrix.modes.basis, ModalBasis)
+    found = [np.full((count, size), np.nan) for _ in range(3)]
+    numbers, counts = np.full((count, 10), np.nan), np.zeros((count, 2), dtype=np.int64)
+    with np.errstate(all="ignore"):
+        kernel.solve_batch(
+            tuple(matrix.modes.basis.columns), torques, np.repeat(given.separation[None], count, axis=0),
+            given.lever_arm, matrix.local, law, mask, *found, numbers, counts,
+        )  # fmt: skip
+    return [*found, numbers, counts]
+
+
+def assert_same_bits(given: ContactProblem, law: Array, torques: Array, mask: Array) -> None:
+    source = kernels.in_python("easeoff.contact.solvers.compiled.newton_kernel")
+    pairs = zip(
+        bits_of(newton_kernel, given, law, torques, mask), bits_of(source, given, law, torques, mask), strict=True
     )
-    assert list(tmp_path.rglob("newton_kernel.solve_batch*.nbc"))
-    assert first == second
+    for mine, other in pairs:
+        np.testing.assert_array_equal(mine, other)
 
 
-@pytest.mark.thorough
-def test_code_counts_as_kept_where_numba_loads_it(tmp_path: Path) -> None:
-    """Not compiled at all where it may not be: loaded if the file is as it was, and refused if it has changed."""
-    module = tmp_path / "doubled.py"
-    text = (
-        "from easeoff.core.compiled.compilation import compiled\n\n\n"
-        "@compiled('float64(float64)')\ndef doubled(x):\n    return {} * x\n"
-    )
-    compiling = "from easeoff.core.compiled.compiled_use import compiling\nwith compiling(): import doubled\n"
-    plain = "import doubled\nprint(doubled.doubled.stats.cache_hits)\n"
-    folders = os.pathsep.join(filter(None, [str(tmp_path), *sys.path]))
-    kept = {"EASEOFF_COMPILED": "1", "NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": folders}
-    variables = os.environ | kept
+NO_LAW, NO_MASK = np.empty((0, 14)), np.empty((0, 0), dtype=np.uint8)
 
-    def run(code: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=False)
 
-    module.write_text(text.format("2.0"))
-    assert "NotCompiledError" in run(plain).stderr
-    assert run(compiling).returncode == 0
-    assert run(plain).stdout == "Counter({'float64(float64)': 1})\n"
-    module.write_text(text.format("3.0 + 0.0"))
-    assert "NotCompiledError" in run(plain).stderr
+@pytest.mark.parametrize("count", [1, pytest.param(30, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("name", sorted(set(PROBLEM_CLASSES) - {"random_dense"}))
+def test_linear_problems_have_the_bits_of_the_source(name: str, count: int) -> None:
+    for given in map(modal, problems(name, count, 11)):
+        torques = np.array([max(given.torque, 1.0), 0.0])
+        for mask in (NO_MASK, np.array([np.arange(given.size) % 3 == 0] * 2).view(np.uint8)):
+            assert_same_bits(given, NO_LAW, torques, mask)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 6, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(10, 60))])
+@pytest.mark.parametrize("alike", [False, True])
+def test_shared_modes_and_line_contact_have_the_bits_of_the_source(seed: int, alike: bool) -> None:
+    given = shared_problem(seed, alike=alike, signs=seed % 3 == 0, longest=12)
+    assert_same_bits(given, NO_LAW, np.array([1e4]), NO_MASK)
+    law = line_contact_of(given.size, seed, edges=alike).parameters
+    assert_same_bits(given, law, np.array([1e2, 1e6]), NO_MASK)
+
+
+@pytest.mark.parametrize("size", [4, 33, pytest.param(400, marks=pytest.mark.thorough)])
+def test_levels_of_coarser_parts_have_the_bits_of_the_source(size: int) -> None:
+    given = modal(lines(size, 0.2))
+    assert_same_bits(given, NO_LAW, np.array([1e2, 1e6]), NO_MASK)
+    assert_same_bits(given, line_contact_of(size, 3).parameters, np.array([1e4]), NO_MASK)
+
+
+def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
+    rng = np.random.default_rng(4)
+    nodes = np.linspace(0.0, 1.0, 9) ** 1.1, np.linspace(0.0, 2.0, 5)
+    spline = TensorSpline.through(nodes, rng.normal(size=(9, 5, 2)), (5, 4))
+    points, orders = rng.uniform(-0.1, 2.1, (2, 60)), [(0, 0), (2, 1), (0, 5), (3, 0)]
+    points[0, 7] = np.nan
+    found = spline.evaluate(points, orders)
+    with pytest.MonkeyPatch.context() as patch, np.errstate(all="ignore"):
+        patch.setattr(tensor_spline, "evaluate", kernels.in_python("easeoff.contact.lines.spline_kernel").evaluate)
+        for mine, other in zip(found, spline.evaluate(points, orders), strict=True):
+            np.testing.assert_array_equal(mine, other)
+    given = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]
+    given[0][3] = np.nan
+    numbers = np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2
+    source = kernels.in_python("easeoff.contact.evaluation.least_gap_kernel")
+    mine, other = np.empty(40), np.empty(40)
+    least_gap_kernel.least_beside(*given, *numbers, mine)
+    source.least_beside(*given, *numbers, other)
+    np.testing.assert_array_equal(mine, other)
+
+
+def test_a_kernel_that_is_not_that_of_its_source_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    for name, files in {"missing": (), "uncompiled": ("one.py",), "stale": ("one.py", "one.pxd")}.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "__init__.py").touch()
+        for file in files:
+            (folder / file).write_text("x = 1\n")
+    honest = Path(newton_kernel.__file__)
+    (tmp_path / "stale" / f"one{honest.name.removeprefix('newton_kernel')}").touch()
+    stale = types.SimpleNamespace(SOURCE_DIGEST="another")
+    monkeypatch.setattr(importlib, "import_module", lambda *_: stale)
+    for name, message in {"missing": "not compiled", "uncompiled": "not compiled", "stale": "has changed"}.items():
+        with pytest.raises(MissingPackageError, match=f"^{name}.one: .*{message}.*; run 'make'"):
+            kernel(".one", name)
+    digest = source_digest(tmp_path / "stale" / "one.py")
+    stale.SOURCE_DIGEST = digest
+    assert kernel(".one", "stale") is stale
 
 
 def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: pytest.MonkeyPatch) -> None:

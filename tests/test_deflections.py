@@ -381,7 +381,6 @@ def test_a_flank_wears_in_all_assemblies_of_its_duty_cycle(case: Case) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.usefixtures("compiled_kernels")  # torques solved together have the bits of each alone
 def test_optimises_for_the_assembly_of_every_torque(case: Case) -> None:
     known: dict[str, Any] = {"order": 2, "programmes": 2}
     none = case.model_copy(update={"misalignment": type(case.misalignment)()})

@@ -17,9 +17,7 @@ from shared import Shared, replace_everywhere
 import easeoff
 from easeoff.study.case_in_mesh import CaseInMesh
 
-#: All but the kernels, which are compiled as they are imported.
-FOUND = [found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff.")]
-MODULES = ["easeoff", *(name for name in FOUND if not name.endswith("_kernel"))]
+MODULES = ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]
 #: Those whose examples take more than a second: they design, search, verify, or start other programs.
 SLOW = (
     "easeoff.study.compare",

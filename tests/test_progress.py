@@ -18,13 +18,11 @@ from runs import SHELLS, call, small, small_text
 
 import easeoff
 from easeoff.cases import parse_case, write_case
-from easeoff.core.compiled.compiled_use import COMPILING, compilation_told, tell_of_compilation
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
-from easeoff.study.cli import _show_waiting
 from easeoff.study.cli.options.analysis_options import TOOTH_STAGES, show_stage
 from easeoff.study.cli.terminal import terminal_bar as progress
-from easeoff.study.cli.terminal.terminal_bar import SWITCH, ProgressLines, terminal_bar, working
+from easeoff.study.cli.terminal.terminal_bar import ProgressLines, terminal_bar, working
 
 
 class Clock:
@@ -176,17 +174,6 @@ def test_commands_without_a_terminal_say_what_they_do_and_what_comes_next(
         made = call(*words_of)
         assert made.exit_code in (0, 1), made.output
         assert made.stdout.splitlines()[-1].startswith(end), made.output
-
-
-@pytest.mark.parametrize(("switch", "told"), [("on", True), ("off", False)])
-def test_compilation_is_told_where_progress_is(
-    switch: str, told: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv(SWITCH, switch)
-    with compilation_told(_show_waiting):
-        tell_of_compilation()
-        tell_of_compilation()
-    assert capsys.readouterr().err.count(COMPILING) == told
 
 
 # Progress in Python: a line for True, calls of a function, and what is neither is refused before any work

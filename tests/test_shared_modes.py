@@ -29,7 +29,6 @@ from easeoff.contact import (
     torque_path,
     with_shared_modes,
 )
-from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.contact.problem.exchange.qps_file import read_qps, write_qps
@@ -40,11 +39,8 @@ from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answer
 from easeoff.contact.solvers.parametric.dense_touching import DenseTouching
 from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
-from easeoff.contact.solvers.problem_batch import plain_solutions
 
 Array = NDArray[np.float64]
-
-pytestmark = pytest.mark.usefixtures("kernels_in_python")
 
 
 def assert_same(found: Any, exact: Any, tolerance: float = 1e-10) -> None:
@@ -132,12 +128,11 @@ def test_rigid_supports_change_no_bit(nothing: str) -> None:
         given = ContactProblem.of_modes(
             problem.separation, problem.lever_arm, problem.torque, problem.compliance[0], other
         )
-        for found, same in ((solve(given), known), (plain_solutions([given], [None])[0], None)):
-            same = plain_solutions([problem], [None])[0] if same is None else same
-            assert np.array_equal(found.force, same.force)
-            assert np.array_equal(found.gap, same.gap)
-            assert found.rotation == same.rotation
-            assert found.certificate == same.certificate
+        found = solve(given)
+        assert np.array_equal(found.force, known.force)
+        assert np.array_equal(found.gap, known.gap)
+        assert found.rotation == known.rotation
+        assert found.certificate == known.certificate
         assert np.array_equal(given.compliance[1], problem.compliance[1])
 
 
@@ -200,10 +195,10 @@ def test_answers_are_those_of_the_dense_problem(softness: float, signs: bool) ->
         problem = shared_problem(seed, softness=softness, signs=signs, alike=seed % 3 == 0)
         exact = solve(dense(problem))
         for given in (problem, as_array(problem)):
-            for found in (solve(given), plain_solutions([given], [None])[0]):
-                assert_same(found, exact)
-                assert found.method == "modal" or given is not problem  # a dense method where V has as many columns
-                assert found.certificate.worst <= 1e-10
+            found = solve(given)
+            assert_same(found, exact)
+            assert found.method == "modal" or given is not problem  # a dense method where V has as many columns
+            assert found.certificate.worst <= 1e-10
 
 
 @pytest.mark.parametrize("pairs", range(1, 9))
@@ -213,7 +208,6 @@ def test_every_number_of_pairs_columns_and_modes(pairs: int) -> None:
             problem = shared_problem(100 + pairs, pairs=pairs, columns=columns, modes=modes, longest=12)
             exact = solve(dense(problem))
             assert_same(solve(problem), exact, 1e-11)
-            assert_same(plain_solutions([problem], [None])[0], exact, 1e-11)
 
 
 @pytest.mark.parametrize("signs", [False, True])
@@ -221,18 +215,16 @@ def test_supports_a_thousand_times_softer_than_teeth(signs: bool) -> None:
     for seed in range(5):
         problem = shared_problem(seed, softness=1e3, signs=signs, modes=6, alike=True, longest=16)
         exact = solve(dense(problem))
-        for found in (solve(problem), plain_solutions([problem], [None])[0]):
-            assert_same(found, exact)
-            assert found.certificate.worst <= 1e-9
+        found = solve(problem)
+        assert_same(found, exact)
+        assert found.certificate.worst <= 1e-9
 
 
 def test_several_problems_go_together() -> None:
     """Of different numbers of pairs, columns and modes, some of them without any."""
     given = [shared_problem(seed, modes=seed % 4 * 3) for seed in range(12)]
-    for found, problem in zip(plain_solutions(given, [None] * 12), given, strict=True):
-        assert found.method == "modal"
-        assert_same(found, solve(dense(problem)))
     for found, problem in zip(solve_many(given), given, strict=True):
+        assert found.method == "modal"
         assert_same(found, solve(dense(problem)))
 
 
@@ -263,7 +255,7 @@ def test_steps_do_not_grow_with_the_segments(modes: int, longest: int) -> None:
 
 
 @pytest.mark.parametrize(("modes", "softness"), [(1, 50.0), (6, 1.0), (24, 1e-12), (24, 50.0)])
-def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
+def test_line_contact_is_that_of_exact_programmes(modes: int, softness: float) -> None:
     bendings, contacts = [], []
     for seed in (2, 3):
         given = shared_problem(seed, columns=6, modes=modes, softness=softness, torque=10.0 ** (4 + seed % 3))
@@ -271,16 +263,15 @@ def test_line_contact_compiled_and_plain(modes: int, softness: float) -> None:
         basis = basis_of(given)
         bendings.append(ContactProblem.of_modes(given.separation, given.lever_arm, given.torque, nothing, basis))
         contacts.append(line_contact_of(given.size, seed))
-    plain = newton_answers(bendings, LineContacts(contacts), [None] * 2)
-    for bending, contact, other in zip(bendings, contacts, plain, strict=True):
-        assert other is not None
+    for bending, contact in zip(bendings, contacts, strict=True):
+        other, _ = solve_on_bending(bending, contact)
         assert bending.modal_basis is not None
         found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
         force = found.answer.force
         assert found.answer.certificate.worst <= 1e-11
-        assert np.abs(force - other[0].force).max() <= 1e-10 * force.max()
-        assert found.answer.elastic_rotation == pytest.approx(other[0].elastic_rotation, rel=1e-11)
+        assert np.abs(force - other.force).max() <= 1e-10 * force.max()
+        assert found.answer.elastic_rotation == pytest.approx(other.elastic_rotation, rel=1e-11)
         stiffness = touching_stiffness(contact.tangent(force), bending.modal_basis, bending.lever_arm, force > 0.0)
         assert found.stiffness == pytest.approx(stiffness, rel=1e-9)
 
@@ -293,9 +284,10 @@ def test_line_contact_is_that_of_programmes_on_the_dense_matrix() -> None:
         bending = ContactProblem.of_modes(*parts, nothing, basis_of(given))
         whole = dense(bending)
         exact, _ = solve_on_bending(whole, contact)
-        found = newton_answers([bending], LineContacts([contact]), [None])[0]
+        found = line_contact_answers([bending], contact.parameters)[0]
         assert found is not None
-        assert_same(found[0], exact)
+        assert np.abs(found.answer.force - exact.force).max() <= 1e-11 * exact.force.max()
+        assert found.answer.elastic_rotation == pytest.approx(exact.elastic_rotation, rel=1e-11)
 
 
 # Proof

@@ -160,8 +160,7 @@ def test_supports_by_name_are_those_of_a_case_that_has_them(case: Case, tmp_path
     for group in ("misalignment", "supports", "loaded"):
         assert group in named.children
     there, force = (np.asarray(one["loaded/force"], dtype=float) for one in (named, tree))
-    # Not the same to the bit: few problems are solved without compiled code
-    np.testing.assert_allclose(there, force, rtol=0, atol=1e-9 * np.nanmax(force))
+    np.testing.assert_array_equal(there, force)
 
 
 @pytest.mark.thorough

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays, number
-from ...core.compiled.compiled_use import compiled_code_of
 from ...core.errors import InputError
-from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS, gap_beside, still_opens
+from ...core.kernels import kernel
+from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
 from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_inside
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
@@ -21,6 +21,8 @@ from .flank_region import FlankRegion, grid_triangles, region_below
 from .projection_plane import ProjectionPlane
 
 Array = NDArray[Any]
+
+least_beside = kernel(".least_gap_kernel", __package__).least_beside
 PRINT_GRID = (241, 121)  # points along the face and the profile
 SHIFT_LIMIT = 0.125  # of the pitch, between a point's roll angle and the rotation at which its gap is least
 SHIFT_ROUND_COUNT, SHIFT_SAMPLE_COUNT = 2, 17  # of the search for that rotation
@@ -133,30 +135,13 @@ def _least_beside(
     error: CarryingError, ease_off: Array, curvature: Array, skew: Array, roll: Array, reach: Array
 ) -> Array:
     """Least gaps (n) [rad] no further from roll angles (n) than the reach (n) [rad]."""
-    sample = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT)
-    best, least = np.zeros_like(reach), np.full(reach.shape, np.inf)
-    kernel, per_cycle = compiled_code_of(_kernel), float(error.passage.per_cycle)
-    if kernel is not None:
-        steps = per_cycle / error.pinion_pitch, per_cycle
-        kernel.least_beside(
-            ease_off, curvature, skew, error.step(roll), reach, sample,
-            *steps, CURVATURE_SHARE_LIMIT, error.over_cycle, SHIFT_ROUND_COUNT, least,
-        )  # fmt: skip
-        return least
-    for _ in range(SHIFT_ROUND_COUNT):
-        tried = best + sample[:, None] * reach
-        opens = still_opens(curvature, skew, tried) | (tried == 0.0)
-        found = np.where(opens, gap_beside(ease_off, curvature, skew, tried) - error.least(roll + tried), np.inf)
-        chosen = np.argmin(found, axis=0)[None]
-        best, least = (np.take_along_axis(values, chosen, axis=0)[0] for values in (tried, found))
-        reach = 2.0 * reach / (SHIFT_SAMPLE_COUNT - 1)
+    sample, least = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT), np.empty(reach.size)
+    per_cycle = float(error.passage.per_cycle)
+    least_beside(
+        ease_off, curvature, skew, error.step(roll), reach, sample, per_cycle / error.pinion_pitch, per_cycle,
+        CURVATURE_SHARE_LIMIT, error.over_cycle, SHIFT_ROUND_COUNT, least,
+    )  # fmt: skip
     return least
-
-
-def _kernel() -> Any:
-    from . import least_gap_kernel
-
-    return least_gap_kernel
 
 
 @frozen_arrays

@@ -19,11 +19,9 @@ from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, SolverChoice, require_solver
-from ..solvers.compiled.compiled_answer import CompiledAnswer, compiled_code, line_contact_answers
-from ..solvers.modal_batch import ModalBatch
-from ..solvers.modal_newton import newton_batch
+from ..solvers.compiled.compiled_answer import CompiledAnswer, line_contact_answers
 from ..solvers.solution import judged
-from .line_contact_solution import certified_on_secant, solve_on_bending
+from .line_contact_solution import solve_on_bending
 
 Array = NDArray[np.float64]
 _Found = tuple[ContactSolution, ContactProblem]
@@ -44,43 +42,6 @@ class LineContacts:
     def joined(self) -> WeberLineContact:
         """Every segment of every problem in one array."""
         return WeberLineContact.joined(self.each)
-
-
-@dataclass(frozen=True, eq=False)
-class LineContactLaw:
-    """Line contact as a law of force over indentation, see `modal_newton.LocalLaw`.
-
-    Parameters
-    ----------
-    line_contact
-        Of all segments of all problems, (s).
-    segment
-        Number of the segment that stands here (b, p, m); s where padded.
-    guess
-        Forces of the usual size (s) [N].
-    """
-
-    line_contact: WeberLineContact
-    segment: NDArray[np.intp]
-    guess: Array
-
-    def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
-        """See `modal_newton.LocalLaw`."""
-        segment = self.segment[chosen]
-        wanted = np.zeros(self.guess.size + 1)
-        wanted[segment] = indentation
-        force, stiffness = self._inverse(wanted[:-1])
-        return np.append(force, 0.0)[segment], np.append(stiffness, 0.0)[segment]
-
-    def _inverse(self, indentation: Array) -> tuple[Array, Array]:
-        force = indentation / self.line_contact.secant(self.guess)
-        for _ in range(MAX_INVERSION_STEPS):
-            error = indentation - self.line_contact.deflection(force)
-            tangent = self.line_contact.tangent(force)
-            force = np.maximum(force + error / tangent, 0.0)
-            if (np.abs(error) <= INVERSION_TOLERANCE * indentation).all():
-                break
-        return force, np.where(indentation > 0.0, 1.0 / tangent, 0.0)
 
 
 def solve_at_torques(
@@ -106,7 +67,7 @@ def solve_at_torques(
     """
     at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
     known: list[list[_Found | None]] | None = None
-    if _takes_all(solver, options) and compiled_code() is not None:
+    if _takes_all(solver, options):
         by_problem = zip(*at_torques, strict=True)
         known = [_compiled_answers(own, contact) for own, contact in zip(by_problem, contacts.each, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
@@ -150,10 +111,7 @@ def solve_line_contacts(
     """
     known: Sequence[_Found | None] = [None] * len(bendings)
     if _takes_all(solver, options) and len(bendings) > 0:
-        if compiled_code() is not None:
-            known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts.each, strict=True)]
-        else:
-            known = newton_answers(bendings, contacts, starts)
+        known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts.each, strict=True)]
     yield from _completed(bendings, contacts, starts, known, solver, **options)
 
 
@@ -190,57 +148,7 @@ def _judged(bending: ContactProblem, found: CompiledAnswer) -> _Found:
         tolerance=EXACT_TOLERANCE,
         iterations=found.iterations,
         method="modal",
-        message=f"modal Newton's method on the line contacts themselves, compiled, {found.iterations} steps",
+        message=f"modal Newton's method on the line contacts themselves, {found.iterations} steps",
         stiffness=found.stiffness,
     )
     return solution, found.answer.problem or bending.with_secant(found.secant)
-
-
-def newton_answers(
-    bendings: Sequence[ContactProblem], contacts: LineContacts, starts: Sequence[Array | None]
-) -> list[_Found | None]:
-    """Answers of Newton's method in numpy for all problems at once; None where it has no certified one.
-
-    This is the plain form of the compiled method, for where that cannot be used and to check it.
-    """
-    sizes = np.array([problem.size for problem in bendings])
-    batch = ModalBatch.of(
-        [problem.modal_basis for problem in bendings],  # type: ignore[misc]  # structured
-        [problem.lever_arm for problem in bendings],
-        [problem.separation_at_first_contact for problem in bendings],
-        np.array([problem.torque for problem in bendings]),
-    )
-    forces = [_balanced(problem, start) for problem, start in zip(bendings, starts, strict=True)]
-    total, first = int(sizes.sum()), np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    segment = np.where(batch.segment < sizes[:, None, None], batch.segment + first[:, None, None], total)
-    mean = np.concatenate([np.full(force.size, force.sum() / np.count_nonzero(force)) for force in forces])
-    law = LineContactLaw(contacts.joined, segment, mean)
-    deflection = np.append(contacts.joined.deflection(np.concatenate(forces)), 0.0)[segment]
-    answer = newton_batch(batch, law, *batch.start(batch.in_blocks(forces, 0.0), deflection))
-    found: list[_Found | None] = []
-    for i, force in enumerate(batch.by_segments(answer.force)):
-        if not answer.ended[i]:
-            found.append(None)
-            continue
-        count = int(answer.iterations[i])
-        solved = certified_on_secant(
-            bendings[i],
-            contacts.each[i],
-            force,
-            float(answer.rotation[i]),
-            "native",
-            tolerance=EXACT_TOLERANCE,
-            iterations=count,
-            method="modal",
-            message=f"modal Newton's method on the line contacts themselves, {count} steps",
-        )
-        found.append(solved if solved[0].certified else None)
-    return found
-
-
-def _balanced(problem: ContactProblem, start: Array | None) -> Array:
-    """Forces in balance with the torque: those given, or even ones on the segments that would touch first."""
-    if start is None:
-        rotation = problem.separation_at_first_contact / np.where(problem.lever_arm > 0.0, problem.lever_arm, np.nan)
-        start = np.where(rotation <= np.nanmedian(rotation), 1.0, 0.0)
-    return start * (problem.torque / float(start @ problem.lever_arm))

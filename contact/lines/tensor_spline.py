@@ -1,7 +1,7 @@
-"""Tensor splines through the nodes of a grid, evaluated as a polynomial a cell with all derivatives asked for at once.
+"""Tensor splines through the nodes of a grid, evaluated with all derivatives asked for at once.
 
 The interpolating spline of B-splines with the knots "not a knot" (de Boor, A Practical Guide to Splines, ch. XIII), as
-that of ``scipy.interpolate``. Points share the search of their cell and its coefficients among all components and
+that of ``scipy.interpolate``. Points share the search of their cell and the B-splines there among all components and
 derivatives, which takes a fraction of the time of one evaluation a derivative.
 """
 
@@ -14,16 +14,19 @@ from math import perm
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
-from ...core.compiled.compiled_use import compiled_code_of
+from ...core.kernels import kernel
 
 Array = NDArray[Any]
-TABLE_SIZE_LIMIT = 2_000_000  # numbers of a table of all cells; beyond it those of the cells that are asked for
-BLOCK_SIZE = 60_000  # numbers that are read from the table at a time
+
+evaluate = kernel(".spline_kernel", __package__).evaluate
+#: B-splines that are not zero in an interval, of degree five: as many of a lower degree, the rest being zero.
+SIZE = 6
 PARTS_PER_INTERVAL = 8  # of the length, in the table that finds the interval of a point
+#: Factor that a derivative of an order brings to a power, (order, 1, power, 1).
+FALLING = np.array([[float(perm(power, order)) for power in range(SIZE)] for order in range(SIZE)])[:, None, :, None]
 
 
 @frozen_arrays
@@ -77,13 +80,13 @@ class KnotIntervals:
     def compiled(self) -> tuple[Array, NDArray[np.int64], Array, Array]:
         """What the compiled evaluation reads.
 
-        Ends, intervals in which equal parts of the length begin, middles and one over widths (2, k), and pieces as
-        (interval, power, B-spline).
+        Ends, intervals in which equal parts of the length begin, middles and one over widths (2, k), and the pieces of
+        every derivative as (order, interval, power, B-spline).
         """
         parts = np.linspace(self.ends[0], self.ends[-1], PARTS_PER_INTERVAL * len(self.pieces), endpoint=False)
         first = np.searchsorted(self.ends[1:-1], parts, side="right")
         local = np.stack([0.5 * (self.ends[1:] + self.ends[:-1]), 1.0 / np.diff(self.ends)])
-        return np.ascontiguousarray(self.ends), first, local, _with_zeros(self.pieces.swapaxes(1, 2))
+        return np.ascontiguousarray(self.ends), first, local, FALLING * _filled(self.pieces.swapaxes(1, 2))
 
     def collocation(self, points: Array) -> Array:
         """Values (n, s) of the s B-splines at points (n); at the nodes of the spline, the matrix of its equations."""
@@ -147,57 +150,20 @@ class TensorSpline:
         return TensorSpline(self.intervals, np.ascontiguousarray(self.coefficients[components]))
 
     @cached_property
-    def _rows(self) -> Array:
+    def _filled(self) -> Array:
         """Coefficients as the compiled evaluation reads them."""
-        return _with_zeros(self.coefficients)
-
-    @cached_property
-    def _table(self) -> Array:
-        return self._polynomials(np.arange(self._cell_count))
-
-    @property
-    def _cell_count(self) -> int:
-        return len(self.intervals[0].pieces) * len(self.intervals[1].pieces)
-
-    def _polynomials(self, cells: NDArray[np.int64]) -> Array:
-        """Coefficients (profile power, lengthwise power, m, n) of the polynomials of cells (n)."""
-        along, across = (each.pieces for each in self.intervals)
-        i, j = np.divmod(cells, across.shape[0])
-        windows = sliding_window_view(self.coefficients, (along.shape[1], across.shape[1]), axis=(1, 2))[:, i, j]
-        half = np.einsum("mnab,nap->pmnb", windows, along[i], optimize=True)
-        return np.ascontiguousarray(np.einsum("pmnb,nbq->qpmn", half, across[j], optimize=True))
+        return _filled(self.coefficients, *(len(each.pieces) for each in self.intervals))
 
     def evaluate(self, points: Array, derivatives: Sequence[tuple[int, int]]) -> list[Array]:
         """Values of derivatives, by their orders in both directions, at points (2, n): each (m, n).
 
         Beyond the grid the polynomials of its edge go on.
         """
-        kernel = compiled_code_of(_kernel)
-        if kernel is not None and self._suits(kernel, derivatives):
-            return self._compiled(kernel, points, derivatives)
-        (i, u), (j, v) = (each.place(one) for each, one in zip(self.intervals, points, strict=True))
-        cells = i * self.intervals[1].pieces.shape[0] + j
-        components, orders = len(self.coefficients), [each.pieces.shape[1] for each in self.intervals]
-        terms = components * orders[0] * orders[1]
-        if self._cell_count * terms <= TABLE_SIZE_LIMIT:
-            table = self._table
-        else:
-            wanted, cells = np.unique(cells, return_inverse=True)
-            table = self._polynomials(wanted)
-        scales = [1.0 / np.diff(each.ends)[index] for each, index in zip(self.intervals, (i, j), strict=True)]
-        results = [np.empty((components, u.size)) for _ in derivatives]
-        step = max(BLOCK_SIZE // terms, 64)
-        for start in range(0, u.size, step):
-            block = slice(start, start + step)
-            rows = table.take(cells[block], axis=-1, mode="clip")
-            partial = {b: _horner(rows, v[block], b) for b in {b for _, b in derivatives}}
-            for result, (a, b) in zip(results, derivatives, strict=True):
-                result[:, block] = _horner(partial[b], u[block], a)
-        for result, orders_of in zip(results, derivatives, strict=True):
-            for scale, order in zip(scales, orders_of, strict=True):
-                for _ in range(order):
-                    result *= scale
-        return results
+        (t, h), (along, across) = np.ascontiguousarray(points, dtype=float), self.intervals
+        results = np.empty((len(derivatives), len(self.coefficients), t.size))
+        orders = np.array(derivatives, dtype=np.int64)
+        evaluate(*along.compiled, *across.compiled, self._filled, t, h, orders, results)
+        return list(results)
 
     def on_grid(self, along: Array, across: Array) -> Array:
         """Values (m, p, q) at all points of a grid from coordinates (p) and (q), as the product of both directions.
@@ -213,38 +179,12 @@ class TensorSpline:
         first, second = (each.collocation(one) for each, one in zip(self.intervals, (along, across), strict=True))
         return np.asarray(first @ self.coefficients @ second.T)
 
-    def _suits(self, kernel: Any, derivatives: Sequence[tuple[int, int]]) -> bool:
-        """Whether the compiled evaluation is made for this spline and these derivatives."""
-        sizes = {each.pieces.shape[1] for each in self.intervals}
-        return sizes == {kernel.SIZE} and max(map(max, derivatives)) <= kernel.ORDER_LIMIT
 
-    def _compiled(self, kernel: Any, points: Array, derivatives: Sequence[tuple[int, int]]) -> list[Array]:
-        """As ``evaluate``."""
-        (t, h), (along, across) = np.ascontiguousarray(points, dtype=float), self.intervals
-        results = np.empty((len(derivatives), len(self.coefficients), t.size))
-        orders = np.array(derivatives, dtype=np.int64)
-        kernel.evaluate(*along.compiled, *across.compiled, self._rows, t, h, orders, results)
-        return list(results)
+def _filled(values: Array, *intervals: int) -> Array:
+    """Values (..., p, q) with zeros behind them, as many as of B-splines of the fifth degree.
 
-
-def _with_zeros(values: Array) -> Array:
-    """Values (..., n) with two zeros more in every row: compiled code reads six numbers as a row of eight."""
-    return np.concatenate([values, np.zeros((*values.shape[:-1], 2))], axis=-1)
-
-
-def _kernel() -> Any:
-    from . import spline_kernel
-
-    return spline_kernel
-
-
-def _horner(coefficients: Array, at: Array, order: int) -> Array:
-    """Derivative of an order of polynomials with coefficients (powers, ..., n) at coordinates (n)."""
-    last = len(coefficients) - 1
-    if order > last:
-        return np.zeros(coefficients.shape[1:])
-    total = perm(last, order) * coefficients[last]
-    for power in range(last - 1, order - 1, -1):
-        total *= at
-        total += perm(power, order) * coefficients[power] if order else coefficients[power]
-    return np.asarray(total)
+    As many as the powers and B-splines of an interval; or, of coefficients, as the intervals of both directions need.
+    """
+    wanted = tuple(count + SIZE - 1 for count in intervals) or (SIZE, SIZE)
+    behind = [(0, more - given) for more, given in zip(wanted, values.shape[-2:], strict=True)]
+    return np.ascontiguousarray(np.pad(values, [(0, 0)] * (values.ndim - 2) + behind))

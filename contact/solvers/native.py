@@ -24,7 +24,7 @@ from ..problem.scaled_problem import ScaledProblem
 from .active_set.primal_active_set import primal_active_set
 from .active_set.primal_dual_active_set import primal_dual_active_set
 from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
-from .modal_newton import has_modal_form, modal_newton
+from .compiled.compiled_answer import scaled_answer
 from .scaled_answer import ScaledAnswer
 from .solver_limits import StepBudget
 
@@ -32,7 +32,12 @@ Mask = NDArray[np.bool_]
 
 
 def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return modal_newton([problem], [active], budget)[0] if has_modal_form(problem) else None
+    if budget is not None and not budget.step():
+        return None
+    found = scaled_answer(problem, active)
+    if found is None or (budget is not None and not all(budget.step() for _ in range(found[2] - 1))):
+        return None
+    return ScaledAnswer(*found, "modal")
 
 
 def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any, overload
 
@@ -11,22 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array, frozen_arrays, instance
-from ...core.compiled.compiled_use import FEWEST_PROBLEMS_TO_COMPILE, compiling
 from ...core.errors import InputError
 from ..problem.answer import with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate
 from ..problem.contact_problem import ContactProblem
-from ..problem.scaled_problem import ScaledProblem
-from .compiled.compiled_answer import compiled_code, linear_answers
-from .modal_newton import has_modal_form, modal_newton
-from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, judged_native, solve
+from .compiled.compiled_answer import linear_answers
+from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, solve
 from .solution import ContactSolution, Status, judged, no_solution
 
 Array = NDArray[np.float64]
-
-#: Problems of a batch are padded to one size, so that only those of like size go together; and in numbers that fit the
-#: processor's cache.
-BATCH_SIZE = 64
 
 
 @frozen_arrays
@@ -172,10 +165,6 @@ def solve_many(
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
-    with compiling(len(problems) >= FEWEST_PROBLEMS_TO_COMPILE):
-        code = compiled_code()
-    if code is None:
-        return plain_solutions(problems, known)
     found = []
     for problem, active in zip(problems, known, strict=True):
         compiled = compiled_solution(problem, active, perf_counter())
@@ -201,8 +190,7 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
     force, gap = np.full((2, count, problem.size), np.nan)
     numbers, status = np.full((count, 7), np.nan), np.full(count, Status.NOT_CONVERGED, dtype=np.int8)
     steps, proved = np.full(count, -1), np.zeros(count, dtype=np.bool_)
-    with compiling(count >= FEWEST_PROBLEMS_TO_COMPILE):
-        together = linear_answers(problem, gaps, moments)
+    together = linear_answers(problem, gaps, moments)
     if together is not None:
         force, gap, numbers, ended = together
         violations, resolution, numbers = numbers[:, 2:7], numbers[:, 7], numbers[:, :7]
@@ -228,45 +216,3 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
 def problem_of_row(problem: ContactProblem, separation: Array, torque: float) -> ContactProblem:
     """Return a problem with other separations (n) [mm] and another torque [N mm]."""
     return ContactProblem(separation, problem.lever_arm, float(torque), problem.compliance_matrix)
-
-
-def plain_solutions(
-    problems: Sequence[ContactProblem], known: Sequence[NDArray[np.bool_] | None]
-) -> list[ContactSolution]:
-    """As `solve_many`, by arrays of numpy alone: for where the compiled method cannot be used, and to check it."""
-    together = [(number, scaled) for number, scaled in enumerate(map(_scaled, problems)) if scaled is not None]
-    together.sort(key=lambda item: item[1].separation.size)
-    found: dict[int, ContactSolution] = {}
-    for first in range(0, len(together), BATCH_SIZE):
-        found |= _solve_batch(problems, together[first : first + BATCH_SIZE], known)
-    return [
-        found[number] if number in found else solve(problem, initial_active=active)
-        for number, (problem, active) in enumerate(zip(problems, known, strict=True))
-    ]
-
-
-def _scaled(problem: ContactProblem) -> ScaledProblem | None:
-    """Scale a problem that the batch can take."""
-    if not problem.is_structured or problem.torque == 0.0:
-        return None
-    scaled = problem.scaled()
-    return scaled if scaled.is_finite and has_modal_form(scaled) else None
-
-
-def _solve_batch(
-    problems: Sequence[ContactProblem],
-    chosen: Sequence[tuple[int, ScaledProblem]],
-    known: Sequence[NDArray[np.bool_] | None],
-) -> dict[int, ContactSolution]:
-    """Return the certified answers among the chosen problems, by their number."""
-    start = perf_counter()
-    active = [problems[n].scaling.estimated_active if (mask := known[n]) is None else mask for n, _ in chosen]
-    answers = modal_newton([scaled for _, scaled in chosen], active)
-    found = {}
-    for (number, _), answer in zip(chosen, answers, strict=True):
-        if answer is not None:
-            solution = judged_native(problems[number], "modal", answer)
-            if solution.certificate.worst <= ROUNDING_LEVEL:
-                found[number] = solution
-    share = (perf_counter() - start) / len(chosen)
-    return {number: replace(solution, run_time=share) for number, solution in found.items()}

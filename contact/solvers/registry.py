@@ -219,7 +219,7 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        f"native, {native.METHOD_WORDS['modal']}, compiled, {found.iterations} steps: certified",
+        f"native, {native.METHOD_WORDS['modal']}, {found.iterations} steps: certified",
         times=CallTimes(found.setup_time + found.solve_time, found.setup_time, found.solve_time, "solver"),
     )
 

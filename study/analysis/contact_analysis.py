@@ -17,7 +17,6 @@ from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unload
 from ...contact.load_capacity.tooth_root_stress import root_stress
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SolverChoice, require_solver
-from ...contact.solvers.compiled.compiled_answer import compiled_code
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
@@ -113,8 +112,8 @@ def contact_analysis(
     solved: list[LoadedPart] = []
     light, light_load = LIGHT_LOAD_SHARE * load.max(), None
     light_state = state.assemblies([light])[0][1]
-    # The compiled solver takes the light load with the others, where nobody counts the solves; others start from it.
-    native = require_solver(solver) == "native" and not options and compiled_code() is not None
+    # The native solver takes the light load with the others, where nobody counts the solves; others start from it.
+    native = require_solver(solver) == "native" and not options
     with_light = held is None and progress is None and native
     for places, own in assemblies:
         at = load[list(places)]

@@ -15,7 +15,6 @@ from typing import Any, NoReturn, TextIO
 import click
 
 from ...core import printable
-from ...core.compiled.compiled_use import compilation_told
 from ...core.errors import EaseoffError
 from .command import PROGRAM, as_given
 from .exit_codes import EXIT_MISTAKE
@@ -32,7 +31,6 @@ from .run_command import run
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
 from .terminal.completion_command import completion
-from .terminal.terminal_bar import lines_wanted
 from .verify_command import verify
 from .vh_command import vh
 from .wear_command import wear
@@ -62,12 +60,6 @@ def _show_warning(
         echo(note, err=True)
 
 
-def _show_waiting(text: str) -> None:
-    """Say what takes long, wherever progress is shown."""
-    if sys.stderr is not None and (sys.stderr.isatty() or lines_wanted()):
-        echo(text, err=True)
-
-
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
     said = printable.message(as_given(error.format_message()))
@@ -94,7 +86,7 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            with warnings.catch_warnings(), compilation_told(_show_waiting):
+            with warnings.catch_warnings():
                 warnings.showwarning = _show_warning
                 return super().invoke(ctx)
         except EaseoffError as error:

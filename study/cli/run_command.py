@@ -65,7 +65,6 @@ def run(
     if load_cases is None:
         quick_start(alone=options["solver"] == "auto")
     from ...cases.analysis_size import AnalysisSize
-    from ...core.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable
     from ..analysis.case_analysis import analyze
     from ..analysis.contact_analysis import case_torques
@@ -107,8 +106,7 @@ def run(
     shape = (0, 0, 0) if operation is None else operation.shape
     size = AnalysisSize.of(checked, len(case_torques(checked, options["torques"])), shape, feedback=bool(fed_back))
     check_cost(checked, size)
-    few = size.solved_positions < FEWEST_PROBLEMS
-    with without_compiled_code(few), progress_bar(checked, options["torques"]) as shown:
+    with progress_bar(checked, options["torques"]) as shown:
         tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     echo(f"wrote {output}: {outcome(tree)}")

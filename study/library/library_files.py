@@ -17,7 +17,6 @@ from ...contact.problem.exchange.problem_checksum import problem_checksum, set_c
 from ...contact.problem.exchange.problem_file import write_problems
 from ...contact.solvers import ContactSolution, solve
 from ...core.attributes import labelled
-from ...core.compiled.compiled_use import compiling
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ...core.writing.output_file import check_folder, check_writable
@@ -65,7 +64,6 @@ class LibraryFile:
     faults: tuple[str, ...]
 
 
-@compiling()
 @one_blas_thread()
 def write_library(
     folder: str | os.PathLike[str],

@@ -9,8 +9,6 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...core.compiled.compiled_use import without_compiled_code
-
 #: File that matplotlib looks for in the current folder when it is loaded.
 CONFIGURATION = "matplotlibrc"
 
@@ -53,15 +51,14 @@ def drawing(axes: object) -> Iterator[None]:
     ...     matplotlib.rcParams["text.usetex"]
     False
     """
-    with without_compiled_code():  # a drawing needs too little of it to load it for
-        if axes is None:
-            with default_style():
-                yield
-            return
-        from .figures.own_axes import on_own_axes
-
-        with on_own_axes(axes):
+    if axes is None:
+        with default_style():
             yield
+        return
+    from .figures.own_axes import on_own_axes
+
+    with on_own_axes(axes):
+        yield
 
 
 def _load() -> None:

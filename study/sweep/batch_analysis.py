@@ -18,7 +18,6 @@ from ...cases.conversion import misalignment as own_misalignment
 from ...cases.deflections import Deflections
 from ...contact.solvers import Status
 from ...core.checks import frozen_arrays
-from ...core.compiled.compiled_use import compiling
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
 from ...core.printable import printable, shortened
@@ -105,7 +104,6 @@ class Block:
     layout: str
 
 
-@compiling()
 @without_garbage_collection()
 def analyze_batch(batch: Batch) -> Block:
     """Numbers of every point of a batch; what fails is a row with a reason.

@@ -1,8 +1,4 @@
-"""Answers of the compiled contact solution, certified on the problem as it was given; none where it has none.
-
-The compiled code is loaded when it is first used. Without numba, or where ``compiled_use`` says so, there are no such
-answers, and the methods of ``solvers`` take over.
-"""
+"""Answers of Newton's method in the bending modes, certified on the problem as it was given; none where it has none."""
 
 from __future__ import annotations
 
@@ -14,20 +10,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.compiled.compiled_use import compiled_code_of
+from ....core.kernels import kernel
 from ...problem.answer import Answer, with_certificate
 from ...problem.certificate import RESOLUTION_LIMIT, Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
+from ...problem.scaled_problem import ScaledProblem
 
 Array = NDArray[np.float64]
+
+solve_batch = kernel(".newton_kernel", __package__).solve_batch
 
 #: Smallest local compliance for which the method is tried, relative to the whole compliance of a segment: digits are
 #: lost, and iterations gained, in the ratio of the two.
 SMALLEST_LOCAL_FRACTION = 1e-4
 
-_NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool_), np.empty((0, 14))
+_NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.uint8), np.empty((0, 14))
 
 
 class CompiledAnswer(NamedTuple):
@@ -42,17 +41,6 @@ class CompiledAnswer(NamedTuple):
     stiffness: float = math.nan
     setup_time: float = math.nan
     solve_time: float = math.nan
-
-
-def compiled_code() -> Any:
-    """The module of the compiled functions, or None."""
-    return compiled_code_of(_kernel)
-
-
-def _kernel() -> Any:
-    from . import newton_kernel
-
-    return newton_kernel
 
 
 def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = None) -> CompiledAnswer | None:
@@ -71,7 +59,7 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
         None where the method cannot be used or did not end.
     """
     matrix = problem.compliance_matrix
-    if not isinstance(matrix, ModalCompliance) or not problem.torque > 0.0 or (code := compiled_code()) is None:
+    if not isinstance(matrix, ModalCompliance) or not problem.torque > 0.0:
         return None
     if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
@@ -79,9 +67,10 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     columns = tuple(matrix.modes.basis.columns)
     ready = perf_counter()
     force, gap, numbers, counts = _results(1, size)
-    code.solve_batch(
+    mask = _NO_MASK if active is None else active.reshape(1, size).view(np.uint8)
+    solve_batch(
         columns, np.array([problem.torque]), problem.separation.reshape(1, size),
-        problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK if active is None else active.reshape(1, size),
+        problem.lever_arm, matrix.local, _NO_LAW, mask,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
@@ -96,6 +85,29 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, math.nan, *times)
 
 
+def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Array, float, int] | None:
+    """Solve a scaled problem: forces (n), rotation and steps; None where the method cannot be used or did not end.
+
+    Parameters
+    ----------
+    problem
+        The scaled problem.
+    active
+        Segments assumed in contact (n).
+    """
+    modal, size = problem.modal, problem.separation.size
+    if modal is None or not modal.compliance.local_fraction > SMALLEST_LOCAL_FRACTION:
+        return None
+    force, gap, numbers, counts = _results(1, size)
+    solve_batch(
+        tuple(modal.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
+        problem.lever_arm, modal.diagonal, _NO_LAW, active.reshape(1, size).view(np.uint8),
+        force, gap, _NO_FORCES, numbers, counts,
+    )  # fmt: skip
+    steps, ended = counts[0].tolist()
+    return (force[0], float(numbers[0, 0]), steps) if ended else None
+
+
 def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:
     """Solve a contact problem with other separations (b, n) and torques (b).
 
@@ -106,12 +118,12 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
         steps and whether the method ended (b, 2). None where the method cannot be used.
     """
     matrix = problem.compliance_matrix
-    if not isinstance(matrix, ModalCompliance) or (code := compiled_code()) is None:
+    if not isinstance(matrix, ModalCompliance):
         return None
     if not (matrix.local_fraction > SMALLEST_LOCAL_FRACTION and isinstance(matrix.modes, ModalBasis)):
         return None
     force, gap, numbers, counts = _results(*separation.shape)
-    code.solve_batch(
+    solve_batch(
         tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
@@ -134,14 +146,14 @@ def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list
         An answer each, None as of `linear_answer`; the certificate is that of the linear problem with the secant
         compliance.
     """
-    first, code = bendings[0], compiled_code()
+    first = bendings[0]
     basis, torque = first.modal_basis, np.array([one.torque for one in bendings])
-    if basis is None or code is None or not torque.min() > 0.0:
+    if basis is None or not torque.min() > 0.0:
         return [None] * len(bendings)
     count, size = torque.size, first.size
     force, gap, numbers, counts = _results(count, size)
     secant = np.empty((count, size))
-    code.solve_batch(
+    solve_batch(
         tuple(basis.columns), torque, np.repeat(first.separation.reshape(1, size), count, axis=0), first.lever_arm,
         first.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
@@ -152,7 +164,7 @@ def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list
             answers.append(None)
             continue
         answer = answer_of(bendings[b].with_secant(secant[b]), force[b], gap[b], numbers[b])
-        answers.append(CompiledAnswer(answer, steps, secant[b], float(numbers[b, code.STIFFNESS])))
+        answers.append(CompiledAnswer(answer, steps, secant[b], float(numbers[b, 9])))
     return answers
 
 

@@ -7,7 +7,7 @@ segment touches and zero elsewhere, and
 
 A segment that enters or leaves changes the small matrix of its block by one of rank one: O(k^2), and O(n k) a solve.
 Modes that all blocks share, W_i = G_i M_b in block b, have amplitudes y = W'F beside these; what the modes of a block
-leave on G and r is summed over the blocks, see ``modal_newton``.
+leave on G and r is summed over the blocks, see ``newton_kernel``.
 """
 
 from __future__ import annotations

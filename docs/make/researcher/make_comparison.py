@@ -92,7 +92,7 @@ def machine_line(table: Any) -> str:
     """Number of attempts and the versions they were made with."""
     machine, versions = (json.loads(table.attrs[name]) for name in ("machine", "solver_versions"))
     solvers = ", ".join(f"{name} {version}" for name, version in versions.items())
-    names = ("processor", "Python", "numpy", "scipy", "numba", "BLAS of numpy", "BLAS of scipy")
+    names = ("processor", "Python", "numpy", "scipy", "BLAS of numpy", "BLAS of scipy")
     parts = ", ".join(machine[name] if name in ("processor", "Python") else f"{name} {machine[name]}" for name in names)
     return f"{table.sizes['attempt']} attempts; {parts}, one thread; {solvers}."
 

@@ -16,7 +16,6 @@ from typing import Any
 
 from ....contact.solvers import SOLVERS
 from ....contact.solvers.declared.solver_lookup import entry_point
-from ....core.compiled.compiled_use import is_used
 
 
 def machine(threads: int = 1) -> dict[str, str]:
@@ -30,20 +29,9 @@ def machine(threads: int = 1) -> dict[str, str]:
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
         **versions,
         "code of easeoff": _code_digest(),
-        "numba": _version("numba", "not installed"),
-        "compiled code": compiled_code(),
         "BLAS of numpy": _linear_algebra("numpy"),
         "BLAS of scipy": _linear_algebra("scipy"),
     }
-
-
-def compiled_code() -> str:
-    """Whether the native solver runs compiled, in the words of the report."""
-    if not is_used():
-        return "switched off"
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-        return "not compiled"
-    return "used" if importlib.util.find_spec("numba") is not None else "not installed"
 
 
 def _linear_algebra(package: str) -> str:

@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from ....contact.problem.contact_problem import ContactProblem
 from ....contact.solvers import Solver
 from ....contact.solvers.backend_solution import GRACE_TIME
-from ....contact.solvers.compiled.compiled_answer import compiled_code
-from ....core.compiled.compiled_use import compiling
 from ....core.errors import EaseoffError, InputError, MissingSolverError
 from ....core.processes.child_environment import (
     THREAD_VARIABLES,
@@ -111,7 +109,7 @@ class Worker:
         if self._failed is not None:
             return self._failed
         if not self._tried:
-            # What is slow only once, such as loading and compiling, is left out of the times; with other data, of which
+            # What is slow only once, such as loading, is left out of the times; with other data, of which
             # nothing is worth keeping.
             self._tried = True
             outcome = self._ask(replace(request, problem=multiplied(request.problem, UNMEASURED_FACTOR)))
@@ -191,9 +189,6 @@ def serve(connection: Connection, solver: str) -> None:
     except EaseoffError as error:
         connection.send(str(error))
         return
-    if solver == "native":
-        with compiling():  # now if it has to be, not within the time limit of an attempt
-            compiled_code()
     connection.send(isinstance(adapter, Solver) and adapter.warm_start)
     while True:
         try:

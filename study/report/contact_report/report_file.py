@@ -93,12 +93,11 @@ def write_report(
 
 def report_page(results: Mapping[str, Given], author: str = "") -> str:
     """Text of the page with results by name, and who made it."""
-    from ....core.compiled.compiled_use import without_compiled_code
     from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
     from . import flank_departures, vh_part
 
     given = GivenResults.of(results)
-    with default_style(), without_compiled_code():  # a page needs too little of that code to load it for
+    with default_style():
         data: dict[str, Any] = {
             "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
             "checks": [vh_part.vh_part(name, found) for name, found in given.checks.items()],

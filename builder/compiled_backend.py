@@ -1,0 +1,90 @@
+"""Build of the package: that of setuptools, with Cython for the kernels and, where there is no compiler, with zig's.
+
+A kernel is a Python file that Cython compiles, with the types in the ``.pxd`` file beside it; ``pyproject.toml`` lists
+them. Each carries the digest of what it was compiled from, see ``core/kernels.py``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from setuptools import build_meta
+from setuptools.build_meta import *  # noqa: F403  # all hooks but the two below
+from setuptools.command.build_ext import build_ext
+
+#: As fast as it gets with the same bits everywhere: sums in the order of the source, no fused multiplication.
+FLAGS = {"unix": ["-O3", "-g0", "-ffp-contract=off"], "msvc": ["/O2", "/fp:precise"]}
+ZIG = "ziglang>=0.13"
+
+
+def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
+    """What a wheel needs: a compiler among it, where there is none."""
+    return [*build_meta.get_requires_for_build_wheel(config_settings), *_compiler()]
+
+
+def get_requires_for_build_editable(config_settings: Any = None) -> list[str]:
+    """What an installation in place needs: a compiler among it, where there is none."""
+    return [*build_meta.get_requires_for_build_editable(config_settings), *_compiler()]
+
+
+def _compiler() -> list[str]:
+    return [] if os.name == "nt" or _has_compiler() else [ZIG]
+
+
+def _has_compiler() -> bool:
+    """Whether the compiler is on the path that Python was built with, or that ``CC`` names."""
+    command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
+    return shutil.which(command[0]) is not None
+
+
+class BuildKernels(build_ext):
+    """Compile the kernels; neither C nor objects are left among the sources."""
+
+    def run(self) -> None:
+        """Compile with zig where nothing else is there."""
+        if os.name != "nt" and not _has_compiler():
+            os.environ["CC"] = f"{shlex.quote(sys.executable)} -m ziglang cc"
+            os.environ["LDSHARED"] = f"{os.environ['CC']} -shared"
+        super().run()
+
+    def build_extension(self, ext: Any) -> None:
+        """Compile a copy of the source, which ends with its digest, among copies of the types that it may use."""
+        from Cython.Build import cythonize
+
+        copies = Path(self.build_temp) / "sources"
+        for types in [types for other in self.extensions for types in _source(other).parent.glob("*.pxd")]:
+            place = copies / "easeoff" / types
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(types, place)
+            for folder in place.relative_to(copies).parents:
+                (copies / folder / "__init__.py").touch()
+        source = _source(ext)
+        copy = copies / "easeoff" / source
+        text = source.read_bytes() + f'\nSOURCE_DIGEST = "{digest(source)}"\n'.encode()
+        copy.write_bytes(text)
+        compiled = type(ext)(ext.name, [str(copy)], define_macros=ext.define_macros, py_limited_api=ext.py_limited_api)
+        (found,) = cythonize([compiled], include_path=[str(copies)], force=True, quiet=True)
+        ext.sources, ext.depends = found.sources, []
+        ext.extra_compile_args = FLAGS.get(self.compiler.compiler_type, [])
+        super().build_extension(ext)
+        ext.sources = [str(source)]
+
+
+def _source(ext: Any) -> Path:
+    """Source of a kernel."""
+    return Path(ext.name.removeprefix("easeoff.").replace(".", "/") + ".py")
+
+
+def digest(source: Path) -> str:
+    """Digest of a source and its types."""
+    found = hashlib.sha256()
+    for path in (source, source.with_suffix(".pxd")):
+        found.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return found.hexdigest()

@@ -1,0 +1,51 @@
+"""Compiled modules of the package: found, and refused where they are not those of the source beside them."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import importlib.util
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+from typing import Any
+
+from .errors import MissingPackageError
+
+HINT = "run 'make', or install the package again (pip install .)"
+
+
+def kernel(name: str, package: str) -> Any:
+    """Return a compiled module.
+
+    Parameters
+    ----------
+    name, package
+        Relative name of the module, and the package that it is relative to.
+
+    Raises
+    ------
+    MissingPackageError
+        The module has not been compiled, or from another source than that beside it.
+
+    Examples
+    --------
+    >>> kernel(".spline_kernel", "easeoff.contact.lines").__name__
+    'easeoff.contact.lines.spline_kernel'
+    """
+    spec = importlib.util.find_spec(name, package)
+    place = "" if spec is None or spec.origin is None else spec.origin
+    if not place.endswith(tuple(EXTENSION_SUFFIXES)):
+        raise MissingPackageError(f"{package}{name}: is not compiled here; {HINT}")
+    module = importlib.import_module(name, package)
+    source = Path(place).with_name(f"{name.removeprefix('.')}.py")
+    if source.is_file() and source_digest(source) != module.SOURCE_DIGEST:
+        raise MissingPackageError(f"{package}{name}: has changed since it was compiled; {HINT}")
+    return module
+
+
+def source_digest(source: Path) -> str:
+    """Digest of the source of a compiled module and of its types, where these are there; as the build takes it."""
+    found = hashlib.sha256()
+    for path in (source, source.with_suffix(".pxd")):
+        found.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return found.hexdigest()
