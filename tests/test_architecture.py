@@ -64,7 +64,7 @@ def imports(name: str) -> frozenset[str]:
             within = {f"{base}.{alias.name}" for alias in node.names} & modules().keys()
             found |= within if len(within) == len(node.names) else {base, *within}
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "kernel":
-            found |= {".".join(package) + arg.value for arg in node.args[:1] if isinstance(arg, ast.Constant)}
+            found |= {".".join(package) + str(arg.value) for arg in node.args[:1] if isinstance(arg, ast.Constant)}
     return frozenset(found & modules().keys()) - {name}
 
 

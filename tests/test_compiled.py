@@ -271,7 +271,7 @@ def test_statuses_have_numbers_in_arrays() -> None:
 # The source
 
 
-def bits_of(kernel: Any, given: ContactProblem, law: Array, torques: Array, mask: Array) -> list[Array]:
+def bits_of(kernel: Any, given: ContactProblem, law: Array, torques: Array, mask: NDArray[np.uint8]) -> list[Array]:
     """What `solve_batch` gives of a problem at several torques."""
     matrix, count, size = given.compliance_matrix, torques.size, given.size
     assert isinstance(matrix, ModalCompliance)
@@ -286,7 +286,7 @@ def bits_of(kernel: Any, given: ContactProblem, law: Array, torques: Array, mask
     return [*found, numbers, counts]
 
 
-def assert_same_bits(given: ContactProblem, law: Array, torques: Array, mask: Array) -> None:
+def assert_same_bits(given: ContactProblem, law: Array, torques: Array, mask: NDArray[np.uint8]) -> None:
     source = kernels.in_python("easeoff.contact.solvers.compiled.newton_kernel")
     pairs = zip(
         bits_of(newton_kernel, given, law, torques, mask), bits_of(source, given, law, torques, mask), strict=True
@@ -334,9 +334,9 @@ def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
         patch.setattr(tensor_spline, "evaluate", kernels.in_python("easeoff.contact.lines.spline_kernel").evaluate)
         for mine, other in zip(found, spline.evaluate(points, orders), strict=True):
             np.testing.assert_array_equal(mine, other)
-    given = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]
+    given: list[Any] = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]
     given[0][3] = np.nan
-    numbers = np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2
+    numbers: Any = np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2
     source = kernels.in_python("easeoff.contact.evaluation.least_gap_kernel")
     mine, other = np.empty(40), np.empty(40)
     least_gap_kernel.least_beside(*given, *numbers, mine)

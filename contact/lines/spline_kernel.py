@@ -17,7 +17,7 @@ def _interval(ends: Any, first: Any, per_length: float, x: float) -> int:
     if not share > 0.0:
         return 0
     part = int(min(share, parts - 1.0))
-    i = first[part]
+    i: int = first[part]
     while i < last and ends[i + 1] <= x:
         i += 1
     return i

@@ -10,7 +10,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, instance
+from ...core.checks import array, frozen_arrays, instance, shown
 from ...core.errors import InputError
 from ..problem.answer import with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate
@@ -158,9 +158,11 @@ def solve_many(
     if separation is not None or torque is not None:
         raise InputError("separation, torque: must be given with one problem, not with a sequence of problems")
     given: Any = problems
-    problems = list(given) if isinstance(given, Iterable) else [given]
+    problems = list(given) if isinstance(given, Iterable) and getattr(given, "ndim", True) else [given]
     for problem in problems:
         instance("problems", problem, ContactProblem)
+    if not (initial_active is None or isinstance(initial_active, Iterable)):
+        raise InputError(f"initial_active = {shown(initial_active)}: must be sets of segments, one a problem, or None")
     starts = [None] * len(problems) if initial_active is None else list(initial_active)
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")

@@ -428,7 +428,7 @@ def _shared_direction(n: Any, imbalance: float) -> float:
     if stale:
         _factor_whole(n)
     forward(n.whole, 0, padded_shared, padded_shared, n.change, first)
-    turn = (imbalance + dot(n.whole, turning, n.change, first, padded_shared)) / n.whole[turning + padded_shared]
+    turn: float = (imbalance + dot(n.whole, turning, n.change, first, padded_shared)) / n.whole[turning + padded_shared]
     for t in range(padded_shared):
         n.change[first + t] += turn * n.whole[turning + t]
     backward(n.whole, 0, padded_shared, padded_shared, n.change, first)
@@ -457,7 +457,9 @@ def _shared_direction(n: Any, imbalance: float) -> float:
 
 def _turn(n: Any, imbalance: float, pivot: float) -> float:
     """Newton's change of the amplitudes; returns that of the rotation."""
-    return _shared_direction(n, imbalance) if n.shared else _direction(n, imbalance, pivot)
+    if n.shared:
+        return _shared_direction(n, imbalance)
+    return _direction(n, imbalance, pivot)
 
 
 def _stiffness(n: Any) -> float:
@@ -523,7 +525,7 @@ def _residual(n: Any, torque: float, moment: float) -> float:
         for q in range(n.blocks):
             for x in range(n.spans[3 * q], n.spans[3 * q + 1]):
                 level += abs(n.pull[x] * n.arm[x])
-    residual = max(abs(torque - moment) / level, left)
+    residual: float = max(abs(torque - moment) / level, left)
     if n.shared:
         left = 0.0
         for a in range(first, first + n.shared):
@@ -807,7 +809,8 @@ def solve_batch(
         For the numbers (b, 10), and steps and whether the method ended (b, 2). The stiffness is that of line contacts,
         see `_stiffness`.
     """
-    n, linear = Newton(), law.shape[0] == 0
+    n: Any = Newton()
+    linear = law.shape[0] == 0
     _prepare(n, modes, law, arm.shape[0])
     known = n.size + n.width + 10.0 + n.local_shared + n.shared
     for b in range(torque.shape[0]):
