@@ -334,13 +334,13 @@ def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
         patch.setattr(tensor_spline, "evaluate", kernels.in_python("easeoff.contact.lines.spline_kernel").evaluate)
         for mine, other in zip(found, spline.evaluate(points, orders), strict=True):
             np.testing.assert_array_equal(mine, other)
-    given: list[Any] = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]
-    given[0][3] = np.nan
-    numbers: Any = np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2
+    at_points = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]
+    at_points[0][3] = np.nan
+    given: Any = [*at_points, np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2]
     source = kernels.in_python("easeoff.contact.evaluation.least_gap_kernel")
     mine, other = np.empty(40), np.empty(40)
-    least_gap_kernel.least_beside(*given, *numbers, mine)
-    source.least_beside(*given, *numbers, other)
+    least_gap_kernel.least_beside(*given, mine)
+    source.least_beside(*given, other)
     np.testing.assert_array_equal(mine, other)
 
 
