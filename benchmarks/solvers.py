@@ -24,7 +24,6 @@ from easeoff.contact import ContactProblem
 from easeoff.contact import available_solvers, solve, solve_many
 from easeoff.contact.solvers.compiled.compiled_answer import scaled_answer
 from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
-from easeoff.contact.solvers.problem_batch import plain_solutions
 from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf
 from tabulate import tabulate
@@ -161,8 +160,6 @@ class Rows:
         torques = np.array([case.torque for case in self.cases])
         seconds = median_seconds([lambda: solve_many(one, separation=gaps, torque=torques)])
         self.seconds["solve_many of arrays, each"] = seconds / POSITIONS
-        plain = median_seconds([lambda: plain_solutions(fresh(), [None] * POSITIONS)])
-        self.seconds["numpy alone, all at once, each"] = plain / POSITIONS
 
     def _others(self) -> None:
         for name in available_solvers():

@@ -339,8 +339,8 @@ def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
     given: Any = [*at_points, np.linspace(-1.0, 1.0, 17), 30.0, 12.0, 0.1, rng.uniform(0.0, 0.1, 25), 2]
     source = kernels.in_python("easeoff.contact.evaluation.least_gap_kernel")
     mine, other = np.empty(40), np.empty(40)
-    least_gap_kernel.least_beside(*given, mine)
-    source.least_beside(*given, other)
+    least_gap_kernel.least_beside(*(*given, mine))
+    source.least_beside(*(*given, other))
     np.testing.assert_array_equal(mine, other)
 
 
