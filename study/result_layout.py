@@ -339,7 +339,8 @@ def faults(tree: xr.DataTree) -> list[str]:
     for name in ("flanks", "ease_off", "teeth"):
         grid = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in _counted_faults(grid)]
-        present = [one for names in VARIABLES[name].values() for one in names if one in grid]
+        known = (*VARIABLES[name].values(), *OTHER_VARIABLES[name].values())
+        present = [one for names in known for one in names if one in grid]
         empty = [one for one in present if not (_share(grid, one) and (one != "inside" or grid[one].values.any()))]
         found += [f"{name}: no values in {one!r}" for one in empty]
         for dimension in GRID:
@@ -469,6 +470,8 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
         return ["load_cases: no load cases"]
     found = [f"load_cases: {fault}" for fault in (*variable_faults(numbers, LOAD_CASES), *form_faults(numbers))]
     found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
+    over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
+    found += [f"load_cases: {name!r} must be over load_case" for name in over]
     if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
         found.append("root: no text in the attribute 'title'")
     if found:

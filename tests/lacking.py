@@ -36,7 +36,7 @@ def damaged(tree: xr.DataTree, some: Iterable[Damage]) -> xr.DataTree:
     """The tree with some damages."""
     groups: dict[str, xr.Dataset] = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     for one in some:
-        changed = one.change(groups[one.path])
+        changed = one.change(groups[one.path]) if one.path in groups else None
         if changed is None:
             groups = {path: group for path, group in groups.items() if not f"{path}/".startswith(f"{one.path}/")}
         else:
@@ -47,6 +47,8 @@ def damaged(tree: xr.DataTree, some: Iterable[Damage]) -> xr.DataTree:
 def _changes(group: xr.Dataset) -> Iterator[tuple[str, str, Change]]:
     for name in map(str, group.variables):
         for kind, other in VARIABLES.items():
+            if kind == "one value of" and name in group.sizes:
+                continue  # xarray opens no such file
             yield kind, name, lambda own, name=name, other=other: _with(own, name, other(own.variables[name]))  # type: ignore[misc]
     for name, value in group.attrs.items():
         for kind, found in (
