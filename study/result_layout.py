@@ -356,6 +356,11 @@ def faults(tree: xr.DataTree) -> list[str]:
             if not name or name in layout:
                 own = (tree[name] if name else tree).attrs
                 found += [f"{name or 'root'}: {fault}" for fault in attribute_faults(own, attributes, needed=needed)]
+    if not found:
+        loaded = tree.children["loaded"].dataset.variables
+        for one in ("length", "tooth", "lengthwise", "profile"):
+            if ((loaded["force"] > 0.0) & np.isnan(loaded[one])).any():
+                found.append(f"loaded: {one!r} must hold numbers where a segment carries")
     return found
 
 

@@ -540,6 +540,7 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("result", "/unloaded one value of fine_envelope", "'fine_envelope' over fine_position"),
         ("result", "/loaded without pinion_rotation", "'pinion_rotation'"),
         ("result", "/loaded empty pinion_rotation", "'pinion_rotation' must hold finite numbers"),
+        ("result", "/loaded empty length", "'length' must hold numbers where a segment carries"),
         ("result", "/loaded other order of status", "'status' over torque, mesh_position"),
         ("result", "/loaded other units of max_pressure", "'max_pressure' has the units 'furlong': must be MPa"),
         ("result", "/friction text in torque", "'torque' must hold numbers"),
