@@ -322,16 +322,18 @@ def faults(tree: xr.DataTree) -> list[str]:
         group = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
         like = "loaded" if name == "light_load" else name
-        further = ({over: (one,)} for over, names in OTHER_VARIABLES.get(like, {}).items() for one in names)
+        further: list[Layout] = [
+            {over: (one,)} for over, names in OTHER_VARIABLES.get(like, {}).items() for one in names
+        ]
         for together in (*OPTIONAL_VARIABLES.get(like, ()), *further):
             if any(variable in group.variables for names in together.values() for variable in names):
                 found += [f"{name}: {fault}" for fault in variable_faults(group, together)]
         counted = {dimension for dimensions in variables for dimension in dimensions}
-        for dimension, own in group.sizes.items():
+        for dimension, length in group.sizes.items():
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
-            size = own if alone or dimension not in counted else sizes.setdefault(str(dimension), own)
-            if not size or size != own:
-                found.append(f"{name}: {own} values along {dimension}, expected {size or 'some'}")
+            size = length if alone or dimension not in counted else sizes.setdefault(str(dimension), length)
+            if not size or size != length:
+                found.append(f"{name}: {length} values along {dimension}, expected {size or 'some'}")
     found += _group_faults(tree)
     for name in ("unloaded", "loaded"):
         if _share(tree[name].to_dataset(), "pinion_rotation") < 1.0:
