@@ -539,6 +539,21 @@ def variable_attributes(name: str) -> dict[str, Any]:
     return {**found, "units": units} if units else found
 
 
+def units_of(name: str) -> str | None:
+    """Units of a variable of numbers; None where it is a text or a flag, or not in the table.
+
+    Examples
+    --------
+    >>> units_of("light_load_max_pressure"), units_of("member")
+    ('MPa', None)
+    """
+    try:
+        found: str | None = variable_attributes(name).get("units")
+    except EaseoffError:
+        return None
+    return found
+
+
 def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:
     """CF attributes ``flag_values`` and ``flag_meanings`` of an integer status variable."""
     return {

@@ -12,6 +12,8 @@ import xarray as xr
 from ..contact.evaluation.pressure_place import LineEnd
 from ..contact.solvers import Status
 from ..contact.supports.assembly_rounds import RoundsStatus
+from ..core.attributes import units_of
+from ..core.checks import shown
 from ..core.errors import InputError
 from ..core.reading.json_text import parsed_json
 from ..core.stored_status import StoredStatus
@@ -52,7 +54,7 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
         ),
         (*LOADED, "pair"): ("load_share",),
         ("torque",): ("torque", "peak_to_peak", "mean_level", "max_pressure"),
-        ("mesh_position",): ("mesh_position",),
+        ("mesh_position",): ("mesh_position", "pinion_rotation"),
         ("torque", "order"): ("harmonic",),
     },
 }
@@ -180,8 +182,41 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {(*SEGMENTS, *CONDITIONS[1:]): ("flash_temperature",)},
         {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
         {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
-        {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
+        {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss", "mesh_efficiency")},
     ),
+}
+#: Further ones, each of which may be there alone.
+OTHER_VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
+    "flanks": {
+        ("member", *GRID): ("flank_status",),
+        ("member", *GRID, "principal"): ("principal_curvature",),
+        ("member", *GRID, "xyz"): ("principal_direction",),
+    },
+    "ease_off": {
+        GRID: (
+            *("pinion_deviation", "gear_deviation", "ease_off_change", "extrapolated", "status"),
+            *("pinion_lengthwise_acceleration", "pinion_profile_acceleration"),
+        ),
+    },
+    "teeth": {
+        ("member",): ("fanning", "trace_length", "trace_radius"),
+        ("member", *GRID, "shell_axis"): ("shell_direction",),
+        ("member", "tooth_end"): ("bulge", "tooth_height"),
+        ("member", "tooth_end", "plate_edge"): ("fitted_thickness", "plate_thickness"),
+    },
+    "unloaded": {("fine_position",): ("fine_envelope",)},
+    "loaded": {LOADED: ("cancellation", "iterations", "resolution"), SEGMENTS: ("lever_arm", "separation")},
+    "friction": {
+        ("mesh_position", "segment"): ("slide_to_roll",),
+        ("mesh_position", "segment", "speed"): ("sliding_along", "sliding_across"),
+        ("temperature",): ("bulk_temperature", "viscosity", "pressure_viscosity"),
+        (*SEGMENTS, "speed"): ("pressure_velocity",),
+        (*SEGMENTS, "speed", "temperature"): ("film_thickness",),
+        (*SEGMENTS, *CONDITIONS[1:]): ("formula_flags", "power_loss", "force"),
+        (*LOADED, *CONDITIONS[1:]): ("output_torque", "energy_balance", "status"),
+        ("torque", "speed"): ("input_power",),
+        CONDITIONS: ("max_flash_position", "min_film_position"),
+    },
 }
 #: Of a result over load cases, in the group ``load_cases`` and in that of the means.
 LOAD_CASES: dict[tuple[str, ...], tuple[str, ...]] = {
@@ -286,45 +321,57 @@ def faults(tree: xr.DataTree) -> list[str]:
     for name, variables in layout.items():
         group = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
-        for together in OPTIONAL_VARIABLES.get(name, ()):
+        like = "loaded" if name == "light_load" else name
+        further: list[Layout] = [
+            {over: (one,)} for over, names in OTHER_VARIABLES.get(like, {}).items() for one in names
+        ]
+        for together in (*OPTIONAL_VARIABLES.get(like, ()), *further):
             if any(variable in group.variables for names in together.values() for variable in names):
                 found += [f"{name}: {fault}" for fault in variable_faults(group, together)]
-        for dimension in {dimension for dimensions in variables for dimension in dimensions} & set(group.sizes):
+        counted = {dimension for dimensions in variables for dimension in dimensions}
+        for dimension, length in group.sizes.items():
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
-            shared = {} if alone else sizes
-            size = shared.setdefault(dimension, group.sizes[dimension])
-            if not size or size != group.sizes[dimension]:
-                found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
+            size = length if alone or dimension not in counted else sizes.setdefault(str(dimension), length)
+            if not size or size != length:
+                found.append(f"{name}: {length} values along {dimension}, expected {size or 'some'}")
     found += _group_faults(tree)
+    for name in ("unloaded", "loaded"):
+        if _share(tree[name].to_dataset(), "pinion_rotation") < 1.0:
+            found.append(f"{name}: 'pinion_rotation' must hold finite numbers")
     for name in ("flanks", "ease_off", "teeth"):
         grid = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in _counted_faults(grid)]
-        present = [one for names in VARIABLES[name].values() for one in names if one in grid]
+        known = (*VARIABLES[name].values(), *OTHER_VARIABLES[name].values())
+        present = [one for names in known for one in names if one in grid]
         empty = [one for one in present if not (_share(grid, one) and (one != "inside" or grid[one].values.any()))]
         found += [f"{name}: no values in {one!r}" for one in empty]
         for dimension in GRID:
             fractions = tree.children[name].dataset.variables.get(dimension)
             if fractions is None or not _rises(fractions.values):
                 found.append(f"{name}: {dimension!r} must hold numbers from 0 to 1 that rise")
-    for name in layout:
-        group = tree.children[name].dataset
-        found += [f"{name}: {fault}" for fault in index_faults(group)]
-        if name not in OTHER_STATUS:
-            found += [f"{name}: {fault}" for fault in _flag_faults(group)]
+    for name, node in tree.children.items():
+        found += [f"{name}: {fault}" for fault in form_faults(node.dataset)]
+        if name in layout and name not in OTHER_STATUS:
+            found += [f"{name}: {fault}" for fault in _flag_faults(node.dataset)]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:
                 own = (tree[name] if name else tree).attrs
                 found += [f"{name or 'root'}: {fault}" for fault in attribute_faults(own, attributes, needed=needed)]
+    if not found:
+        loaded = tree.children["loaded"].dataset.variables
+        for one in ("length", "tooth", "lengthwise", "profile"):
+            if ((loaded["force"] > 0.0) & np.isnan(loaded[one])).any():
+                found.append(f"loaded: {one!r} must hold numbers where a segment carries")
     return found
 
 
 def _group_faults(tree: xr.DataTree) -> Iterator[str]:
-    """Faults of the groups that not every result has, and of the deviations."""
+    """Faults of the groups that not every result has."""
     for name, layout in GROUPS.items():
         if name in tree.children:
             own = tree[name].to_dataset()
-            yield from (f"{name}: {fault}" for fault in (*variable_faults(own, layout), *index_faults(own)))
+            yield from (f"{name}: {fault}" for fault in variable_faults(own, layout))
             few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else 1)]
             yield from (f"{name}: {own.sizes[one]} values along {one}" for one in few)
     if "root_stress" in tree.children:
@@ -334,10 +381,6 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
                 yield f"root_stress: {sizes[1]} values along {dimension}"
     if "optimization" in tree.children and tree["optimization"].to_dataset().sizes.get("stage") != 2:
         yield "optimization: 'stage' must be before, after"
-    for name in ("pinion_deviation", "gear_deviation"):
-        if name in tree["ease_off"]:
-            own = tree["ease_off"].to_dataset()
-            yield from (f"ease_off: {fault}" for fault in variable_faults(own, {GRID: (name,)}))
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
@@ -363,7 +406,7 @@ def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
     >>> require_layout("check", vh_check("fh-design-a"), "V-H check")
     """
     layout = LAYOUTS[kind] | (VH_GRID if "grid_print_excess" in found or "v_grid" in found.sizes else {})
-    faults = [*variable_faults(found, layout), *index_faults(found)]
+    faults = [*variable_faults(found, layout), *form_faults(found)]
     faults += attribute_faults(found.attrs, OF_A_PAIR, needed=True)
     faults += attribute_faults(found.attrs, OPTIONAL_ATTRIBUTES[""], needed=False)
     faults += attribute_faults(found.attrs, {"separation": "number"}, needed=kind == "V-H check")
@@ -393,7 +436,7 @@ def _counted_faults(found: xr.Dataset) -> Iterator[str]:
 
 def _share(found: xr.Dataset, name: str) -> float:
     """Part of the numbers of a variable that are finite."""
-    values = found[name].values
+    values = found[name].values if name in found else np.empty(0)
     return float(np.isfinite(values).mean()) if values.dtype.kind in "fiu" and values.size else 0.0
 
 
@@ -432,15 +475,17 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     numbers = tree["load_cases"].to_dataset()
     if not numbers.sizes.get("load_case"):
         return ["load_cases: no load cases"]
-    found = [f"load_cases: {fault}" for fault in variable_faults(numbers, LOAD_CASES)]
+    found = [f"load_cases: {fault}" for fault in (*variable_faults(numbers, LOAD_CASES), *form_faults(numbers))]
     found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
+    over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
+    found += [f"load_cases: {name!r} must be over load_case" for name in over]
     if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
         found.append("root: no text in the attribute 'title'")
     if found:
         return found
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset()
-        found += [f"duty: {fault}" for fault in variable_faults(duty, DUTY)]
+        found += [f"duty: {fault}" for fault in (*variable_faults(duty, DUTY), *form_faults(duty))]
         found += [] if _is_text(duty, "flank") else ["duty: no text 'flank'"]
     results = tree["results"].children if "results" in tree.children else {}
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
@@ -467,18 +512,28 @@ def _flag_faults(group: xr.Dataset) -> Iterator[str]:
                 yield f"{name!r} must hold whole numbers from {min(known)} to {max(known)}"
 
 
-def index_faults(group: xr.Dataset) -> Iterator[str]:
-    """Dimensions whose values are not finite, or not distinct.
+def form_faults(group: xr.Dataset) -> Iterator[str]:
+    """Variables of another kind or unit than the table of attributes has, and dimensions without distinct values.
 
     Examples
     --------
-    >>> list(index_faults(xr.Dataset(coords={"torque": [50.0, 50.0]})))
-    ["'torque' must hold values that differ"]
+    >>> list(form_faults(xr.Dataset({"force": ("torque", ["a", "b"])}, {"torque": [50.0, 50.0]})))
+    ["'force' must hold numbers", "'torque' must hold values that differ"]
     """
+    for name, variable in group.variables.items():
+        units = units_of(str(name))
+        if units is None:
+            continue
+        if variable.dtype.kind not in "fiu":
+            yield f"{name!r} must hold numbers"
+        elif str(variable.attrs.get("units", units)) != units:
+            yield f"{name!r} has the units {shown(variable.attrs['units'])}: must be {units}"
+        elif np.any(np.isfinite(variable.values) & (np.abs(variable.values) > MAGNITUDE_LIMIT)):
+            yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
     for name in map(str, group.sizes):
         if name in group.variables:
             values = group.variables[name].values
-            if values.ndim != 1 or np.unique(values.astype(str)).size != values.size:
+            if group.variables[name].dims != (name,) or np.unique(values.astype(str)).size != values.size:
                 yield f"{name!r} must hold values that differ"
             elif values.dtype.kind == "f" and not np.all(np.isfinite(values)):
                 yield f"{name!r} must hold finite numbers"
@@ -492,7 +547,7 @@ def _rises(values: Any) -> bool:
 
 
 def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
-    """Variables that are missing, over other dimensions, no numbers, or beyond all bounds.
+    """Variables that are missing, over other dimensions, or no numbers.
 
     Parameters
     ----------
@@ -510,18 +565,19 @@ def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple
         for name in names:
             if (
                 name not in group.variables
-                or set(group[name].dims) not in _allowed(dimensions)
+                or not _fits(group[name].dims, dimensions)
                 or group[name].dtype.kind not in "fiu"
             ):
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
-            elif np.any(np.isfinite(values := group[name].values) & (np.abs(values) > MAGNITUDE_LIMIT)):
-                yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
 
 
-def _allowed(dimensions: tuple[str, ...]) -> list[set[str]]:
-    """Dimensions that a variable may have: segments that every torque has for itself may go with it."""
-    over_torque = [{*dimensions, "torque"}] if "segment" in dimensions else []
-    return [set(dimensions), *over_torque]
+def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
+    """Whether dimensions are those of a layout; numbers of segments may be of further conditions, in their order."""
+    return found == dimensions or (
+        "segment" in dimensions
+        and {*dimensions} <= {*found}
+        and found == tuple(one for one in (*SEGMENTS, *CONDITIONS[1:]) if one in found)
+    )
 
 
 def _is(kind: str | int, value: Any, *, known: bool) -> bool:

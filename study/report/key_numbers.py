@@ -148,7 +148,7 @@ def _unloaded(ease_off: xr.Dataset, unloaded: xr.Dataset) -> dict[str, xr.Variab
     attributes = unloaded.attrs
     numbers: dict[str, xr.Variable] = {
         "common_flank": xr.Variable((), flank_share(inside)),
-        "max_ease_off": xr.Variable((), ordered(ease_off, "ease_off", *GRID)[inside].max(initial=-np.inf)),
+        "max_ease_off": xr.Variable((), np.max([*ordered(ease_off, "ease_off", *GRID)[inside], -np.inf])),
         "unloaded_peak_to_peak": xr.Variable((), attributes["peak_to_peak"]),
         "unloaded_rms": xr.Variable((), attributes["rms"]),
         "unloaded_harmonic": xr.Variable("order", np.atleast_1d(attributes["harmonics"])),

@@ -170,6 +170,7 @@ def sensitivities(dataset: xr.Dataset, name: str) -> xr.Dataset:
     variable = dataset[name]
     own = point_dimensions(dataset)
     sampled = [one for one in swept_names(dataset) if dataset[one].dims == ("sample",)]
+    sampled = [one for one in sampled if dataset[one].dtype.kind in "fiu"]
     gridded = [one for one in own if one not in ROWS and dataset[one].dtype.kind == "f" and dataset.sizes[one] > 1]
     gridded = [one for one in gridded if one in variable.dims]
     middle = {dim: dataset.sizes[dim] // 2 for dim in own if dim not in ROWS and dim in variable.dims}

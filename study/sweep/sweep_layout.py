@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ...core.errors import InputError
-from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, index_faults
+from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, form_faults
 from .batch_analysis import PointStatus
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
@@ -49,7 +49,7 @@ def sweep_faults(dataset: xr.Dataset) -> list[str]:
         names = swept_names(dataset)
     except InputError:
         return [*found, "the attribute 'swept' must be a list of coordinates"]
-    found += [*index_faults(dataset), *_coordinate_faults(dataset, names), *_status_faults(dataset, names)]
+    found += [*form_faults(dataset), *_coordinate_faults(dataset, names), *_status_faults(dataset, names)]
     return found or list(_number_faults(dataset))
 
 

@@ -34,6 +34,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.attributes import units_of
 from ....core.checks import instance, shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
@@ -45,7 +46,7 @@ from ..problem_dataset import ATTRIBUTES
 from ..problem_dataset import FORMAT as SINGLE_FORMAT
 from .problem_set import require_problems
 from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
-from .reference_solutions import reference_variables, require_answers
+from .reference_solutions import reference_arrays, reference_variables, require_answers
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
@@ -148,7 +149,9 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     dataset = _opened(path)
     try:
         data = problem_arrays(dataset)
-        return [_problem(data, i) for i in range(data["separation"].shape[0])]
+        problems = [_problem(data, i) for i in range(data["separation"].shape[0])]
+        reference_arrays(dataset, len(problems), max(problem.size for problem in problems))
+        return problems
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -176,7 +179,11 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     dataset = _opened(path)
     problem = dataset["torque"].dims
     labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
-    return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
+    found = {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
+    for name, values in found.items():
+        if values.dtype.kind not in "fiu" and units_of(name) is not None:
+            raise InputError(f"{path}: label {name} = {shown(values)}: must hold numbers")
+    return {name: values.astype(str) if values.dtype.kind == "O" else values for name, values in found.items()}
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:

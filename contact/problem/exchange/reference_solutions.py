@@ -99,16 +99,34 @@ def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProb
     ...     [answer.force.tolist() for answer in read_references(path, read_problems(path))]
     [[1000.0, 1000.0]]
     """
-    dataset = read_dataset(path, square=True)
-    if "reference_force" not in dataset:
+    try:
+        given = reference_arrays(read_dataset(path, square=True), len(problems), max(p.size for p in problems))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    if given is None:
         return None
-    count = len(problems)
-    force = np.asarray(dataset["reference_force"].to_numpy(), dtype=np.float64).reshape(count, -1)
-    elastic = dataset.get("reference_elastic_rotation")
-    if elastic is None or elastic.size != count or force.shape[1] < max(p.size for p in problems):
-        raise InputError(f"{path}: reference_elastic_rotation, reference_force: must be given for each of its problems")
-    rotations = np.asarray(elastic.to_numpy(), dtype=np.float64).ravel()
-    return [reference(p, f[: p.size], float(r)) for p, f, r in zip(problems, force, rotations, strict=True)]
+    return [reference(p, f[: p.size], float(r)) for p, f, r in zip(problems, *given, strict=True)]
+
+
+def reference_arrays(dataset: xr.Dataset, count: int, widest: int) -> tuple[Array, Array] | None:
+    """Forces (problem, segment) [N] and rotations (problem) beyond first contact [rad] of a file; None if it has none.
+
+    Raises
+    ------
+    InputError
+        One of them is missing, holds no numbers for each of `count` problems, or has other units.
+    """
+    found = []
+    for name, width in (("reference_force", widest), ("reference_elastic_rotation", 1)):
+        values, units = dataset.get(name), ATTRIBUTES[name]["units"]
+        if values is None and name == "reference_force":
+            return None
+        if values is None or values.dtype.kind not in "fiu" or values.size % count or values.size < width * count:
+            raise InputError(f"{name}: must hold numbers for each of its {count} problems")
+        if str(values.attrs.get("units", units)) != units:
+            raise InputError(f"units of {name} = {shown(values.attrs['units'])}: must be {units!r}")
+        found.append(values.to_numpy().astype(np.float64).reshape(count, -1))
+    return found[0], found[1][:, 0]
 
 
 def reference(problem: ContactProblem, force: Array, elastic_rotation: float) -> Answer:

@@ -89,7 +89,7 @@ def result_sources(tree: xr.DataTree) -> list[ResultSource]:
 
 def _of_node(node: xr.DataTree) -> Iterator[ResultSource]:
     attributes = node.attrs
-    if attributes.get("format") == COMPARISON_FORMAT:
+    if _text(attributes, "format") == COMPARISON_FORMAT:
         yield from _solvers(attributes)
         return
     if "library_version" in attributes:

@@ -27,6 +27,6 @@ def stored_case(tree: xr.DataTree) -> Case | None:
     text = str(tree.attrs.get("case", ""))
     try:
         data: dict[str, Any] = tomllib.loads(text)
-        return CASE.check({key: value for key, value in data.items() if key not in LEFT_OUT and value}, "the case")
+        return CASE.check({key: value for key, value in data.items() if key not in LEFT_OUT}, "the case")
     except (ValueError, EaseoffError, AttributeError):
         return None
