@@ -455,7 +455,8 @@ def read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...,
 
     def content(path: object, opened: object, **keywords: bool) -> xr.DataTree | xr.Dataset:
         if str(path) != "x.nc":
-            return from_file(path, opened, **keywords)
+            found: xr.DataTree | xr.Dataset = from_file(path, opened, **keywords)
+            return found
         tree = held[-1]
         return tree.copy() if opened is xr.open_datatree else tree.to_dataset()
 

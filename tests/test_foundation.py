@@ -262,5 +262,5 @@ def test_no_springs_or_no_fillet_no_stress() -> None:
     load = np.ones((1, clamped.size))
     with pytest.raises(InputError, match="clamped"):
         root_section_forces(clamped, np.array([1.0]), load)
-    with pytest.raises(InputError, match="tool_edge_radius"):
+    with pytest.raises(InputError, match="fillet_radius"):
         shell_root_stress(sprung, np.array([1.0]), np.ones((1, sprung.size)), 0.0, 0.3)
