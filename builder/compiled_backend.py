@@ -51,12 +51,11 @@ class BuildKernels(build_ext):
 
     def finalize_options(self) -> None:
         """Add the module of what Cython needs for arrays, which else every kernel would hold."""
+        kernels = self.distribution.ext_modules
+        if kernels[-1].name != ARRAYS:
+            of_all = {"define_macros": kernels[0].define_macros, "py_limited_api": True}
+            kernels.append(type(kernels[0])(ARRAYS, [], **of_all))
         super().finalize_options()
-        if self.extensions and self.extensions[-1].name != ARRAYS:
-            first = self.extensions[0]
-            self.extensions.append(
-                type(first)(ARRAYS, [], define_macros=first.define_macros, py_limited_api=first.py_limited_api)
-            )
 
     def run(self) -> None:
         """Compile with zig where nothing else is there."""
