@@ -88,6 +88,7 @@ class BuildKernels(build_ext):
         )
         ext.sources, ext.depends = found.sources, []
         ext.extra_compile_args = FLAGS.get(self.compiler.compiler_type, [])
+        ext.extra_link_args = ["-s"] if sys.platform == "linux" else []  # no names of functions: smaller
         super().build_extension(ext)
         ext.sources = [str(source)]
 
