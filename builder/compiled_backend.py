@@ -22,6 +22,8 @@ from setuptools.command.build_ext import build_ext
 #: As fast as it gets with the same bits everywhere: sums in the order of the source, no fused multiplication.
 FLAGS = {"unix": ["-O3", "-g0", "-ffp-contract=off"], "msvc": ["/O2", "/fp:precise"]}
 ZIG = "ziglang>=0.13"
+#: What Cython needs for arrays, as a module of its own.
+ARRAYS = "easeoff.core.cython_arrays"
 
 
 def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
@@ -47,6 +49,14 @@ def _has_compiler() -> bool:
 class BuildKernels(build_ext):
     """Compile the kernels; neither C nor objects are left among the sources."""
 
+    def finalize_options(self) -> None:
+        """Add the module of what Cython needs for arrays, which else every kernel would hold."""
+        kernels = self.distribution.ext_modules
+        if kernels[-1].name != ARRAYS:
+            of_all = {"define_macros": kernels[0].define_macros, "py_limited_api": True}
+            kernels.append(type(kernels[0])(ARRAYS, [], **of_all))
+        super().finalize_options()
+
     def run(self) -> None:
         """Compile with zig where nothing else is there."""
         if os.name != "nt" and not _has_compiler():
@@ -58,21 +68,27 @@ class BuildKernels(build_ext):
         """Compile a copy of the source, which ends with its digest, among copies of the types that it may use."""
         from Cython.Build import cythonize
 
-        copies = Path(self.build_temp) / "sources"
-        for types in [types for other in self.extensions for types in _source(other).parent.glob("*.pxd")]:
-            place = copies / "easeoff" / types
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(types, place)
-            for folder in place.relative_to(copies).parents:
-                (copies / folder / "__init__.py").touch()
-        source = _source(ext)
+        source, copies = _source(ext), Path(self.build_temp) / "sources"
         copy = copies / "easeoff" / source
-        text = source.read_bytes() + f'\nSOURCE_DIGEST = "{digest(source)}"\n'.encode()
-        copy.write_bytes(text)
-        compiled = type(ext)(ext.name, [str(copy)], define_macros=ext.define_macros, py_limited_api=ext.py_limited_api)
-        (found,) = cythonize([compiled], include_path=[str(copies)], force=True, quiet=True)
+        for folder in copy.relative_to(copies).parents:
+            (copies / folder).mkdir(parents=True, exist_ok=True)
+            (copies / folder / "__init__.py").touch()
+        if ext.name == ARRAYS:
+            copy = copy.with_suffix(".c")
+        else:
+            for types in source.parent.glob("*.pxd"):
+                shutil.copyfile(types, copy.with_name(types.name))
+            copy.write_bytes(source.read_bytes() + f'\nSOURCE_DIGEST = "{digest(source)}"\n'.encode())
+        (found,) = cythonize(
+            [type(ext)(ext.name, [str(copy)])],
+            include_path=[str(copies)],
+            force=True,
+            quiet=True,
+            shared_utility_qualified_name=ARRAYS,
+        )
         ext.sources, ext.depends = found.sources, []
         ext.extra_compile_args = FLAGS.get(self.compiler.compiler_type, [])
+        ext.extra_link_args = ["-s"] if sys.platform == "linux" else []  # no names of functions: smaller
         super().build_extension(ext)
         ext.sources = [str(source)]
 

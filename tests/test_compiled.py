@@ -24,7 +24,6 @@ from easeoff.contact.problem.compliance_matrix import ModalCompliance
 from easeoff.contact.problem.modal_basis import ModalBasis, modal_basis
 from easeoff.contact.solvers.compiled import compiled_answer, newton_kernel
 from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
-from easeoff.contact.solvers.compiled.line_deflection import strip
 from easeoff.contact.solvers.compiled.proof_kernel import certificate
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.core.kernels import kernel, source_digest
@@ -249,19 +248,6 @@ def test_torques_solved_together_are_those_solved_alone() -> None:
         assert (found.iterations, found.stiffness) == (alone.iterations, alone.stiffness)
         assert found.answer.problem is not None
         assert found.answer.problem.torque == bending.torque
-
-
-@pytest.mark.parametrize("edges", [False, True])
-def test_strip_is_the_formula_over_all_decades(edges: bool) -> None:
-    size = 200
-    contact = line_contact_of(size, 1, edges=edges)
-    for scale in np.geomspace(1e-6, 1e7, 14):
-        force = np.full(size, scale)
-        secant, tangent = np.array(
-            [strip(contact.parameters, i, f / contact.parameters[i, 0]) for i, f in enumerate(force)]
-        ).T
-        assert secant / contact.length == pytest.approx(contact.secant(force), rel=1e-14)
-        assert tangent / contact.length == pytest.approx(contact.tangent(force), rel=1e-13)
 
 
 def test_statuses_have_numbers_in_arrays() -> None:

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ContactProblem, Material, solve
-from easeoff.contact.compliance.pressed_strip import PressedStrip
+from easeoff.contact.compliance.pressed_strip import strip_half_width
 from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 
 BRONZE = Material(105000.0, 0.34)
@@ -274,10 +274,8 @@ def test_a_cut_strip_gives_way_more_than_a_whole_one() -> None:
 
 
 def test_strips_without_an_edge_are_whole() -> None:
-    strip = PressedStrip.of(np.array([np.nan, 0.0]), np.array([0.04, 0.04]))
-    np.testing.assert_allclose(strip.half_width, [0.2, 0.2 / np.sqrt(3.0)])
-    np.testing.assert_array_equal(strip.growth, [0.5, 0.5])
-    np.testing.assert_array_equal([strip.cut, strip.cut_slope], np.zeros((2, 2)))
+    half_width = strip_half_width(np.array([np.nan, 0.0]), np.array([0.04, 0.04]))
+    np.testing.assert_allclose(half_width, [0.2, 0.2 / np.sqrt(3.0)])
 
 
 def test_a_strip_is_whole_until_it_reaches_the_edge() -> None:

@@ -40,77 +40,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import frozen_arrays, number, positive, shown
 from ...core.errors import InputError
+from ...core.kernels import kernel
 from .material import Material
-from .pressed_strip import PressedStrip
+from .pressed_strip import strip_half_width
 
 FloatArray = NDArray[np.float64]
+
+deflections = kernel(".line_deflection", f"{__package__.rpartition('.')[0]}.solvers.compiled").deflections
 
 FOOT_OF_NORMAL_CORRECTION = 0.14
 """Deflection that is missing where bending is taken at the foot of the contact normal on the mid-surface, in units of
 q (1 - nu^2) / E per body: mean of plane strain finite elements of tapered teeth, which give 0.12 to 0.17."""
-
-
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
-class _Bodies:
-    """The exact formula for both bodies at once (first axis), for positive line loads."""
-
-    depth: FloatArray
-    unit: FloatArray
-    contraction: FloatArray
-    width_squared: FloatArray
-    overhang: FloatArray
-    flexibility: float
-    correction: FloatArray
-
-    def strip(self, line_load: FloatArray) -> PressedStrip:
-        """The pressed strip."""
-        return PressedStrip.of(self.overhang, self.width_squared * line_load)
-
-    def secant(self, line_load: FloatArray) -> FloatArray:
-        """Deflection per line load [mm/(N/mm)]."""
-        h, strip = self.depth, self.strip(line_load)
-        share = h / (np.sqrt(h * h + strip.half_width**2) + h)
-        per_body = self.unit * (np.arcsinh(h / strip.half_width) - self.contraction * share)
-        per_body = np.where(self._before_edge(line_load), self._integrated(strip.half_width, line_load), per_body)
-        return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut)
-
-    def tangent(self, line_load: FloatArray) -> FloatArray:
-        """Slope of the deflection over the line load [mm/(N/mm)]."""
-        h, strip = self.depth, self.strip(line_load)
-        s = np.sqrt(h * h + strip.half_width**2)
-        drop = h / (s + h) * (1.0 - strip.growth * (s - h) / s)
-        per_body = self.unit * (np.arcsinh(h / strip.half_width) - strip.growth * h / s - self.contraction * drop)
-        slope = self.unit * (np.arcsinh(h / strip.half_width) - 0.5 * (1.0 + self.contraction) * h / s)
-        per_body = np.where(self._before_edge(line_load), slope, per_body)
-        return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut_slope)
-
-    def _before_edge(self, line_load: FloatArray) -> NDArray[np.bool_]:
-        """Whether an edge cuts the strip of bodies that come closest before it."""
-        e = self.overhang
-        return np.asarray((e < 0.0) & (e * e < self.width_squared * line_load))
-
-    def _integrated(self, half_width: FloatArray, line_load: FloatArray) -> FloatArray:
-        """Deflection of each body per line load where ``_before_edge``."""
-        h, contraction, e = self.depth, self.contraction, np.minimum(self.overhang, 0.0)
-
-        def primitive(a: FloatArray) -> FloatArray:
-            spread = np.arcsinh(h / a)
-            square = 3.0 * a * a * (spread - contraction * h / (np.sqrt(h * h + a * a) + h))
-            return np.asarray(square + 2.0 * e * (a * spread + 0.5 * (1.0 - contraction) * h * np.arcsinh(a / h)))
-
-        with np.errstate(divide="ignore", invalid="ignore"):
-            whole = e * e * (np.arcsinh(h / -e) - contraction * h / (np.sqrt(h * h + e * e) + h))
-            gained = primitive(half_width) - primitive(-e)
-            return np.asarray(self.unit * (whole + gained) / (self.width_squared * line_load))
-
-    def energy(self, line_load: FloatArray) -> FloatArray:
-        """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
-        h, squared = self.depth, self.width_squared * line_load
-        s = np.sqrt(h * h + squared)
-        rest = (s + 2.0 * h) / 6.0 - self.contraction * (2.0 * s + h) / 3.0
-        per_body = self.unit * (0.5 * np.arcsinh(h / np.sqrt(squared)) + h * rest / (s + h) ** 2)
-        return np.asarray((per_body.sum(axis=0) + 0.5 * self.correction) * line_load**2)
 
 
 #: Arrays of a line contact with a value for every segment.
@@ -195,14 +135,16 @@ class WeberLineContact:
         positive("foot_correction", self.foot_correction, zero=True)
         number("floor_ratio", self.floor_ratio, above=0.0, below=1.0)
 
-        bodies = self._bodies
-        floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / bodies.width_squared
-        secant, tangent = bodies.secant(floor), bodies.tangent(floor)
+        floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / self._width_squared
+        for name in ("_floor", "_start", "_bend"):
+            object.__setattr__(self, name, np.zeros(self.length.shape))
+        secant, tangent = self._by_load(floor, self.parameters)
+        del self.__dict__["parameters"]
         # delta = start q + bend q^2 meets value and slope at the floor; start = 2 secant - tangent > 0, bend < 0.
         object.__setattr__(self, "_floor", floor)
         object.__setattr__(self, "_start", 2.0 * secant - tangent)
         object.__setattr__(self, "_bend", (tangent - secant) / floor)
-        object.__setattr__(self, "_floor_energy", self._quadratic_energy(floor) - bodies.energy(floor))
+        object.__setattr__(self, "_floor_energy", self._quadratic_energy(floor) - self._whole_energy(floor))
 
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
@@ -221,34 +163,12 @@ class WeberLineContact:
         """The same materials and options with other arrays by name, which are checked already."""
         own = copy(self)
         own.__dict__.update(arrays)  # frozen
-        own.__dict__.pop("_bodies", None)
         return own
-
-    @cached_property
-    def _bodies(self) -> _Bodies:
-        materials = (self.material_pinion, self.material_gear)
-        one_per_body = (2, *([1] * self.length.ndim))
-        poisson_ratio = np.reshape([material.poisson_ratio for material in materials], one_per_body)
-        moduli = np.reshape([material.plane_strain_modulus for material in materials], one_per_body)
-        return _Bodies(
-            depth=np.stack([self.depth_pinion, self.depth_gear]),
-            unit=2.0 / (math.pi * moduli),
-            contraction=poisson_ratio / (1.0 - poisson_ratio),
-            width_squared=self._width_squared,
-            overhang=self.overhang,
-            flexibility=self.flexibility,
-            correction=self._correction,
-        )
 
     @property
     def _width_squared(self) -> FloatArray:
         """Square of the half-width over the line load."""
         return np.asarray(4.0 / math.pi * self.flexibility * self.equivalent_radius)
-
-    @property
-    def _correction(self) -> FloatArray:
-        """Deflection per line load beside that of half planes."""
-        return np.full(self.length.shape, self.foot_correction * self.flexibility)
 
     @property
     def flexibility(self) -> float:
@@ -263,32 +183,52 @@ class WeberLineContact:
         half-width per line load; overhang; the floor, and start and bend of the quadratic below it; what foot of the
         normal adds; what a cut adds.
         """
-        bodies, table = self._bodies, np.empty((self.length.size, 14))
+        table, correction = np.empty((self.length.size, 14)), self.foot_correction * self.flexibility
         columns = (
-            self.length,
-            *bodies.depth,
-            *bodies.unit,
-            *bodies.contraction,
-            bodies.width_squared,
-            self.overhang,
-            self._floor,
-            self._start,
-            self._bend,
-            bodies.correction,
-            bodies.flexibility / math.pi,
+            *(self.length, self.depth_pinion, self.depth_gear, *self._units, *self._contractions),
+            *(self._width_squared, self.overhang, self._floor, self._start, self._bend),
+            *(correction, self.flexibility / math.pi),
         )
         for column, values in enumerate(columns):
-            table[:, column] = values
+            table[:, column] = np.ravel(values)
         return table
+
+    @property
+    def _units(self) -> list[float]:
+        """Deflection of each body per line load over the logarithm."""
+        return [2.0 / (math.pi * own.plane_strain_modulus) for own in (self.material_pinion, self.material_gear)]
+
+    @property
+    def _contractions(self) -> list[float]:
+        """Poisson's ratio of each body over one less it."""
+        return [own.poisson_ratio / (1.0 - own.poisson_ratio) for own in (self.material_pinion, self.material_gear)]
+
+    def _by_load(self, line_load: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Secant and tangent of the deflection over line loads (...), (2, ...) [mm/(N/mm)]."""
+        places = np.arange(self.length.size).reshape(self.length.shape)
+        segment = np.ravel(np.broadcast_to(places, line_load.shape))
+        found = np.empty((2, line_load.size))
+        deflections(parameters, segment, np.ravel(line_load), found)
+        return found.reshape(2, *line_load.shape)
+
+    def _whole_energy(self, line_load: FloatArray) -> FloatArray:
+        """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
+        squared, energy = self._width_squared * line_load, 0.5 * self.foot_correction * self.flexibility
+        for h, unit, contraction in zip(
+            (self.depth_pinion, self.depth_gear), self._units, self._contractions, strict=True
+        ):
+            s = np.sqrt(h * h + squared)
+            rest = (s + 2.0 * h) / 6.0 - contraction * (2.0 * s + h) / 3.0
+            energy = energy + unit * (0.5 * np.arcsinh(h / np.sqrt(squared)) + h * rest / (s + h) ** 2)
+        return np.asarray(energy * line_load**2)
 
     def _quadratic_energy(self, line_load: FloatArray) -> FloatArray:
         """Energy per length below the floor."""
         return np.asarray(line_load**2 * (0.5 * self._start + self._bend * np.maximum(line_load, 0.0) / 3.0))
 
-    def _line_load(self, force: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Line load, and the line load raised to the floor."""
-        line_load = np.asarray(force, dtype=np.float64) / self.length
-        return line_load, np.maximum(line_load, self._floor)
+    def _line_load(self, force: ArrayLike) -> FloatArray:
+        """Line loads of forces."""
+        return np.asarray(np.asarray(force, dtype=np.float64) / self.length)
 
     def secant(self, force: ArrayLike) -> FloatArray:
         """Secant compliance: deflection over force, at zero force its limit.
@@ -303,10 +243,7 @@ class WeberLineContact:
         Array
             Secant compliance [mm/N], positive.
         """
-        line_load, raised = self._line_load(force)
-        quadratic = self._start + self._bend * np.maximum(line_load, 0.0)
-        above = self._bodies.secant(raised)
-        return np.asarray(np.where(line_load < self._floor, quadratic, above) / self.length)
+        return np.asarray(self._by_load(self._line_load(force), self.parameters)[0] / self.length)
 
     def deflection(self, force: ArrayLike) -> FloatArray:
         """Approach of the two mid-surfaces by local deformation.
@@ -336,10 +273,7 @@ class WeberLineContact:
         Array
             Tangent compliance [mm/N], positive.
         """
-        line_load, raised = self._line_load(force)
-        quadratic = self._start + 2.0 * self._bend * np.maximum(line_load, 0.0)
-        above = self._bodies.tangent(raised)
-        return np.asarray(np.where(line_load < self._floor, quadratic, above) / self.length)
+        return np.asarray(self._by_load(self._line_load(force), self.parameters)[1] / self.length)
 
     def energy(self, force: ArrayLike) -> FloatArray:
         """Elastic energy of every segment, the integral of the deflection over the force.
@@ -354,8 +288,8 @@ class WeberLineContact:
         Array
             Energy [N mm], strictly convex in the force; NaN where an edge is near: it is not in closed form.
         """
-        line_load, raised = self._line_load(force)
-        above = self._bodies.energy(raised) + self._floor_energy
+        line_load = self._line_load(force)
+        above = self._whole_energy(np.maximum(line_load, self._floor)) + self._floor_energy
         energy = np.where(line_load < self._floor, self._quadratic_energy(line_load), above)
         return np.where(np.isnan(self.overhang), energy * self.length, np.nan)
 
@@ -367,9 +301,10 @@ class WeberLineContact:
         force
             Normal force on every segment [N].
         """
-        line_load = np.asarray(force, dtype=np.float64) / self.length
+        line_load = self._line_load(force)
         pressed = line_load > 0.0
-        return np.where(pressed, self._bodies.strip(np.where(pressed, line_load, 1.0)).half_width, 0.0)
+        squared = self._width_squared * np.where(pressed, line_load, 1.0)
+        return np.where(pressed, strip_half_width(self.overhang, squared), 0.0)
 
     def pressure(self, force: ArrayLike) -> FloatArray:
         """Largest Hertzian pressure, 2 q / (pi b) [MPa]; zero where the force is not positive.
@@ -382,6 +317,5 @@ class WeberLineContact:
         force
             Normal force on every segment [N].
         """
-        line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)
-        whole = 2.0 / math.pi * np.sqrt(line_load / self._bodies.width_squared)
+        whole = 2.0 / math.pi * np.sqrt(np.maximum(self._line_load(force), 0.0) / self._width_squared)
         return np.where(self.overhang >= 0.0, np.nan, whole)

@@ -1,5 +1,6 @@
 cimport cython
 from libc.math cimport asinh, log, sqrt
+from libc.stdint cimport int64_t
 
 cdef int MAX_INVERSION_STEPS
 cdef double INVERSION_TOLERANCE
@@ -9,3 +10,8 @@ cdef double NEAR
 cpdef (double, double) strip(const double[:, ::1] law, Py_ssize_t i, double load) noexcept nogil
 
 cpdef (double, double) pressed(const double[:, ::1] law, Py_ssize_t i, double indentation, double guess) noexcept nogil
+
+@cython.locals(k=Py_ssize_t)
+cpdef void deflections(
+    const double[:, ::1] law, const int64_t[::1] segment, const double[::1] load, double[:, ::1] found
+) noexcept nogil

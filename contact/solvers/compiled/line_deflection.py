@@ -1,8 +1,10 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""Line contact of one segment: deflection over line load, and the force at an indentation, see ``weber_line_contact``.
+"""Line contact of segments: deflection over line load, and the force at an indentation, see ``weber_line_contact``.
 
-Compiled; the columns of the parameters are those of `WeberLineContact.parameters`.
+Of a strip that is cut by an edge, see ``pressed_strip``, the half-width a stands for b, and where the bodies come
+closest beyond the edge the deflection is that of the overhang more. Compiled; the columns of the parameters are those
+of `WeberLineContact.parameters`.
 """
 
 from __future__ import annotations
@@ -75,3 +77,10 @@ def pressed(law: Any, i: int, indentation: float, guess: float) -> tuple[float, 
         load = max(load + error / tangent, 0.0)
         steps += 1
     return load * length, length / tangent
+
+
+def deflections(law: Any, segment: Any, load: Any, found: Any) -> None:
+    """Secants and tangents (2, m) of the deflection at line loads (m) of segments (m)."""
+    for k in range(load.shape[0]):
+        secant, tangent = strip(law, segment[k], load[k])
+        found[0, k], found[1, k] = secant, tangent
