@@ -184,11 +184,9 @@ class WeberLineContact:
         normal adds; what a cut adds.
         """
         table, correction = np.empty((self.length.size, 14)), self.foot_correction * self.flexibility
-        columns = (
-            *(self.length, self.depth_pinion, self.depth_gear, *self._units, *self._contractions),
-            *(self._width_squared, self.overhang, self._floor, self._start, self._bend),
-            *(correction, self.flexibility / math.pi),
-        )
+        columns: list[ArrayLike] = [self.length, self.depth_pinion, self.depth_gear, *self._units, *self._contractions]
+        columns += [self._width_squared, self.overhang, self._floor, self._start, self._bend]
+        columns += [correction, self.flexibility / math.pi]
         for column, values in enumerate(columns):
             table[:, column] = np.ravel(values)
         return table
@@ -213,7 +211,8 @@ class WeberLineContact:
 
     def _whole_energy(self, line_load: FloatArray) -> FloatArray:
         """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
-        squared, energy = self._width_squared * line_load, 0.5 * self.foot_correction * self.flexibility
+        squared = self._width_squared * line_load
+        energy: FloatArray = np.full(squared.shape, 0.5 * self.foot_correction * self.flexibility)
         for h, unit, contraction in zip(
             (self.depth_pinion, self.depth_gear), self._units, self._contractions, strict=True
         ):
