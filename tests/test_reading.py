@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -15,8 +16,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from runs import analysed, call, small
-from xarray.backends import BackendArray
-from xarray.core import indexing
 
 import easeoff
 from easeoff import InputError, study
@@ -94,47 +93,38 @@ def test_a_chunked_result_is_taken_as_one_in_memory(
     assert same(take(chunked, tmp_path), take(easeoff.read_result(stored), tmp_path))
 
 
-class Stored(BackendArray):
-    """Values that a store gives piece by piece, as that of zarr does."""
-
-    def __init__(self, values: np.ndarray) -> None:
-        self.values, self.shape, self.dtype = values, values.shape, values.dtype
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-        return np.asarray(
-            indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self.values.__getitem__)
-        )
+@pytest.fixture(scope="module")
+def in_zarr(stored: Path) -> Path:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of zarr, of its own format
+        easeoff.read_result(stored).to_zarr(stored.with_suffix(".zarr"), consolidated=False)
+    return stored.with_suffix(".zarr")
 
 
-def in_a_store(dataset: xr.Dataset) -> xr.Dataset:
-    """A dataset with its variables, but for indexes, in a store."""
-
-    def put(name: object, variable: xr.Variable) -> xr.Variable:
-        lazy = indexing.LazilyIndexedArray(Stored(variable.values))
-        return variable if name in dataset.indexes else xr.Variable(variable.dims, lazy, variable.attrs)
-
-    return xr.Dataset(
-        {name: put(name, dataset[name].variable) for name in dataset.data_vars},
-        {name: put(name, dataset[name].variable) for name in dataset.coords},
-        dataset.attrs,
-    )
-
-
+@pytest.mark.parametrize("chunks", [None, {}])
 @pytest.mark.parametrize("take", [lambda tree, _: str(tree.easeoff.summary()), written, reported])
-def test_a_result_in_a_store_is_taken_as_one_in_memory(
-    stored: Path, tmp_path: Path, take: Callable[[xr.DataTree, Path], Any]
+def test_a_result_in_zarr_is_taken_as_one_in_memory(
+    stored: Path,
+    in_zarr: Path,
+    tmp_path: Path,
+    take: Callable[[xr.DataTree, Path], Any],
+    chunks: dict[str, int] | None,
 ) -> None:
-    wanted = easeoff.read_result(stored)
-    groups = {path: in_a_store(node.to_dataset(inherit=False)) for path, node in wanted.subtree_with_keys}
-    assert same(take(xr.DataTree.from_dict(groups), tmp_path), take(wanted, tmp_path))
+    with xr.open_datatree(in_zarr, engine="zarr", chunks=chunks, consolidated=False) as lazy:
+        assert same(take(lazy, tmp_path), take(easeoff.read_result(stored), tmp_path))
 
 
-@pytest.mark.parametrize("lazy", [xr.Dataset.chunk, in_a_store])
-def test_a_lazy_grid_is_written_as_one_in_memory(tmp_path: Path, lazy: Callable[[xr.Dataset], xr.Dataset]) -> None:
+@pytest.mark.parametrize("engine", ["netcdf4", "zarr"])
+@pytest.mark.parametrize("chunks", [None, {}])
+def test_a_lazy_grid_is_written_as_one_in_memory(tmp_path: Path, engine: Any, chunks: dict[str, int] | None) -> None:
     points = cmm_points(gear_pair(small()).gear, rows=3, columns=5)
     grid = measured_grid(points, np.linspace(-6.0, 6.0, 15).reshape(3, 5))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of zarr, of its own format
+        (grid.to_zarr if engine == "zarr" else grid.to_netcdf)(tmp_path / "given")
     for suffix in (".nc", ".csv"):
-        write_measured_grid(lazy(grid), tmp_path / f"grid{suffix}")
+        with xr.open_dataset(tmp_path / "given", engine=engine, chunks=chunks) as lazy:
+            write_measured_grid(lazy, tmp_path / f"grid{suffix}")
         assert read_measured_grid(tmp_path / f"grid{suffix}").equals(grid)
 
 
@@ -223,6 +213,35 @@ def test_threads_read_write_and_analyse_at_once(
     finally:
         ended.set()
         beside.join()
+
+
+@pytest.mark.thorough
+def test_threads_read_write_and_analyse_in_the_kernel_of_a_notebook(stored: Path, tmp_path: Path) -> None:
+    """Whose event loop and channels are threads, too."""
+    kernel: Any = pytest.importorskip("jupyter_client").manager
+    manager, client = kernel.start_new_kernel(kernel_name="python3", cwd=str(tmp_path))
+    code = f"""
+from concurrent.futures import ThreadPoolExecutor
+import easeoff
+wanted = easeoff.read_result({str(stored)!r})
+def work(number):
+    if number % 4 == 0:
+        return easeoff.analyze("nasa-12x36", torques=[50.0])["loaded"].sizes["torque"] == 1
+    path = {str(stored)!r}
+    if number % 4 == 1:
+        path = f"{{number}}.nc"
+        easeoff.write_result(wanted, path)
+    return easeoff.read_result(path).identical(wanted)
+with ThreadPoolExecutor(8) as pool:
+    print(list(pool.map(work, range(8))))
+"""
+    said: list[str] = []
+    try:
+        client.execute_interactive(code, output_hook=lambda message: said.append(str(message["content"])))
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+    assert str([True] * 8) in "".join(said), said
 
 
 # --- Processes of their own
