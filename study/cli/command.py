@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 
-from ...core.processes.freed_memory import keep_freed_memory
 from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.writing.file_name import check_text
 
@@ -23,14 +22,13 @@ GIVEN = "easeoff.given"
 
 
 class Command(click.Command):
-    """Command whose options come at most once, unless they may be repeated; its process keeps freed memory.
+    """Command whose options come at most once, unless they may be repeated.
 
     Click would take the last value of an option given twice and say nothing.
     """
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; its paths stay what they are wherever code of somebody else may go."""
-        keep_freed_memory()
         options = {param.name for param in self.params if isinstance(param, click.Option)}
         given: dict[str, str] = ctx.meta.setdefault(GIVEN, {})
         with suppress(OSError):  # the current folder is gone
