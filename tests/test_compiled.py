@@ -11,10 +11,14 @@ from typing import Any
 import kernels
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.typing import NDArray
+from runs import output_of, small
 from shared_problems import compiled_certificate, line_contact_of, shared_problem
 
+import easeoff
 from easeoff import InputError, MissingPackageError
+from easeoff.cases import LoadCase, write_case
 from easeoff.contact import ContactProblem, Status, solve, solve_many
 from easeoff.contact.evaluation import least_gap_kernel
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
@@ -27,6 +31,7 @@ from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answer
 from easeoff.contact.solvers.compiled.proof_kernel import certificate
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.core.kernels import kernel, source_digest
+from easeoff.study import analyze_load_cases, key_numbers
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
@@ -307,6 +312,26 @@ def test_levels_of_coarser_parts_have_the_bits_of_the_source(size: int) -> None:
     given = modal(lines(size, 0.2))
     assert_same_bits(given, NO_LAW, np.array([1e2, 1e6]), NO_MASK)
     assert_same_bits(given, line_contact_of(size, 3).parameters, np.array([1e4]), NO_MASK)
+
+
+@pytest.mark.parametrize("name", ["nasa-12x36", pytest.param("fh-12x41-45", marks=pytest.mark.thorough)])
+def test_every_way_to_analyse_a_case_gives_the_same_bits(name: str, tmp_path: Path) -> None:
+    """First and later, by a command, as a point of a sweep, in a pool, and as a load case."""
+    case, torques = small(name, "shell"), [50.0, 150.0]
+    tree = easeoff.analyze(case, torques=torques)
+    write_case(case, tmp_path / "case.toml")
+    output_of("run", tmp_path / "case.toml", "--torque", "50,150", "-o", tmp_path / "r.nc")
+    for other in (easeoff.analyze(case, torques=torques), easeoff.read_result(tmp_path / "r.nc")):
+        for group in ("ease_off", "unloaded", "light_load", "loaded"):
+            xr.testing.assert_equal(other[group].to_dataset(), tree[group].to_dataset())
+    numbers, offset = key_numbers(tree), case.misalignment.offset
+    for workers in (1, 2):
+        point = easeoff.sweep(case, {"E": [offset, offset + 0.01]}, torques=torques, workers=workers).isel(E=0)
+        for variable in set(point.data_vars) & set(numbers.data_vars):
+            np.testing.assert_array_equal(point[variable].values, numbers[variable].values, err_msg=str(variable))
+    alone = easeoff.analyze(case, torques=torques[:1])["loaded"].to_dataset()
+    loads = analyze_load_cases(case, [LoadCase(torque=torques[0])])["results/1/loaded"].to_dataset()
+    xr.testing.assert_equal(loads, alone)
 
 
 def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
