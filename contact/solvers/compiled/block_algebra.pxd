@@ -19,9 +19,15 @@ cdef void add_rows(
 ) noexcept nogil
 
 @cython.locals(s="double[16]")
+cdef void products(
+    const double[::1] one, Py_ssize_t first, Py_ssize_t stride, Py_ssize_t rows, const double[::1] other,
+    Py_ssize_t second, Py_ssize_t other_stride, Py_ssize_t others, Py_ssize_t length, bint lower, double[::1] result,
+    Py_ssize_t out, Py_ssize_t width,
+) noexcept nogil
+
 cdef void gram(
-    const double[::1] one, Py_ssize_t first, const double[::1] other, Py_ssize_t second, Py_ssize_t stride,
-    Py_ssize_t rows, Py_ssize_t length, double[::1] result, Py_ssize_t out, Py_ssize_t width, Py_ssize_t ones,
+    const double[::1] rows, Py_ssize_t at, Py_ssize_t stride, Py_ssize_t count, Py_ssize_t length,
+    double[::1] result, Py_ssize_t out, Py_ssize_t width, Py_ssize_t ones,
 ) noexcept nogil
 
 @cython.locals(s="double[16]")

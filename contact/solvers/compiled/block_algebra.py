@@ -81,27 +81,34 @@ def add_rows(
         a, at = a + 1, at + stride
 
 
-def gram(
-    one: Any, first: int, other: Any, second: int, stride: int, rows: int, length: int,
-    result: Any, out: int, width: int, ones: int,
+def products(
+    one: Any, first: int, stride: int, rows: int, other: Any, second: int, other_stride: int, others: int,
+    length: int, lower: bool, result: Any, out: int, width: int,
 ) -> None:  # fmt: skip
-    """Lower triangle of the products of rows with rows, and one more on so much of the diagonal.
+    """Products of rows with other rows, or the lower triangle of them.
 
-    The number of rows is a multiple of four.
+    The number of rows is a multiple of four, and so many other rows can be read.
     """
     s = [0.0] * 16
     for a in range(0, rows, 4):
-        for b in range(0, a + 1, 4):
+        for b in range(0, min(a + 1, others) if lower else others, 4):
             for k in range(16):
                 s[k] = 0.0
-            p, q = first + a * stride, second + b * stride
+            p, q = first + a * stride, second + b * other_stride
             for x in range(length):
                 for i in range(4):
                     for j in range(4):
-                        s[4 * i + j] += one[p + i * stride + x] * other[q + j * stride + x]
+                        s[4 * i + j] += one[p + i * stride + x] * other[q + j * other_stride + x]
             for i in range(4):
-                for j in range(4):
+                for j in range(min(4, others - b)):
                     result[out + (a + i) * width + b + j] = s[4 * i + j]
+
+
+def gram(
+    rows: Any, at: int, stride: int, count: int, length: int, result: Any, out: int, width: int, ones: int
+) -> None:
+    """Lower triangle of the products of rows with each other, and one more on so much of the diagonal."""
+    products(rows, at, stride, count, rows, at, stride, count, length, True, result, out, width)
     for a in range(ones):
         result[out + a * (width + 1)] += 1.0
 

@@ -2,7 +2,7 @@ cimport cython
 from libc.math cimport isfinite, sqrt
 from libc.stdint cimport int64_t
 
-from .block_algebra cimport add_rows, backward, dot, eliminate, forward, gram, row_products
+from .block_algebra cimport add_rows, backward, dot, eliminate, forward, gram, products, row_products
 from .line_deflection cimport pressed, strip
 from .proof_kernel cimport certificate, first_contact
 

@@ -39,7 +39,7 @@ if not cython.compiled:
 
     from numpy import sqrt
 
-    from .block_algebra import add_rows, backward, dot, eliminate, forward, gram, row_products
+    from .block_algebra import add_rows, backward, dot, eliminate, forward, gram, products, row_products
     from .line_deflection import pressed, strip
     from .proof_kernel import certificate, first_contact
 
@@ -258,7 +258,7 @@ def _direction(n: Any, imbalance: float, pivot: float) -> float:
             n.spans[3 * q + 2] = 0
             if segments:
                 _fill_rows(n, q, low, high)
-                gram(n.rows, matrix, n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
+                gram(n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
                 eliminate(n.grams, matrix, width, 0, size, size)
                 for x in range(size):
                     n.few[x] = n.lever[low + x] if x < high - low else 0.0
@@ -271,7 +271,7 @@ def _direction(n: Any, imbalance: float, pivot: float) -> float:
                 add_rows(n.rows, matrix, width, size, n.few, 0, n.solved, c0, padded)
             else:
                 _fill(n, q, low, high)
-                gram(n.z, low, n.z, low, n.size, padded, high - low, n.grams, matrix, width, padded)
+                gram(n.z, low, n.size, padded, high - low, n.grams, matrix, width, padded)
                 eliminate(n.grams, matrix, width, 0, padded, padded)
                 row_products(n.z, low, n.size, padded, n.lever, low, high - low, n.border, c0)
                 for a in range(c0, c0 + padded):
@@ -319,7 +319,7 @@ def _factor_with_shared(n: Any, q: int) -> None:
     shared_column = column + rank * count - x0
     if size < padded:
         _fill_rows(n, q, low, high)
-        gram(n.rows, matrix, n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
+        gram(n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
         eliminate(n.grams, matrix, width, 0, size, size)
         for k in range(extended):
             row = matrix + (edge + k) * width
@@ -347,7 +347,7 @@ def _factor_with_shared(n: Any, q: int) -> None:
                 elif k == n.local_shared:
                     value = n.lever[x]
                 n.z[row + x] = value
-        gram(n.z, low, n.z, low, n.size, edge + extended, high - low, n.grams, matrix, width, edge)
+        gram(n.z, low, n.size, edge + extended, high - low, n.grams, matrix, width, edge)
         eliminate(n.grams, matrix, width, 0, edge + extended, edge)
 
 
@@ -381,13 +381,17 @@ def _factor_whole(n: Any) -> None:
             for m in range(k):
                 n.grams[matrix + (edge + m) * width + edge + k] = n.grams[matrix + (edge + k) * width + edge + m]
         add_rows(n.mixing, q * local * shared, shared, local, n.grams, last, n.whole, turning, shared)
-        for t in range(padded):
-            for k in range(local):
-                n.stiff_mixed[t * n.mixed_stride + q * local + k] = dot(
-                    n.mixed, t * n.mixed_stride + q * local, n.grams, matrix + (edge + k) * width + edge, local
-                )
+        products(
+            n.mixed, q * local, n.mixed_stride, padded, n.grams, matrix + edge * (width + 1), width, local, local, False,
+            n.stiff_mixed, q * local, n.mixed_stride,
+        )  # fmt: skip
     if not n.plain:
-        gram(n.mixed, 0, n.stiff_mixed, 0, n.mixed_stride, padded, n.mixed_stride, n.whole, 0, padded, padded)
+        stride = n.mixed_stride
+        products(
+            n.mixed, 0, stride, padded, n.stiff_mixed, 0, stride, padded, stride, True, n.whole, 0, padded
+        )
+        for t in range(padded):
+            n.whole[t * (padded + 1)] += 1.0
     eliminate(n.whole, 0, padded, 0, padded, padded)
     forward(n.whole, 0, padded, padded, n.whole, turning)
     n.whole[corner] -= dot(n.whole, turning, n.whole, turning, padded)
@@ -400,7 +404,7 @@ def _shared_direction(n: Any, imbalance: float) -> float:
     turning = padded_shared * padded_shared
     for t in range(padded_shared):
         n.change[first + t] = n.loads[first + t] - n.amplitudes[first + t] if t < shared else 0.0
-    held, products = n.border, n.solved
+    held, onto = n.border, n.solved
     for q in range(n.blocks):
         rank, c0, low, high = n.table[n.level + q, 3], q * width, n.spans[3 * q], n.spans[3 * q + 1]
         padded, size, matrix = _padded(rank), _padded(high - low), q * width * width
@@ -416,15 +420,15 @@ def _shared_direction(n: Any, imbalance: float) -> float:
             for a in range(c0, c0 + padded):
                 held[a] = n.change[a]
         forward(n.grams, matrix, width, edge, held, c0)
-        row_products(n.grams, matrix + edge * width, width, local + 1, held, c0, edge, products, c0)
-        imbalance += products[c0 + local]
+        row_products(n.grams, matrix + edge * width, width, local + 1, held, c0, edge, onto, c0)
+        imbalance += onto[c0 + local]
         for k in range(local):
-            products[c0 + k] = -products[c0 + k]
+            onto[c0 + k] = -onto[c0 + k]
         if n.plain:
             for t in range(shared):
-                n.change[first + t] += products[c0 + t]
+                n.change[first + t] += onto[c0 + t]
         else:
-            add_rows(n.mixing, q * local * shared, shared, local, products, c0, n.change, first, shared)
+            add_rows(n.mixing, q * local * shared, shared, local, onto, c0, n.change, first, shared)
     if stale:
         _factor_whole(n)
     forward(n.whole, 0, padded_shared, padded_shared, n.change, first)
@@ -443,9 +447,9 @@ def _shared_direction(n: Any, imbalance: float) -> float:
             for x in range(c0, c0 + edge):
                 held[x] = -held[x]
         for k in range(local):
-            products[c0 + k] = -n.change[c0 + rank + k]
-        products[c0 + local] = turn
-        add_rows(n.grams, matrix + edge * width, width, local + 1, products, c0, held, c0, edge)
+            onto[c0 + k] = -n.change[c0 + rank + k]
+        onto[c0 + local] = turn
+        add_rows(n.grams, matrix + edge * width, width, local + 1, onto, c0, held, c0, edge)
         backward(n.grams, matrix, width, edge, held, c0)
         if size < padded:
             add_rows(n.rows, matrix, width, size, held, c0, n.change, c0, rank)
