@@ -59,6 +59,9 @@ class BuildKernels(build_ext):
 
     def run(self) -> None:
         """Compile with zig where nothing else is there."""
+        headers = Path(sysconfig.get_path("include"), "Python.h")
+        if not headers.is_file():
+            raise SystemExit(f"{headers}: is missing; install the headers of Python (Debian, Ubuntu: python3-dev)")
         if os.name != "nt" and not _has_compiler():
             os.environ["CC"] = f"{shlex.quote(sys.executable)} -m ziglang cc"
             os.environ["LDSHARED"] = f"{os.environ['CC']} -shared"
