@@ -382,14 +382,12 @@ def _factor_whole(n: Any) -> None:
                 n.grams[matrix + (edge + m) * width + edge + k] = n.grams[matrix + (edge + k) * width + edge + m]
         add_rows(n.mixing, q * local * shared, shared, local, n.grams, last, n.whole, turning, shared)
         products(
-            n.mixed, q * local, n.mixed_stride, padded, n.grams, matrix + edge * (width + 1), width, local, local, False,
-            n.stiff_mixed, q * local, n.mixed_stride,
+            n.mixed, q * local, n.mixed_stride, padded, n.grams, matrix + edge * (width + 1), width, local, local,
+            False, n.stiff_mixed, q * local, n.mixed_stride,
         )  # fmt: skip
     if not n.plain:
         stride = n.mixed_stride
-        products(
-            n.mixed, 0, stride, padded, n.stiff_mixed, 0, stride, padded, stride, True, n.whole, 0, padded
-        )
+        products(n.mixed, 0, stride, padded, n.stiff_mixed, 0, stride, padded, stride, True, n.whole, 0, padded)
         for t in range(padded):
             n.whole[t * (padded + 1)] += 1.0
     eliminate(n.whole, 0, padded, 0, padded, padded)
