@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...cases.conversion import blank_design, ease_off_target, setting_limits
+from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
