@@ -288,6 +288,7 @@ COUNTED = {
     "plane_axis": ["along", "across"],
     "member": ["pinion", "gear"],
     "xyz": ["x", "y", "z"],
+    "stage": ["before", "after"],
 }
 LEAST_SIZES = {"lengthwise": 2, "profile": 2, "space": 3, "end": 2}
 FLANK_SIZE_MINIMUM = 1e-3  # length and height of a flank that can be drawn [mm]
@@ -387,8 +388,8 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
             sizes = [tree[group].to_dataset().sizes.get(dimension) for group in ("loaded", "root_stress")]
             if sizes[0] != sizes[1]:
                 yield f"root_stress: {sizes[1]} values along {dimension}"
-    if "optimization" in tree.children and tree["optimization"].to_dataset().sizes.get("stage") != 2:
-        yield "optimization: 'stage' must be before, after"
+    if "optimization" in tree.children:
+        yield from (f"optimization: {fault}" for fault in _counted_faults(tree["optimization"].to_dataset()))
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:

@@ -10,6 +10,7 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -453,7 +454,7 @@ MADE: dict[str, list[object]] = {
 }
 #: Every which damage of results is tried, and again on the other forms what the first one has too. Primes: of every
 #: variable another kind is among them.
-STEP, STEP_AGAIN = 5, 23
+STEP, STEP_AGAIN = 11, 29
 
 
 @pytest.fixture
@@ -495,12 +496,14 @@ def whole(files: Path) -> Callable[[str], xr.DataTree]:
     text_file(files / "cases.csv", "name,torque,flank,share,speed\na,50,drive,0.6,500\nb,80,coast,0.4,700\n")
     text_file(files / "fe.toml", small_text(more='\n[compliance]\nmodel = "fe"\nfineness = 0.25\nneighbours = false\n'))
 
+    @cache
     def made(kind: str) -> xr.DataTree:
         path = files / f"{kind}.nc"
         if not path.exists():
             command, *words = (str(word).format(folder=files) for word in MADE[kind])
             output_of(command, files / ("fe.toml" if kind == "fe" else "case.toml"), "-o", path, *words)
-        return xr.open_datatree(path, engine="netcdf4").load()
+        with xr.open_datatree(path, engine="netcdf4") as tree:
+            return tree.load()
 
     return made
 
@@ -550,6 +553,7 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("wear", "/ empty @ edge_contact", "'edge_contact'"),
         ("wear", "/ other dimensions of member", "'member' must"),
         ("wear", "/ empty @ misalignment_shaft_angle_rad", "'misalignment_shaft_angle_rad'"),
+        ("modify", "/optimization without stage", "'stage' must be before, after"),
         ("modify", "/modification empty modification", "'modification' must hold finite numbers"),
         ("load_cases", "/duty without duty_efficiency", "'duty_efficiency'"),
         ("load_cases", "/duty nothing along damage_exponent", "0 values along damage_exponent"),
