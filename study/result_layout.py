@@ -489,8 +489,8 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
     over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
     found += [f"load_cases: {name!r} must be over load_case" for name in over]
-    if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
-        found.append("root: no text in the attribute 'title'")
+    for attributes, needed in (({"title": "text"}, True), (OPTIONAL_ATTRIBUTES[""], False)):
+        found += [f"root: {fault}" for fault in attribute_faults(tree.attrs, attributes, needed=needed)]
     if found:
         return found
     if "duty" in tree.children:

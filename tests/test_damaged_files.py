@@ -454,7 +454,7 @@ MADE: dict[str, list[object]] = {
 }
 #: Every which damage of results is tried, and again on the other forms what the first one has too. Primes: of every
 #: variable another kind is among them.
-STEP, STEP_AGAIN = 11, 29
+STEP, STEP_AGAIN = 11, 43
 
 
 @pytest.fixture
@@ -555,6 +555,7 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("wear", "/ empty @ misalignment_shaft_angle_rad", "'misalignment_shaft_angle_rad'"),
         ("modify", "/optimization without stage", "'stage' must be before, after"),
         ("modify", "/modification empty modification", "'modification' must hold finite numbers"),
+        ("load_cases", "/ of another kind @ edge_contact", "'edge_contact'"),
         ("load_cases", "/duty without duty_efficiency", "'duty_efficiency'"),
         ("load_cases", "/duty nothing along damage_exponent", "0 values along damage_exponent"),
         ("load_cases", "/duty nothing along load_case", "0 values along load_case"),
