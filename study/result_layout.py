@@ -21,6 +21,7 @@ from ..core.stored_status import StoredStatus
 RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 MAGNITUDE_LIMIT = 1e30
 Layout = dict[tuple[str, ...], tuple[str, ...]]
+AttributeKind = str | int | tuple[str, ...]  # in words, or the length of a vector, or the texts that it may be
 GRID = ("lengthwise", "profile")
 PAIRS = ("pair", "mesh_position")
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
@@ -98,7 +99,7 @@ FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     ("roughness",): ("roughness", "roughness_pinion", "roughness_gear"),
 }
 #: Attributes of whatever is of one pair: whether they are a text or a number.
-OF_A_PAIR: dict[str, str | int] = {
+OF_A_PAIR: dict[str, AttributeKind] = {
     **dict.fromkeys(("title", "flank"), "text"),
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
     **dict.fromkeys(
@@ -107,9 +108,9 @@ OF_A_PAIR: dict[str, str | int] = {
     ),
 }
 #: Those of the unloaded error: NaN where the flanks do not touch at every mesh position.
-OF_UNLOADED: dict[str, str | int] = {"peak_to_peak": "number", "rms": "number", "harmonics": 3}
+OF_UNLOADED: dict[str, AttributeKind] = {"peak_to_peak": "number", "rms": "number", "harmonics": 3}
 #: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
-ATTRIBUTES: dict[str, dict[str, str | int]] = {
+ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
     "": {
         **OF_A_PAIR,
         **dict.fromkeys(("easeoff_version", "solver", "pinion_hand", "opposite_flanks"), "text"),
@@ -119,9 +120,12 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
         **dict.fromkeys(("ratio", "first_contact_rad"), "number"),
     },
     "unloaded": {"separation": "number", **OF_UNLOADED},
-    "friction": dict.fromkeys(("oil", "friction_coefficient", "film", "rolling_frame", "thermal_factor"), "text"),
+    "friction": {
+        **dict.fromkeys(("oil", "friction_coefficient", "film", "thermal_factor"), "text"),
+        "rolling_frame": ("fixed", "contact_line"),
+    },
 }
-OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
+OPTIONAL_ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
     "": {
         **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out", "deflections"), "text"),
         **dict.fromkeys(("case_name", "supports_name"), "text"),
@@ -231,6 +235,8 @@ DUTY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("load_case", "damage_exponent"): ("damage_share",),
     ("damage_exponent",): ("damage_exponent",),
 }
+#: Those of the losses, of which all are there or none.
+DUTY_LOSS: dict[tuple[str, ...], tuple[str, ...]] = {(): ("duty_power_loss", "duty_input_power", "duty_efficiency")}
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
 FLAGS: dict[str, type[StoredStatus]] = {
     "status": Status,
@@ -282,10 +288,11 @@ COUNTED = {
     "plane_axis": ["along", "across"],
     "member": ["pinion", "gear"],
     "xyz": ["x", "y", "z"],
+    "stage": ["before", "after"],
 }
-LEAST_SIZES = {"lengthwise": 2, "profile": 2, "space": 3}
+LEAST_SIZES = {"lengthwise": 2, "profile": 2, "space": 3, "end": 2}
 FLANK_SIZE_MINIMUM = 1e-3  # length and height of a flank that can be drawn [mm]
-KNOWN_SHARE = 0.5  # of the nodes of a worn flank, at least
+KNOWN_SHARE = 0.5  # of the nodes of a worn flank or a modification, at least
 DAMAGED = "is damaged, changed by hand or made by another version of easeoff"
 FAULT_COUNT_LIMIT = 3  # that a message names
 
@@ -332,7 +339,7 @@ def faults(tree: xr.DataTree) -> list[str]:
         for dimension, length in group.sizes.items():
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
             size = length if alone or dimension not in counted else sizes.setdefault(str(dimension), length)
-            if not size or size != length:
+            if size != length or size < LEAST_SIZES.get(str(dimension), 1):
                 found.append(f"{name}: {length} values along {dimension}, expected {size or 'some'}")
     found += _group_faults(tree)
     for name in ("unloaded", "loaded"):
@@ -374,13 +381,15 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
             yield from (f"{name}: {fault}" for fault in variable_faults(own, layout))
             few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else 1)]
             yield from (f"{name}: {own.sizes[one]} values along {one}" for one in few)
+            if name == "modification" and _share(own, name) < KNOWN_SHARE:
+                yield f"{name}: {name!r} must hold finite numbers"
     if "root_stress" in tree.children:
         for dimension in LOADED:
             sizes = [tree[group].to_dataset().sizes.get(dimension) for group in ("loaded", "root_stress")]
             if sizes[0] != sizes[1]:
                 yield f"root_stress: {sizes[1]} values along {dimension}"
-    if "optimization" in tree.children and tree["optimization"].to_dataset().sizes.get("stage") != 2:
-        yield "optimization: 'stage' must be before, after"
+    if "optimization" in tree.children:
+        yield from (f"optimization: {fault}" for fault in _counted_faults(tree["optimization"].to_dataset()))
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
@@ -440,7 +449,7 @@ def _share(found: xr.Dataset, name: str) -> float:
     return float(np.isfinite(values).mean()) if values.dtype.kind in "fiu" and values.size else 0.0
 
 
-def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, needed: bool) -> list[str]:
+def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, AttributeKind], *, needed: bool) -> list[str]:
     """Attributes that are missing or of another kind.
 
     Parameters
@@ -448,7 +457,7 @@ def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, 
     own
         The attributes.
     kinds
-        Whether they must be a text, a number or a vector of that many numbers, by name.
+        Whether they must be a text, one of some, a number or a vector of that many numbers, by name.
     needed
         Whether all must be there.
 
@@ -458,7 +467,8 @@ def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, 
     ["no text in the attribute 'title'"]
     """
     return [
-        f"no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
+        f"no {' or '.join(kind) if isinstance(kind, tuple) else 'vector' if isinstance(kind, int) else kind} in the "
+        f"attribute {key!r}"
         for key, kind in kinds.items()
         if (needed or key in own) and not _is(kind, own.get(key), known=key not in OF_UNLOADED)
     ]
@@ -479,14 +489,18 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
     over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
     found += [f"load_cases: {name!r} must be over load_case" for name in over]
-    if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
-        found.append("root: no text in the attribute 'title'")
+    for attributes, needed in (({"title": "text"}, True), (OPTIONAL_ATTRIBUTES[""], False)):
+        found += [f"root: {fault}" for fault in attribute_faults(tree.attrs, attributes, needed=needed)]
     if found:
         return found
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset()
-        found += [f"duty: {fault}" for fault in (*variable_faults(duty, DUTY), *form_faults(duty))]
-        found += [] if _is_text(duty, "flank") else ["duty: no text 'flank'"]
+        layout = DUTY | (DUTY_LOSS if any(name in duty for name in DUTY_LOSS[()]) else {})
+        found += [f"duty: {fault}" for fault in (*variable_faults(duty, layout), *form_faults(duty))]
+        found += [f"duty: no text {name!r}" for name in ("load_case", "flank") if not _is_text(duty, name)]
+        found += [f"duty: 0 values along {name}" for name, size in duty.sizes.items() if not size]
+        if not found and duty["load_case"].values.tolist() != numbers["load_case"].values.tolist():
+            found.append("duty: 'load_case' must be as in load_cases")
     results = tree["results"].children if "results" in tree.children else {}
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
         if not str(reason):
@@ -580,13 +594,13 @@ def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
     )
 
 
-def _is(kind: str | int, value: Any, *, known: bool) -> bool:
+def _is(kind: AttributeKind, value: Any, *, known: bool) -> bool:
     """Whether an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers.
 
     Numbers that need not be ``known`` may be NaN.
     """
-    if kind == "text":
-        return isinstance(value, str)
+    if kind == "text" or isinstance(kind, tuple):
+        return isinstance(value, str) and (kind == "text" or value in kind)
     if kind == "table of numbers":
         return isinstance(value, str) and _is_table(value)
     if value is None:

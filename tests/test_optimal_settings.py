@@ -358,6 +358,34 @@ def test_settings_are_rounded_and_analysed_rounded() -> None:
     assert record.sizes["assembly"] == 5  # its own, both ends of the distribution, and the samples
 
 
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("exact", [False, True])
+def test_settings_whose_rounded_teeth_cannot_be_built_are_kept(monkeypatch: pytest.MonkeyPatch, exact: bool) -> None:
+    """As they are found, or beside the analysis of the start where these have no teeth either."""
+    whole = Workshop.with_teeth
+
+    def without(self: Workshop, case: Case, *rest: Any) -> Workshop:
+        assert case.pinion.concave is not None
+        radial = case.pinion.concave.machine.radial_distance
+        assert radial is not None
+        if not exact or abs(radial - round(radial, 3)) < 1e-12:
+            raise GeometryError("no tooth")
+        return whole(self, case, *rest)
+
+    monkeypatch.setattr(Workshop, "with_teeth", without)
+    tree = quick(["max_pressure"], steps=1)
+    record = tree["optimal_settings"].to_dataset()
+    assert np.any(record["setting_found"] != record["setting_start"])
+    assert np.array_equal(record["setting_value"], record["setting_found" if exact else "setting_start"])
+    assert (record["objective_ratio"].item() < 1.0) is exact
+    told = "as they are" if exact else "only in 'setting_found'"
+    assert f"the settings found cannot be rounded: no tooth; the result has them {told}" in setting_report(tree)
+    kept = parse_case(tree.attrs["case"])
+    assert kept.pinion.concave is not None
+    radial = record["setting_value"].sel(setting=RADIAL).item()
+    assert kept.pinion.concave.machine.radial_distance == pytest.approx(radial, rel=1e-12)
+
+
 def test_both_flanks_of_one_set_up_move_together() -> None:
     case = easeoff.read_case("fm-11x41")
     free = free_settings(case, ["drive", "coast"], ["gear.*.machine.radial_distance"])

@@ -21,10 +21,12 @@ from easeoff.cases import (
     Case,
     case_toml,
     design_text,
+    designed_blanks,
     gear_pair,
     parse_case,
     parse_design,
     read_case,
+    read_design,
     read_rexs,
     shipped_cases,
     write_case,
@@ -32,7 +34,8 @@ from easeoff.cases import (
 from easeoff.cases.changes import changed_case
 from easeoff.cases.recording import with_blanks
 from easeoff.geometry import MachineResolution, ease_off
-from easeoff.study import design_case, rounded_case, rounding_effect, summary_sheet
+from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet
+from easeoff.study.design.design_check import rounding_limits
 from easeoff.study.design.pair_warnings import case_warnings, unusual_set_ups
 from easeoff.study.design.rounded_settings import FLANKS, step_of_key
 from easeoff.study.design.tooth_spaces import ToothSpaces
@@ -377,6 +380,19 @@ def test_settings_of_a_designed_pinion_are_rounded_within_their_limits() -> None
     assert found.pinion.concave.machine.cutter_tilt == pytest.approx(nearest.machine.cutter_tilt - 0.02, abs=1e-9)
     assert found.pinion.concave.machine.radial_distance == radial
     assert found.gear == rounded_case(case, steps).gear
+
+
+def test_edge_radii_of_a_design_become_smaller_by_rounding_but_stay_fillets() -> None:
+    """The nearest step is larger than what tooth and blade allow; below the smallest fillet there is none."""
+    case, design = read_case("fm-11x41"), read_design("fm-11x41")
+    blank = designed_blanks(design.blank_design, (11, 41), design.pair)
+    least = 0.05 * blank.mean_normal_module
+    report = DesignReport(blank, sides={}, warnings=())
+    for radius, rounded in ((0.936, 0.93), (0.93, 0.93), (least + 1e-4, least + 1e-4), (0.001, 0.001)):
+        keys = [f"{name}.{side}.cutter.tool_edge_radius" for name in ("pinion", "gear") for side in FLANKS]
+        cut = changed_case(case, dict.fromkeys(keys, radius))
+        found = rounded_case(cut, None, *rounding_limits(design, report, cut)).model_dump()
+        assert [found[a][b][c][d] for a, b, c, d in (key.split(".") for key in keys)] == [rounded] * 4
 
 
 @pytest.mark.thorough

@@ -90,7 +90,7 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
         diagonal = data.get("compliance_diagonal")
         data["structured"] = np.zeros(count) if diagonal is None else np.isfinite(diagonal).any(axis=1)
     data["structured"] = _counts(data["structured"], "structured", 0, 1)
-    for flag, name in enumerate(("compliance", "compliance_factor")):
+    for flag, name in ((0, "compliance"), (1, "compliance_diagonal"), (1, "compliance_factor")):
         if name not in data and (data["structured"] == flag).any():
             number = int(np.argmax(data["structured"] == flag))
             raise InputError(

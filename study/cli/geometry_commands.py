@@ -105,6 +105,8 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
 
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
+    from ...core.errors import InputError
+    from ...core.reading.regular_file import named
     from ...core.writing.output_file import check_writable
     from ..export.contact_mesh import export_contact
     from ..result import read_result
@@ -115,8 +117,12 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
     check_writable(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
-    with working("contact on the teeth"):
-        written = export_contact(read_result(source), output, **chosen)
+    tree = read_result(source)
+    try:
+        with working("contact on the teeth"):
+            written = export_contact(tree, output, **chosen)
+    except InputError as error:
+        raise InputError(f"{named(source)}: {str(error).removeprefix('tree: ')}") from error
     echo(f"wrote {output}: {written}")
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...cases.conversion import blank_design, ease_off_target, setting_limits
+from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
 from ...contact.evaluation.flank_region import flank_share
 from ...core.errors import GeometryError
 from ...geometry.design.agma929.tooth_proportions import ToothProportions
 from ...geometry.design.blank import BlankDimensions
-from ...geometry.design.edge_radius import REDUCTIONS
+from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE
 from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
 from ...geometry.design.pair_design import (
     SIDES,
@@ -233,13 +234,23 @@ def _at_limit(design: Design, designed: PairDesign, side: FlankName) -> tuple[st
     return at_limit(values, limits, designed.blank.pinion.root_angle, design.blank_design.cutter_radius)
 
 
-def limits_of_moved(design: Design, report: DesignReport) -> dict[str, tuple[float, float]]:
-    """Least and greatest value of the pinion's fitted settings by name [mm or rad]; the closest fit has none."""
-    if design.pinion.method == "closest_fit":
-        return {}
-    limits, radius = setting_limits(design.pinion.limits), design.blank_design.cutter_radius
-    allowed = partial(limits.allowed, root_angle=report.blank.pinion.root_angle, cutter_radius=radius)
-    return {name: allowed(name) for side in report.sides.values() for name in side.moved}
+def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[dict[str, tuple[float, float]], ...]:
+    """Least and greatest value of settings of pinion and gear by name [mm or rad], within which they are rounded.
+
+    Of the pinion's fitted settings, but for the closest fit, which has none; and of the edge radii: these become
+    smaller alone, as whatever allowed them allows less, but not below the smallest fillet.
+    """
+    found: tuple[dict[str, tuple[float, float]], ...] = ({}, {})
+    if design.pinion.method != "closest_fit":
+        limits, radius = setting_limits(design.pinion.limits), design.blank_design.cutter_radius
+        allowed = partial(limits.allowed, root_angle=report.blank.pinion.root_angle, cutter_radius=radius)
+        found[0].update({name: allowed(name) for side in report.sides.values() for name in side.moved})
+    least = SMALLEST_SHARE * report.blank.mean_normal_module
+    for own, member in zip(found, (case.pinion, case.gear), strict=True):
+        assert member.concave is not None  # a designed case has all flanks, and one edge radius a member
+        radius = member.concave.cutter.tool_edge_radius
+        own["edge_radius"] = min(least, radius), radius
+    return found
 
 
 def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:

@@ -31,6 +31,7 @@ def rounded_case(
     case: Case,
     resolution: MachineResolution | None = None,
     pinion_limits: Mapping[str, tuple[float, float]] | None = None,
+    gear_limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> Case:
     """The case with the settings of every flank rounded.
 
@@ -40,9 +41,9 @@ def rounded_case(
         A checked case.
     resolution
         Steps; the usual ones if left out.
-    pinion_limits
-        Least and greatest value of settings of the pinion [mm or rad], by the names in ``named_settings``: they are
-        rounded inwards, and one without a step between its limits stays as it is.
+    pinion_limits, gear_limits
+        Least and greatest value of settings of a member [mm or rad], by the names in ``named_settings``, and of
+        ``edge_radius``: they are rounded inwards, and one without a step between its limits stays as it is.
 
     Examples
     --------
@@ -53,13 +54,12 @@ def rounded_case(
     instance("case", case, Case)
     steps = USUAL_RESOLUTION if resolution is None else resolution
     instance("resolution", steps, MachineResolution)
-    instance("pinion_limits", pinion_limits, Mapping | None)
-    given = (pinion_limits or {}).items()
-    own = {name: array(f"pinion_limits {name}", ends, size=2, infinite=True).tolist() for name, ends in given}
     members: dict[str, Any] = {}
-    for name in ("pinion", "gear"):
+    for name, given in (("pinion", pinion_limits), ("gear", gear_limits)):
         member = getattr(case, name)
-        limits = own if name == "pinion" else {}
+        instance(f"{name}_limits", given, Mapping | None)
+        own = (given or {}).items()
+        limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in own}
         flanks = {
             side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
         }
@@ -124,7 +124,7 @@ def _flank(
         step = step_of(name, steps)
         if value is None or step is None:
             return value
-        factor = setting_step(name, steps).factor if name in limits else 1.0
+        factor = setting_step(name, steps).factor if name in limits and name != "edge_radius" else 1.0
         return nearest_multiple(value, step, *(factor * end for end in limits.get(name, (-math.inf, math.inf))))
 
     machine = {key: rounded(value, key) for key, value in settings.machine}

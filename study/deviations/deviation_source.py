@@ -172,12 +172,16 @@ def flank_deviations(
         member = named_member(pair, name)
         grid = _from_file(source, name, pair) if isinstance(source, str | Path) else source
         if isinstance(grid, xr.Dataset):
-            measured = "row" in grid.dims
-            found[str(name)] = (
-                flank_deviation(grid, member, interpolation)
-                if measured
-                else deviation_from_dataset(member.section, grid, interpolation)
-            )
+            try:
+                found[str(name)] = (
+                    flank_deviation(grid, member, interpolation)
+                    if "row" in grid.dims
+                    else deviation_from_dataset(member.section, grid, interpolation)
+                )
+            except InputError as error:
+                if grid is source:
+                    raise
+                raise InputError(f"deviation {name} = {printable(str(source))}: {error}") from error
         elif not isinstance(grid, Deviation):
             raise InputError(
                 f"the deviation of the {name} is a {type(grid).__name__}: give a file, a dataset or a Deviation, as "

@@ -90,9 +90,16 @@ def _notes(record: xr.Dataset) -> list[str]:
     if attributes["form"] == "weighted":
         whole = float(record["objective_weight"].sum())
         found.append(f"Weighted sum of mean ratios: {attributes['objective_total']:.4g}, at the start {whole:.4g}")
+    if unrounded := attributes.get("unrounded"):
+        exact = np.array_equal(record["setting_value"], record["setting_found"])
+        told = "as they are" if exact else "only in 'setting_found': they cannot be analysed, those before are"
+        found.append(f"Note: the settings found cannot be rounded: {unrounded}; the result has them {told}")
+    else:
+        found.append(
+            f"Rounded: the ease-off changes by up to {attributes['rounding_change_um']:.2g} um, the objective by "
+            f"{attributes['rounding_loss']:+.1g}"
+        )
     found += [
-        f"Rounded: the ease-off changes by up to {attributes['rounding_change_um']:.2g} um, the objective by "
-        f"{attributes['rounding_loss']:+.1g}",
         f"{attributes['analyses']} analyses, {attributes['differentiated_analyses']} of them with derivatives; "
         f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times",
     ]

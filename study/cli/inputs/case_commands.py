@@ -81,7 +81,7 @@ def design(
     from ....cases.writing import require_replaceable
     from ....core.writing.output_file import check_writable
     from ...design.case_design import design_case
-    from ...design.design_check import limits_of_moved
+    from ...design.design_check import rounding_limits
     from ...design.rounded_settings import rounded_case, rounding_effect
     from ...report.design_report import design_report, summary_lines
     from ...report.summary_sheet import effect_line
@@ -96,7 +96,7 @@ def design(
     effects = {}
     if rounding:
         exact, steps = case, resolution or machine_resolution(checked.resolution)
-        case = rounded_case(case, steps, limits_of_moved(checked, found))
+        case = rounded_case(case, steps, *rounding_limits(checked, found, case))
         effects = rounding_effect(exact, case)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")

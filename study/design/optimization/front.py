@@ -8,13 +8,11 @@ of epsilon constraints).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.errors import GeometryError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
@@ -78,17 +76,16 @@ class FrontPoint:
         """Its settings, analysed with their own teeth."""
         if self.outcome is not None:
             return self.outcome.point.judged_by(judgement)
-        return searching.anew(self.rounded, judgement)
+        return searching.anew(self.rounded, judgement)[0]
 
     def resumed(self, searching: SettingSearch, judgement: Judgement) -> Outcome:
         """The outcome of its search, analysed again if the point was read."""
         if self.outcome is not None:
             return self.outcome
-        point = self.analysed(searching, judgement)
-        case = point.workshop.space.case_at(point.values, rounded=True)
+        point, case, unrounded = searching.anew(self.rounded, judgement)
         effect = self.rounding_change, self.rounding_loss
         ended: Ending | None = "converged" if self.converged else None
-        return Outcome(self.values, point.values, case, point, (), ended, self.prices, *effect)
+        return Outcome(self.values, point.values, case, point, (), ended, self.prices, *effect, unrounded)
 
 
 def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
@@ -164,9 +161,9 @@ def _attempts(
     for neighbour in neighbours:
         start = neighbour.analysed(searching, under)
         if start.differentiable:
-            # Teeth of the settings found may be such that none can be built.
-            with suppress(GeometryError):
-                yield front_point(searching.settled(under, start), judgement)
+            outcome = searching.settled(under, start)
+            if not outcome.unrounded:  # teeth of the settings found may be such that none can be built
+                yield front_point(outcome, judgement)
 
 
 def new(one: FrontPoint, ratios: Array) -> bool:

@@ -82,6 +82,7 @@ def search_record(
         "violation": merit.violation,
         "rounding_change_um": outcome.rounding_change,
         "rounding_loss": outcome.rounding_loss,
+        "unrounded": outcome.unrounded,
         "flanks": ", ".join(aim.flanks),
         "edge_contact": int(start.readings[aim.flanks[0], 0].solved.edge_contact),
     }

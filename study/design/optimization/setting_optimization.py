@@ -73,7 +73,8 @@ def optimize(
     """Search for the machine settings of a case that are best under load, and analyse the case with them.
 
     Convex programmes in a trust region propose the steps, certified analyses with exact derivatives judge them. What is
-    found is a local optimum, rounded to the resolution of the machine and analysed rounded. See `Optimal settings
+    found is a local optimum, rounded to the resolution of the machine and analysed rounded; where rounded settings
+    cannot be analysed, as they were found or else as they were. See `Optimal settings
     <../engineer/guides/optimal_settings.html>`_.
 
     Parameters
@@ -133,7 +134,7 @@ def optimize(
     InputError
         If an argument is out of range, or the case has what derivatives do not cover.
     GeometryError
-        If the pair cannot be analysed as it is, or with the settings found.
+        If the pair cannot be analysed as it is.
 
     Examples
     --------
@@ -299,7 +300,7 @@ def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
 def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
     """The settings of a result, analysed."""
     values = np.asarray(tree["optimal_settings"].to_dataset()["setting_value"].values)
-    return searching.anew(values, judgement)
+    return searching.anew(values, judgement)[0]
 
 
 def _fresh_samples(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
 from ....core.checks import frozen_arrays
-from ....core.errors import EaseoffError, GeometryError
+from ....core.errors import EaseoffError
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
 from .ease_off_form import EaseOffForm
@@ -95,6 +95,9 @@ class Outcome:
         Of the ease-off, by rounding, a rotation left out [um].
     rounding_loss
         By how much the merit rose from the settings found, with the teeth held, to the rounded ones with their own.
+    unrounded
+        Why the rounded settings have no analysis: ``rounded`` and ``case`` are then the settings found or, where these
+        have none with teeth of their own, those at the start. Empty otherwise.
     """
 
     values: Array
@@ -106,6 +109,7 @@ class Outcome:
     prices: Prices
     rounding_change: float
     rounding_loss: float
+    unrounded: str = ""
 
 
 class SettingSearch:
@@ -153,23 +157,31 @@ class SettingSearch:
         origin = self._workshop.space.start
         return AnalysedSettings(origin, np.zeros(origin.size), self._start, self._start, judgement, self._workshop)
 
-    def anew(self, values: Array, judgement: Judgement) -> AnalysedSettings:
-        """Settings (n), rounded, analysed with their own teeth. Raises as ``Workshop.with_teeth`` and ``readings``."""
-        own = self._workshop.space.nearest(values)
-        case = self._workshop.space.case_at(own, rounded=True)
-        workshop = self._workshop.with_teeth(case, self._stage)
-        self.name()
-        changes = (own - workshop.space.start) / workshop.units
-        return AnalysedSettings(own, changes, workshop.readings(case), self._start, judgement, workshop)
+    def anew(
+        self, values: Array, judgement: Judgement, near: Array | None = None
+    ) -> tuple[AnalysedSettings, Case, str]:
+        """Settings (n), rounded, analysed with their own teeth; the case with them; and why they are not rounded.
+
+        Rounded ones that cannot be analysed are left as they are. ``near`` them are those that can be set, if they are
+        known. Raises as ``Workshop.with_teeth`` and ``readings`` where neither can be analysed.
+        """
+        space, unrounded = self._workshop.space, ""
+        for own in (space.nearest(values if near is None else near), values):
+            try:
+                case = space.case_at(own, rounded=not unrounded)
+                workshop = self._workshop.with_teeth(case, self._stage)
+                self.name()
+                changes = (own - workshop.space.start) / workshop.units
+                readings = workshop.readings(case)
+                break
+            except EaseoffError as error:
+                if unrounded:
+                    raise
+                unrounded = str(error)
+        return AnalysedSettings(own, changes, readings, self._start, judgement, workshop), case, unrounded
 
     def settled(self, judgement: Judgement, here: AnalysedSettings | None = None) -> Outcome:
-        """The best settings for a judgement, from the start or from others that are analysed with their own teeth.
-
-        Raises
-        ------
-        GeometryError
-            If the settings found, rounded, have no certified analysis.
-        """
+        """The best settings for a judgement, from the start or from others that are analysed with their own teeth."""
         here = self.begun(judgement) if here is None else here.judged_by(judgement)
         done: list[tuple[int, Step]] = []
         outcomes: list[Outcome] = []
@@ -186,23 +198,22 @@ class SettingSearch:
             done += [(number, step) for step in found.steps]
             if outcomes and not any(step.accepted for step in found.steps):
                 break
-            outcomes.append(self._rounded(found, judgement))
-            enough = outcomes[-1].rounding_loss <= self._tolerance.gain or len(done) >= self._steps
-            if enough or not outcomes[-1].point.differentiable:
+            outcomes.append(self._rounded(found, here, judgement))
+            last = outcomes[-1]
+            enough = not last.unrounded and last.rounding_loss <= self._tolerance.gain
+            if enough or len(done) >= self._steps or last.point is here or not last.point.differentiable:
                 break
-            here, radius = outcomes[-1].point, float(np.clip(found.radius, LATER_RADIUS, FIRST_RADIUS))
-        best = min(outcomes, key=lambda one: one.point.merit.total)
+            here, radius = last.point, float(np.clip(found.radius, LATER_RADIUS, FIRST_RADIUS))
+        best = min(outcomes, key=lambda one: (bool(one.unrounded), one.point.merit.total))
         return replace(best, steps=tuple(done), ended=found.ended)
 
-    def _rounded(self, found: Search, judgement: Judgement) -> Outcome:
-        """The settings of a search as they are set on the machine, with their own teeth."""
+    def _rounded(self, found: Search, here: AnalysedSettings, judgement: Judgement) -> Outcome:
+        """The settings of a search from ``here`` as they are set on the machine, with their own teeth."""
         best: AnalysedSettings = found.point
-        space, units = self._workshop.space, self._workshop.units
         try:
-            point = self.anew(_rounded_settings(best), judgement)
+            point, case, unrounded = self.anew(best.values, judgement, _rounded_settings(best))
         except EaseoffError as error:
-            raise GeometryError(f"the settings found, rounded, cannot be analysed: {error}") from error
-        case = space.case_at(point.values, rounded=True)
+            point, case, unrounded = here, self._workshop.space.case_at(here.values), str(error)
         return Outcome(
             best.values,
             point.values,
@@ -210,9 +221,10 @@ class SettingSearch:
             point,
             (),
             found.ended,
-            Prices.of(found.last, judgement, units),
+            Prices.of(found.last, judgement, self._workshop.units),
             best.ease_off_change(case),
             point.merit.total - best.merit.total,
+            unrounded,
         )
 
     def _programme(self, judgement: Judgement, model: LocalModel) -> StepProgramme:
