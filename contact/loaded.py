@@ -13,7 +13,7 @@ from ..core.checks import array
 from ..core.ordered_values import ordered
 from ..core.processes.blas_threads import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
-from .line_contact.line_contact_law import LineContacts, solve_at_torques
+from .line_contact.line_contact_law import solve_at_torques
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
@@ -239,7 +239,7 @@ def solve_all(
     4
     """
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
-    contacts = LineContacts([here.line_contact for _, here in present])
+    contacts = [here.line_contact for _, here in present]
     order, problems = np.argsort(torques, kind="stable"), [here.bending_problem for _, here in present]
     cases = []
     at_torques = solve_at_torques(problems, contacts, 1e3 * ratio * torques[order], solver, **options)

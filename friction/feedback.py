@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.line_contact.line_contact_law import LineContacts, solve_line_contacts
+from ..contact.line_contact.line_contact_law import solve_line_contacts
 from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import SolverChoice, Status
 from ..core.attributes import labelled
@@ -87,7 +87,7 @@ def _solved_again(
         c.segments.bending_problem.with_torque(1e3 * ratio * float(torque[i])) for c, i in zip(chosen, at, strict=True)
     ]
     starts = [force[i][: case.segments.pair.size].copy() for case, i in zip(chosen, at, strict=True)]
-    contacts = LineContacts([case.segments.line_contact for case in chosen])
+    contacts = [case.segments.line_contact for case in chosen]
     solved = solve_line_contacts(problems, contacts, starts, solver)
     for i, start, (solution, _) in zip(at, starts, solved, strict=True):
         status[i] = solution.status

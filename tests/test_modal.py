@@ -470,7 +470,7 @@ def test_loaded_analysis_agrees_with_exact_programmes_one_by_one(name: str, monk
     together = analysed(name)
 
     def one_by_one(given: Any, contacts: Any, torques: Any, *_: Any) -> list[Any]:
-        pairs = list(zip(given, contacts.each, strict=True))
+        pairs = list(zip(given, contacts, strict=True))
         return [[solve_on_bending(one.with_torque(torque), contact) for one, contact in pairs] for torque in torques]
 
     monkeypatch.setattr(loaded_module, "solve_at_torques", one_by_one)

@@ -20,7 +20,7 @@ from ...core.errors import InputError
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
-from .line_contact_law import LineContacts, solve_line_contacts
+from .line_contact_law import solve_line_contacts
 from .line_contact_newton import LineContact
 from .line_contact_sensitivity import tangent_sensitivity
 from .line_contact_solution import solve_on_bending
@@ -82,7 +82,7 @@ def solved_at(
     """Return the solution at a torque [N mm], from forces near it (n) [N] if they are known."""
     problem = bending.with_torque(torque)
     if isinstance(line_contact, WeberLineContact) and problem.is_structured and torque > 0.0:
-        return next(solve_line_contacts([problem], LineContacts([line_contact]), [start]))[0]
+        return next(solve_line_contacts([problem], [line_contact], [start]))[0]
     return solve_on_bending(problem, line_contact, initial_force=start)[0]
 
 

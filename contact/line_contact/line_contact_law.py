@@ -1,15 +1,13 @@
-"""Contact with load-dependent line contact at many mesh positions at once, by Newton's method in the bending modes.
+"""Contact with load-dependent line contact at many mesh positions and torques, by Newton's method in the bending modes.
 
-The modal method takes any local law that gives a force for an indentation. The line contact gives the indentation for
-a force; it is inverted segment by segment. As its compliance falls with the load, the deflection is a concave function
+That method asks for a force at an indentation, the line contact gives the indentation for a force: it is inverted
+segment by segment, see ``line_deflection``. As its compliance falls with the load, the deflection is a concave function
 of the force: Newton's method on it comes from below after the first step, and never overshoots.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,27 +24,10 @@ from .line_contact_solution import solve_on_bending
 Array = NDArray[np.float64]
 _Found = tuple[ContactSolution, ContactProblem]
 
-#: Steps of the inversion; four are usual.
-MAX_INVERSION_STEPS = 30
-#: Relative error of the deflection below which one more step leaves only rounding.
-INVERSION_TOLERANCE = 1e-8
-
-
-@dataclass(frozen=True, eq=False)
-class LineContacts:
-    """The line contacts of several problems, and all their segments as one."""
-
-    each: Sequence[WeberLineContact]
-
-    @cached_property
-    def joined(self) -> WeberLineContact:
-        """Every segment of every problem in one array."""
-        return WeberLineContact.joined(self.each)
-
 
 def solve_at_torques(
     bendings: Sequence[ContactProblem],
-    contacts: LineContacts,
+    contacts: Sequence[WeberLineContact],
     torques: Array,
     solver: SolverChoice = "auto",
     **options: Any,
@@ -69,7 +50,7 @@ def solve_at_torques(
     known: list[list[_Found | None]] | None = None
     if _takes_all(solver, options):
         by_problem = zip(*at_torques, strict=True)
-        known = [_compiled_answers(own, contact) for own, contact in zip(by_problem, contacts.each, strict=True)]
+        known = [_compiled_answers(own, contact) for own, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
     for number, problems in enumerate(at_torques):
         if known is None:
@@ -83,15 +64,15 @@ def solve_at_torques(
 
 def solve_line_contacts(
     bendings: Sequence[ContactProblem],
-    contacts: LineContacts,
+    contacts: Sequence[WeberLineContact],
     starts: Sequence[Array | None],
     solver: SolverChoice = "auto",
     **options: Any,
 ) -> Iterator[_Found]:
     """Solve contact problems with load-dependent line contact, and prove the answers.
 
-    The native solver without options takes all problems at once; what this leaves without a certified answer, and all
-    problems of another solver, are solved one by one.
+    The native solver without options takes the line contact as it is; what this leaves without a certified answer, and
+    all problems of another solver, are solved by linear programmes.
 
     Parameters
     ----------
@@ -111,7 +92,7 @@ def solve_line_contacts(
     """
     known: Sequence[_Found | None] = [None] * len(bendings)
     if _takes_all(solver, options) and len(bendings) > 0:
-        known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts.each, strict=True)]
+        known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts, strict=True)]
     yield from _completed(bendings, contacts, starts, known, solver, **options)
 
 
@@ -122,14 +103,14 @@ def _takes_all(solver: SolverChoice, options: Mapping[str, Any]) -> bool:
 
 def _completed(
     bendings: Sequence[ContactProblem],
-    contacts: LineContacts,
+    contacts: Sequence[WeberLineContact],
     starts: Sequence[Array | None],
     known: Sequence[_Found | None],
     solver: SolverChoice,
     **options: Any,
 ) -> Iterator[_Found]:
     """Answers that are known, and those of the other problems, solved one by one."""
-    for bending, contact, start, found in zip(bendings, contacts.each, starts, known, strict=True):
+    for bending, contact, start, found in zip(bendings, contacts, starts, known, strict=True):
         yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
 
 
