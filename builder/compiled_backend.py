@@ -6,8 +6,8 @@ them. Each carries the digest of what it was compiled from, see ``core/kernels.p
 
 from __future__ import annotations
 
-import hashlib
 import os
+import runpy
 import shlex
 import shutil
 import sys
@@ -24,6 +24,7 @@ FLAGS = {"unix": ["-O3", "-g0", "-ffp-contract=off"], "msvc": ["/O2", "/fp:preci
 ZIG = "ziglang>=0.13"
 #: What Cython needs for arrays, as a module of its own.
 ARRAYS = "easeoff.core.cython_arrays"
+source_digest = runpy.run_path("core/kernels.py")["source_digest"]
 
 
 def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
@@ -81,7 +82,7 @@ class BuildKernels(build_ext):
         else:
             for types in source.parent.glob("*.pxd"):
                 shutil.copyfile(types, copy.with_name(types.name))
-            copy.write_bytes(source.read_bytes() + f'\nSOURCE_DIGEST = "{digest(source)}"\n'.encode())
+            copy.write_bytes(source.read_bytes() + f'\nSOURCE_DIGEST = "{source_digest(source)}"\n'.encode())
         (found,) = cythonize(
             [type(ext)(ext.name, [str(copy)])],
             include_path=[str(copies)],
@@ -99,11 +100,3 @@ class BuildKernels(build_ext):
 def _source(ext: Any) -> Path:
     """Source of a kernel."""
     return Path(ext.name.removeprefix("easeoff.").replace(".", "/") + ".py")
-
-
-def digest(source: Path) -> str:
-    """Digest of a source and its types."""
-    found = hashlib.sha256()
-    for path in (source, source.with_suffix(".pxd")):
-        found.update(path.read_bytes().replace(b"\r\n", b"\n"))
-    return found.hexdigest()

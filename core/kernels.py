@@ -9,8 +9,6 @@ from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 from typing import Any
 
-from .errors import MissingPackageError
-
 HINT = "run 'make', or install the package again (pip install .)"
 
 
@@ -32,6 +30,8 @@ def kernel(name: str, package: str) -> Any:
     >>> kernel(".spline_kernel", "easeoff.contact.lines").__name__
     'easeoff.contact.lines.spline_kernel'
     """
+    from .errors import MissingPackageError  # the build runs this file by itself
+
     spec = importlib.util.find_spec(name, package)
     place = "" if spec is None or spec.origin is None else spec.origin
     if not place.endswith(tuple(EXTENSION_SUFFIXES)):
@@ -44,8 +44,9 @@ def kernel(name: str, package: str) -> Any:
 
 
 def source_digest(source: Path) -> str:
-    """Digest of the source of a compiled module and of its types, where these are there; as the build takes it."""
+    """Digest of a compiled module's source and types, and of those of its folder: it may use them."""
     found = hashlib.sha256()
-    for path in (source, source.with_suffix(".pxd")):
-        found.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    for types in sorted(source.parent.glob("*.pxd")):
+        for path in (types, types.with_suffix(".py")):
+            found.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return found.hexdigest()

@@ -373,6 +373,10 @@ def test_a_kernel_that_is_not_that_of_its_source_is_refused(tmp_path: Path, monk
     digest = source_digest(tmp_path / "stale" / "one.py")
     stale.SOURCE_DIGEST = digest
     assert kernel(".one", "stale") is stale
+    for file in ("two.py", "two.pxd"):  # which it may use
+        (tmp_path / "stale" / file).write_text("y = 2\n")
+    with pytest.raises(MissingPackageError, match="has changed"):
+        kernel(".one", "stale")
 
 
 def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: pytest.MonkeyPatch) -> None:
