@@ -20,14 +20,16 @@ cdef class Newton:
     cdef bint plain
     cdef double[::1] amplitudes, loads, change, begin, best, border, solved, mixed, stiff_mixed
     cdef double[::1] shifted, separation, arm, stiff, gap, root, pull, lever, force, local
-    cdef double[::1] z, grams, rows, few, whole
+    cdef double[::1] z, grams, rows, few, whole, pool
+    cdef Py_ssize_t taken
     cdef int64_t[::1] spans, segment, touching
 
 
-@cython.locals(pool=cython.double[::1], matrix=Py_ssize_t, few=Py_ssize_t, mixed=Py_ssize_t,
+@cython.locals(matrix=Py_ssize_t, few=Py_ssize_t, mixed=Py_ssize_t,
                zeros=Py_ssize_t, whole=Py_ssize_t)
 cdef void _prepare(Newton n, tuple modes, object law, Py_ssize_t size)
 
+cdef double[::1] _room(Newton n, Py_ssize_t size)
 cdef Py_ssize_t _padded(Py_ssize_t size) noexcept nogil
 cdef void _spread(Newton n, double[::1] vector) noexcept nogil
 cdef void _gather(Newton n) noexcept nogil

@@ -86,37 +86,29 @@ def _prepare(n: Any, modes: Any, law: Any, size: int) -> None:
     matrix, few, mixed = n.blocks * n.width * n.width, max(n.width, n.padded_shared), n.padded_shared * n.mixed_stride
     zeros = 7 * n.modes + 2 * mixed
     whole = (n.padded_shared + 2) * n.padded_shared + 1
-    pool = np.empty(zeros + (10 + n.width) * size + 2 * matrix + few + whole)
+    n.pool, n.taken = np.empty(zeros + (10 + n.width) * size + 2 * matrix + few + whole), 0
     for k in range(zeros):
-        pool[k] = 0.0
-    n.amplitudes, pool = pool[: n.modes], pool[n.modes :]
-    n.loads, pool = pool[: n.modes], pool[n.modes :]
-    n.change, pool = pool[: n.modes], pool[n.modes :]
-    n.begin, pool = pool[: n.modes], pool[n.modes :]
-    n.best, pool = pool[: n.modes], pool[n.modes :]
-    n.border, pool = pool[: n.modes], pool[n.modes :]
-    n.solved, pool = pool[: n.modes], pool[n.modes :]
-    n.mixed, pool = pool[:mixed], pool[mixed:]
-    n.stiff_mixed, pool = pool[:mixed], pool[mixed:]
-    n.shifted, pool = pool[:size], pool[size:]
-    n.separation, pool = pool[:size], pool[size:]
-    n.arm, pool = pool[:size], pool[size:]
-    n.stiff, pool = pool[:size], pool[size:]
-    n.gap, pool = pool[:size], pool[size:]
-    n.root, pool = pool[:size], pool[size:]
-    n.pull, pool = pool[:size], pool[size:]
-    n.lever, pool = pool[:size], pool[size:]
-    n.force, pool = pool[:size], pool[size:]
-    n.local, pool = pool[:size], pool[size:]
-    n.z, pool = pool[: n.width * size], pool[n.width * size :]
-    n.grams, pool = pool[:matrix], pool[matrix:]
-    n.rows, pool = pool[:matrix], pool[matrix:]
-    n.few, n.whole = pool[:few], pool[few:]
+        n.pool[k] = 0.0
+    n.amplitudes, n.loads, n.change = _room(n, n.modes), _room(n, n.modes), _room(n, n.modes)
+    n.begin, n.best = _room(n, n.modes), _room(n, n.modes)
+    n.border, n.solved = _room(n, n.modes), _room(n, n.modes)
+    n.mixed, n.stiff_mixed = _room(n, mixed), _room(n, mixed)
+    n.shifted, n.separation, n.arm = _room(n, size), _room(n, size), _room(n, size)
+    n.stiff, n.gap, n.root = _room(n, size), _room(n, size), _room(n, size)
+    n.pull, n.lever, n.force, n.local = _room(n, size), _room(n, size), _room(n, size), _room(n, size)
+    n.z, n.grams, n.rows = _room(n, n.width * size), _room(n, matrix), _room(n, matrix)
+    n.few, n.whole = _room(n, few), _room(n, whole)
     places = np.empty(3 * n.blocks + 2 * size, dtype=np.int64)
     n.spans, n.segment, n.touching = places[: 3 * n.blocks], places[3 * n.blocks : -size], places[-size:]
     for t in range(0 if n.plain else n.shared):  # the mixing of all blocks side by side, transposed
         for q in range(n.mixed_stride):
             n.mixed[t * n.mixed_stride + q] = n.mixing[q * n.shared + t]
+
+
+def _room(n: Any, size: int) -> Any:
+    """The next numbers of the pool."""
+    n.taken += size
+    return n.pool[n.taken - size : n.taken]
 
 
 def _padded(size: int) -> int:
