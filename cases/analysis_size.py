@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from ..core.processes.memory import require_memory
 from .schema.case_schema import Case
 
-BASE_SIZE = 220e6  # of an analysis of any size, with the compiled contact solution [byte]
-GRID_NODE_SIZE = 9.2e3  # per node of the flanks, while the flanks and their ease-off are found [byte]
+BASE_SIZE = 120e6  # of an analysis of any size, whose elastic teeth are made before [byte]
+GRID_NODE_SIZE = 4e3  # per node of the flanks, while the flanks and their ease-off are found [byte]
 LINE_SEGMENT_SIZE = 11.5e3  # per segment of the contact lines [byte]
 LOADED_SEGMENT_SIZE = 280.0  # per torque, mesh position and segment, with the copy that is written [byte]
 FRICTION_VALUE_SIZE = 100.0  # per value of a field of friction [byte]
