@@ -222,10 +222,10 @@ def rough_passage(
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
-                _record(records, at, start.position, problem, point, boundary_friction, thermal)
+                _record(records, at, start.position, problem, outcome, boundary_friction, thermal)
                 if keep and step % keep == 0:
                     row = step // keep - 1
-                    pressure[row] = contact.hertz_pressure * point.pressure
+                    pressure[row] = contact.hertz_pressure * _pressure(outcome)
                     film[row], states[row] = contact.film_scale * point.film, outcome.state
     return RoughPassage(
         contact=contact,
@@ -260,12 +260,12 @@ def _record(
     at: int,
     position: Array,
     problem: Problem,
-    point: Point,
+    outcome: Outcome,
     boundary_friction: float,
     thermal: bool,
 ) -> None:
-    contact = problem.contact
-    pressure, film = contact.hertz_pressure * point.pressure, contact.film_scale * point.film
+    contact, point = problem.contact, outcome.point
+    pressure, film = contact.hertz_pressure * _pressure(outcome), contact.film_scale * point.film
     part, _ = fluid_part(point.film, problem.touching_film)
     shear = traction(
         contact,
@@ -280,6 +280,11 @@ def _record(
     records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
     records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
     records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
+
+
+def _pressure(outcome: Outcome) -> Array:
+    """Pressures without the rounding that is left where the film is ruptured."""
+    return np.where(outcome.state == State.RUPTURED, 0.0, outcome.point.pressure)
 
 
 class _March:
