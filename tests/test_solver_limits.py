@@ -201,11 +201,11 @@ def test_limit_in_both_words_is_refused() -> None:
 @pytest.mark.parametrize("name", SOLVERS)
 def test_start_from_the_forces_of_a_neighbour(name: str) -> None:
     """All give the same answer; those that make use of a start take no more steps from the answer itself."""
-    cold = solve(REALISTIC, installed(name), polish=False)
+    cold = solve(REALISTIC, installed(name), polish=False, tolerance=1e-6)
     neighbour = solve(REALISTIC.with_torque(1.01 * REALISTIC.torque))
-    warm = solve(REALISTIC, name, initial_force=neighbour.force, polish=False)
+    warm = solve(REALISTIC, name, initial_force=neighbour.force, polish=False, tolerance=1e-6)
     assert warm.rotation == pytest.approx(cold.rotation, rel=1e-6)
-    own = solve(REALISTIC, name, initial_force=solve(REALISTIC).force, polish=False)
+    own = solve(REALISTIC, name, initial_force=solve(REALISTIC).force, polish=False, tolerance=1e-6)
     if SOLVERS[name].warm_start and name != "cvxopt":
         assert own.iterations <= cold.iterations
 
