@@ -166,7 +166,7 @@ def test_set_without_a_lever_arm_is_not_solved() -> None:
 def test_block_that_is_too_large_is_not_formed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(modal_system, "SMALL_BLOCK", 0)
     monkeypatch.setattr(modal_system, "LARGEST_BLOCK", 10)
-    monkeypatch.setattr(modal_system, "_BlockSystem", lambda *_: never(_))
+    monkeypatch.setattr(modal_system, "_block_factor", lambda *_: never(_))
     problem = structured(rigid=240)
     scaled, given = rough(problem)
     found = polished_answer(problem, scaled, given, ONE_SOLVE)

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from solver_choice import installed
 
 from easeoff import EaseoffError, InputError, MissingSolverError
 from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, available_solvers, solve
 from easeoff.contact.problem.scaled_problem import ScaledProblem
+from easeoff.contact.solvers.active_set.dense_touching import DenseTouching
 from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
 from easeoff.contact.solvers.adapters import clarabel as clarabel_adapter
 from easeoff.contact.solvers.native import METHODS
@@ -21,6 +23,8 @@ from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.core.errors import how_to_install
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
+
+Array = NDArray[np.float64]
 
 
 def realistic(count: int = 1, seed: int = 0) -> list[ContactProblem]:
@@ -110,6 +114,86 @@ def test_last_method_does_not_need_the_local_compliance(name: str) -> None:
         assert solution.status is Status.CERTIFIED
         assert solution.method == "primal_active_set"
         assert residual_in_extended_precision(problem, solution) < 1e-9
+
+
+def portfolio(assets: int, observations: int, seed: int) -> ContactProblem:
+    """Least variance without short sales: correlations from fewer observations than assets are singular."""
+    rng = np.random.default_rng(seed)
+    returns = rng.standard_normal((observations, 3)) @ rng.standard_normal((3, assets))
+    returns += rng.standard_normal((observations, assets))
+    correlation = np.corrcoef(returns.T)
+    return ContactProblem(np.zeros(assets), np.ones(assets), 1.0, (correlation + correlation.T) / 2.0)
+
+
+def support_vectors(points: Array, label: Array, kernel: Array) -> ContactProblem:
+    """Dual of a support vector machine: no torque, lever arms of both signs; its rotation is the offset."""
+    return ContactProblem(-np.ones(len(points)), label, 0.0, kernel * np.outer(label, label))
+
+
+@pytest.mark.parametrize(("assets", "observations"), [(7, 3), (40, 20), (60, 30), (150, 100), (200, 20)])
+def test_singular_compliances_without_separations(assets: int, observations: int) -> None:
+    for seed in range(3):
+        problem = portfolio(assets, observations, seed)
+        solution = solve(problem)
+        assert solution.status is Status.CERTIFIED
+        assert residual_in_extended_precision(problem, solution) < 1e-10 or solution.rotation < 1e-14
+        other = solve(problem, installed("clarabel"), polish=False, tolerance=1e-6)
+        variances = [force @ problem.dense_compliance @ force for force in (solution.force, other.force)]
+        assert variances[0] <= variances[1] + 1e-9
+
+
+@pytest.mark.parametrize("method", ["cascade", "primal_active_set"])
+@pytest.mark.parametrize("dimensions", [1, 2, 5])
+def test_widest_margin_between_parallel_planes(dimensions: int, method: str) -> None:
+    """All points are on the margin: the forces are not unique, but the normal and the offset are."""
+    rng = np.random.default_rng(dimensions)
+    label = np.where(np.arange(60) % 2, 1.0, -1.0)
+    points = np.column_stack([0.25 + 0.5 * label, rng.standard_normal((60, dimensions - 1))])
+    solution = solve(support_vectors(points, label, points @ points.T), method=method)
+    assert solution.status is Status.CERTIFIED
+    normal = (solution.force * label) @ points
+    assert normal == pytest.approx([2.0, *[0.0] * (dimensions - 1)], abs=1e-12)
+    assert solution.force.sum() == pytest.approx(4.0, rel=1e-12)
+    assert solution.rotation == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", ["cascade", "primal_active_set"])
+def test_support_vectors_of_points_that_overlap(method: str) -> None:
+    rng = np.random.default_rng(4)
+    points = rng.standard_normal((80, 3))
+    label = np.where(points[:, 0] + 0.5 * rng.standard_normal(80) > 0.0, 1.0, -1.0)
+    kernel = np.exp(-0.5 * ((points[:, None] - points) ** 2).sum(axis=-1))
+    problem = support_vectors(points, label, kernel)
+    solution = solve(problem, method=method)
+    assert solution.status is Status.CERTIFIED
+    assert abs(solution.force @ label) < 1e-11 * solution.force.sum()
+    margin = label * (kernel @ (solution.force * label) - solution.rotation)
+    assert margin.min() > 1.0 - 1e-10
+    np.testing.assert_allclose(margin[solution.force > 0.0], 1.0, rtol=0.0, atol=1e-10)
+
+
+def test_touching_segments_that_change_one_by_one_are_those_of_a_system_made_at_once() -> None:
+    """In any order, in and out; what a segment sheds is what the system says of its column."""
+    rng = np.random.default_rng(2)
+    problem = next(problems("realistic", 1, seed=1))
+    compliance, arm, size = problem.dense_compliance, problem.lever_arm, problem.size
+    system = DenseTouching(compliance, arm, np.arange(size) < 3)
+    for segment in rng.integers(0, size, 120):
+        (system.leave if system.active[segment] else system.enter)(int(segment))
+        index = np.flatnonzero(system.active)
+        matrix = np.block([[np.zeros((1, 1)), arm[None, index]], [arm[index, None], compliance[np.ix_(index, index)]]])
+        scale = np.concatenate([[1e3], np.full(index.size, 1e-3)])  # entries of order one
+        both = scale[:, None] * matrix * scale * 1e6
+        side = np.concatenate([[problem.torque], -problem.separation[index]])
+        direct = scale * np.linalg.solve(both, scale * side) * 1e6
+        np.testing.assert_allclose(
+            system.forces(-problem.separation, problem.torque)[index], direct[1:], atol=1e-9 * np.abs(direct).max()
+        )
+        other = int(rng.integers(0, size))
+        if not system.active[other]:
+            column = np.concatenate([[arm[other]], compliance[index, other]])
+            shed = scale * np.linalg.solve(both, scale * column) * 1e6
+            np.testing.assert_allclose(system.shares(other)[index], shed[1:], atol=1e-9 * np.abs(shed[1:]).max())
 
 
 def test_moving_single_segments_ends_some_cycles(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,8 @@ from solver_choice import NEARLY_SINGULAR, dense
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath, solve, torque_path
-from easeoff.contact.solvers.parametric import dense_touching, modal_touching, path_following, touching_form
+from easeoff.contact.solvers.active_set import dense_touching
+from easeoff.contact.solvers.parametric import modal_touching, path_following, touching_form
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
 from easeoff.verification import problems

@@ -273,14 +273,15 @@ def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[fl
     if sizes.total > 0.0:
         mean = sizes.strain / sizes.total
         cancelled = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
-        if max(mean, cancelled) > 0.0:
+        if max(mean, sizes.roots) > 0.0:  # the square of small roots may be none
             apart = sizes.preload / sizes.total
             terms = max(cancelled, apart, turned * sizes.moment / sizes.total)
             floor = CANCELLATION_FLOOR * terms
             if problem.first_contact.signs and apart > 0.0:
                 # Forces of any size can be in balance: they must not hide a penetration of the size of separations.
                 floor = min(floor, apart)
-            return max(mean, floor), max(terms / mean, 1.0) if mean > 0.0 else math.inf
+            if max(mean, floor) > 0.0:
+                return max(mean, floor), max(terms / mean, 1.0) if mean > 0.0 else math.inf
     largest = float(np.abs(problem.separation_at_first_contact).max())  # no load or no compliance
     return (largest if largest > 0.0 else 1.0), 1.0
 

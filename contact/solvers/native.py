@@ -45,7 +45,7 @@ def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None
 
 
 def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return primal_active_set(problem, active, budget=budget) if problem.torque > 0.0 else None
+    return primal_active_set(problem, active, budget=budget)
 
 
 #: Methods by name, in the order of the cascade.

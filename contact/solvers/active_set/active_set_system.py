@@ -4,7 +4,8 @@
     [ r_A'    0  ] [ theta ] = [  T   ]
 
 is solved with one Cholesky factor of C_AA and two right-hand sides, u = C_AA^-1 r_A and v = C_AA^-1 S_A:
-theta = (T + r_A'v) / (r_A'u), F_A = theta u - v.
+theta = (T + r_A'v) / (r_A'u), F_A = theta u - v. A block that is singular to rounding is shifted and the answer
+refined, or refused, as the caller wants; `DenseTouching` leaves segments out, and goes from one set to the next.
 """
 
 from __future__ import annotations
@@ -13,12 +14,106 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dpotrs
+from scipy.linalg.lapack import dpocon, dpotrf, dpotri, dpotrs
 
 from ...problem.scaled_problem import ScaledProblem
 
-#: First shift of a numerically singular block, relative to its mean diagonal.
-SMALLEST_SHIFT = 1e-14
+Array = NDArray[np.float64]
+
+#: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
+#: the forces are taken for not unique.
+DEPENDENCE_TOLERANCE = 1e-11
+#: First shift of a numerically singular block, and the largest that is tried, relative to its mean diagonal.
+SMALLEST_SHIFT, LARGEST_SHIFT = 1e-14, 1e-6
+#: Steps of iterative refinement where the block was shifted.
+SHIFTED_REFINEMENTS = 8
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TouchingFactor:
+    """Cholesky factor of the compliance among the touching segments.
+
+    Attributes
+    ----------
+    lower
+        L with L L' = C_AA (a, a).
+    arm
+        r_A (a).
+    turning
+        u = C_AA^-1 r_A (a).
+    moment
+        r_A'u: the torque that turns the gear by one radian, the touching segments being held [N mm/rad].
+    shifted
+        Whether C_AA is singular to rounding, and the factor that of C_AA + shift I.
+    """
+
+    lower: Array
+    arm: Array
+    turning: Array
+    moment: float
+    shifted: bool = False
+
+    @classmethod
+    def of(cls, block: Array, arm: Array, *, shift: bool = False) -> TouchingFactor | None:
+        """Factorise; a block that is singular to rounding is shifted, or else there is no factor.
+
+        None also where the block has no factor with a shift (it is not positive semidefinite), or overflows.
+        """
+        # The block is symmetric: its transpose is the same matrix in the order LAPACK wants.
+        lower, failed = dpotrf(block.T, lower=1, clean=0)
+        if failed and shift:
+            lower = _shifted(block)
+        elif not failed and not shift:
+            # The trace bounds the largest eigenvalue, and costs less than a norm.
+            reciprocal_condition, _ = dpocon(lower, float(block.trace()), uplo="L")
+            failed = not reciprocal_condition > DEPENDENCE_TOLERANCE
+        if lower is None or (failed and not shift):
+            return None
+        turning = dpotrs(lower, arm, lower=1)[0]
+        moment = float(arm @ turning)
+        return cls(lower, arm, turning, moment, bool(failed)) if 0.0 < moment < np.inf else None
+
+    def balance(self, separation: Array, torque: float) -> tuple[Array, float]:
+        """Forces (a) and rotation that close the separations (a) under a torque."""
+        rigid = dpotrs(self.lower, separation, lower=1)[0]
+        rotation = (torque + float(self.arm @ rigid)) / self.moment
+        return rotation * self.turning - rigid, rotation
+
+    def solve(self, sides: Array) -> Array:
+        """C_AA^-1 times right-hand sides (a, q)."""
+        return np.asarray(dpotrs(self.lower, sides, lower=1)[0])
+
+    def apply(self, sides: Array) -> Array:
+        """K^-1 times right-hand sides (1 + a, q)."""
+        held = self.solve(sides[1:])
+        first = (self.arm @ held - sides[0]) / self.moment
+        return np.vstack([first, held - self.turning[:, None] * first])
+
+    def inverse(self) -> Array:
+        """K^-1."""
+        half = np.tril(dpotri(self.lower, lower=1)[0])
+        held = half + np.tril(half, -1).T
+        size = self.arm.size + 1
+        whole = np.empty((size, size))
+        whole[0, 0] = -1.0 / self.moment
+        whole[0, 1:] = whole[1:, 0] = self.turning / self.moment
+        whole[1:, 1:] = held - np.outer(self.turning, self.turning / self.moment)
+        return whole
+
+
+def _shifted(block: Array) -> Array | None:
+    """Cholesky factor of block + shift I, with the smallest shift that gives one."""
+    level = float(block.diagonal().mean())
+    level = level if level > 0.0 else 1.0
+    shift = SMALLEST_SHIFT
+    while shift < LARGEST_SHIFT:
+        trial = block.copy()
+        trial[np.diag_indices_from(trial)] += shift * level
+        lower, failed = dpotrf(trial.T, lower=1, overwrite_a=1, clean=0)
+        if not failed:
+            return np.asarray(lower)
+        shift *= 10.0
+    return None
 
 
 @dataclass(slots=True)
@@ -38,27 +133,27 @@ class ActiveSetPoint:
     """
 
     index: NDArray[np.intp]
-    force: NDArray[np.float64]
+    force: Array
     rotation: float
-    gap: NDArray[np.float64]
+    gap: Array
     _problem: ScaledProblem
-    _rows: NDArray[np.float64]
-    _factor: NDArray[np.float64]
-    _arm: NDArray[np.float64]
-    _unit: NDArray[np.float64]
-    _pivot: float
-    _shifted: bool
+    _rows: Array
+    _factor: TouchingFactor
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the block of the active segments is singular to rounding."""
+        return self._factor.shifted
 
     def refine(self) -> None:
         """Take one step of iterative refinement; several if the block is singular and was shifted.
 
         The residual is that of the true system, so that the shift speeds or slows the convergence but leaves no bias.
         """
-        for _ in range(8 if self._shifted else 1):
-            correction, _info = dpotrs(self._factor, -self.gap[self.index], lower=1, overwrite_b=1)
-            imbalance = self._problem.torque - float(self._arm @ (self.force + correction))
-            turn = imbalance / self._pivot
-            self.force = self.force + correction + turn * self._unit
+        for _ in range(SHIFTED_REFINEMENTS if self.shifted else 1):
+            imbalance = self._problem.torque - float(self._factor.arm @ self.force)
+            correction, turn = self._factor.balance(self.gap[self.index], imbalance)
+            self.force = self.force + correction
             self.rotation += turn
             self._update_gap()
 
@@ -84,52 +179,15 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
         None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
     """
     rows = problem.compliance[index]
-    block = rows[:, index]
-    factor, shifted = cholesky_factor(block)
+    factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
     if factor is None:
         return None
-    arm = problem.lever_arm[index]
-    sides = np.empty((2, index.size))
-    sides[0] = arm
-    sides[1] = problem.separation[index]
-    solved, _info = dpotrs(factor, sides.T, lower=1, overwrite_b=1)
-    unit = solved[:, 0]
-    pivot = float(arm @ unit)
-    if not pivot > 0.0 or pivot == np.inf:
-        return None
-    rotation = (problem.torque + float(arm @ solved[:, 1])) / pivot
-    force = rotation * unit - solved[:, 1]
-    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor, arm, unit, pivot, shifted)
+    force, rotation = factor.balance(problem.separation[index], problem.torque)
+    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor)
     point._update_gap()
-    if shifted:
+    if factor.shifted:
         point.refine()
     return point
-
-
-def cholesky_factor(block: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, bool]:
-    """Return the lower Cholesky factor of a symmetric block (a, a), and whether the block had to be shifted for it.
-
-    None for a block that has no factor even with a shift.
-    """
-    # C is symmetric: the transpose of a C-ordered copy is the same matrix in Fortran order, so LAPACK makes no copy.
-    factor, info = dpotrf(block.T, lower=1, clean=0)
-    return (factor, False) if info == 0 else (_shifted_factor(block), True)
-
-
-def _shifted_factor(block: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Cholesky factor of block + shift I, with the smallest shift that gives one."""
-    level = float(block.diagonal().mean())
-    if not level > 0.0:
-        level = 1.0
-    shift = SMALLEST_SHIFT * level
-    while shift < 1e-6 * level:
-        trial = block.copy()
-        trial[np.diag_indices_from(trial)] += shift
-        factor, info = dpotrf(trial.T, lower=1, overwrite_a=1, clean=0)
-        if info == 0:
-            return np.asarray(factor)
-        shift *= 10.0
-    return None
 
 
 def first_contact_index(problem: ScaledProblem) -> int:

@@ -21,17 +21,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs, dpotrs
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...problem.scaled_problem import ScaledProblem
-from .active_set_system import cholesky_factor
+from .active_set_system import SHIFTED_REFINEMENTS, TouchingFactor
 
 Array = NDArray[np.float64]
 
 #: Part of a segment's compliance below which its local compliance is not divided by.
 SMALLEST_LOCAL_FRACTION = 1e-4
-#: Steps of iterative refinement that are always taken, and where the block had to be shifted.
-REFINEMENTS, SHIFTED_REFINEMENTS = 2, 8
+#: Steps of iterative refinement that are always taken.
+REFINEMENTS = 2
 #: Gap of a touching segment, relative to the largest term of the gaps, beyond which a system counts as singular.
 RESIDUAL_LIMIT = 1e-12
 #: Touching segments up to which their block of C is formed first, and up to which it is formed at all.
@@ -102,13 +102,18 @@ class ModalActiveSetPoint:
     rotation: float
     gap: Array
     _modal: ModalProblem
-    _system: _BorderedSystem | _BlockSystem
+    _system: _BorderedSystem | TouchingFactor
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the block of the active segments is singular to rounding."""
+        return isinstance(self._system, TouchingFactor) and self._system.shifted
 
     def refine(self) -> None:
         """Take one step of iterative refinement."""
         problem = self._modal.problem
         left = problem.torque - float(problem.lever_arm[self.index] @ self.force)
-        correction, turn = self._system.solve(self.gap[self.index], left)
+        correction, turn = self._system.balance(self.gap[self.index], left)
         self.force = self.force + correction
         self.rotation += turn
         self._update_gap()
@@ -144,7 +149,7 @@ class _BorderedSystem:
         self._factor, self._pivots, info = dgetrf(matrix, overwrite_a=1)
         self.is_regular = info == 0
 
-    def solve(self, separation: Array, torque: float) -> tuple[Array, float]:
+    def balance(self, separation: Array, torque: float) -> tuple[Array, float]:
         """Return forces (a) and rotation for separations (a) of the active segments and a torque."""
         own = separation[self._soft]
         loads = own @ self._weighted
@@ -158,27 +163,12 @@ class _BorderedSystem:
         return force, rotation
 
 
-class _BlockSystem:
+def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFactor | None:
     """Cholesky factor of the block C_AA of the active segments, shifted where it is singular to rounding."""
-
-    def __init__(self, modal: ModalProblem, index: NDArray[np.intp]) -> None:
-        modes = modal.modes[index]
-        block = modes @ modes.T
-        block[np.diag_indices_from(block)] += modal.local[index]
-        self._factor, self.is_shifted = cholesky_factor(block)
-        self._arm = modal.problem.lever_arm[index]
-        self._unit, self._pivot = self._arm, 0.0
-        if self._factor is not None:
-            self._unit = dpotrs(self._factor, self._arm, lower=1)[0]
-            self._pivot = float(self._arm @ self._unit)
-        self.is_regular = 0.0 < self._pivot < np.inf
-
-    def solve(self, separation: Array, torque: float) -> tuple[Array, float]:
-        """Return forces (a) and rotation for separations (a) of the active segments and a torque."""
-        assert self._factor is not None  # a system without one is not regular, and not solved
-        rigid = dpotrs(self._factor, separation, lower=1)[0]
-        rotation = (torque + float(self._arm @ rigid)) / self._pivot
-        return rotation * self._unit - rigid, rotation
+    modes = modal.modes[index]
+    block = modes @ modes.T
+    block[np.diag_indices_from(block)] += modal.local[index]
+    return TouchingFactor.of(block, modal.problem.lever_arm[index], shift=True)
 
 
 def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ModalActiveSetPoint | None:
@@ -198,20 +188,21 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         if index.size > SMALL_BLOCK:
-            point = _refined(modal, index, _BorderedSystem(modal, index), REFINEMENTS)
+            bordered = _BorderedSystem(modal, index)
+            point = _refined(modal, index, bordered, REFINEMENTS) if bordered.is_regular else None
             if _is_solved(point) or index.size > LARGEST_BLOCK:
                 return point
-        block = _BlockSystem(modal, index)
-        return _refined(modal, index, block, SHIFTED_REFINEMENTS if block.is_shifted else REFINEMENTS)
+        factor = _block_factor(modal, index)
+        if factor is None:
+            return None
+        return _refined(modal, index, factor, SHIFTED_REFINEMENTS if factor.shifted else REFINEMENTS)
 
 
 def _refined(
-    modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | _BlockSystem, refinements: int
+    modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | TouchingFactor, refinements: int
 ) -> ModalActiveSetPoint | None:
-    if not system.is_regular:
-        return None
     problem = modal.problem
-    force, rotation = system.solve(problem.separation[index], problem.torque)
+    force, rotation = system.balance(problem.separation[index], problem.torque)
     point = ModalActiveSetPoint(index, force, rotation, np.empty(modal.local.size), modal, system)
     point._update_gap()
     for _ in range(refinements):

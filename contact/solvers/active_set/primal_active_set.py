@@ -1,9 +1,11 @@
-"""Primal active set: always feasible, the energy falls at every step, so it cannot cycle.
+"""Primal active set: always feasible, the energy never rises: for singular compliances, and where others cycle.
 
-The forces stay nonnegative and in equilibrium. On the loaded segments the energy is minimised; if a force would turn
-negative, the step stops there and that segment is released. At a minimum, the segment that penetrates most is loaded.
-The pattern is that of Lawson and Hanson (1974, chapter 23) for nonnegative least squares. Slower than moving many
-segments at once, and needed only where that fails.
+The forces stay nonnegative and in equilibrium. On the touching segments the energy is minimised; if a force would turn
+negative, the step stops there and that segment is released. At a minimum, the segment that penetrates most enters. The
+pattern is that of Lawson and Hanson (1974, chapter 23) for nonnegative least squares. Where the forces of the touching
+segments would not be unique with another one, loading that one changes nothing but the forces of the others, at no
+cost: it enters in place of the first whose force vanishes, as in the simplex method. The system of the touching
+segments is kept up to date from step to step (`DenseTouching`): O(n a) a step for a touching segments.
 """
 
 from __future__ import annotations
@@ -14,10 +16,15 @@ from numpy.typing import NDArray
 from ...problem.scaled_problem import ScaledProblem
 from ..scaled_answer import ScaledAnswer
 from ..solver_limits import StepBudget
-from .active_set_system import first_contact_index, solve_active_set
+from .active_set_system import TouchingFactor, first_contact_index
+from .dense_touching import DenseTouching
 
 #: A penetration below this, relative to the largest term of the gap, is rounding.
 GAP_TOLERANCE = 1e-13
+#: Steps without progress after which the first segment that penetrates enters, not the one that does most (Bland).
+STALLED_STEPS = 20
+
+Array = NDArray[np.float64]
 
 
 def primal_active_set(
@@ -27,14 +34,15 @@ def primal_active_set(
     max_iterations: int | None = None,
     budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
-    """Solve the scaled problem, with positive torque, by feasible descent.
+    """Solve the scaled problem by feasible descent.
 
     Parameters
     ----------
     problem
         The scaled problem.
     start
-        Segments loaded at the start, equally (n); only those with a positive lever arm are taken.
+        Segments loaded at the start, equally (n); only those with a positive lever arm are taken. Without a torque the
+        descent starts from no load.
     max_iterations
         Linear systems solved before giving up, 20 + 5 n by default.
     budget
@@ -43,56 +51,77 @@ def primal_active_set(
     Returns
     -------
     ScaledAnswer or None
-        None if it did not end or a system could not be solved.
+        None if it did not end, or the energy has no minimum.
     """
-    size = problem.lever_arm.size
-    force = _feasible_start(problem, start)
-    loaded = force > 0.0
-    refused = np.zeros(size, dtype=bool)
-    newest = -1
+    size, closing, torque = problem.lever_arm.size, -problem.separation, problem.torque
+    root = np.sqrt(problem.compliance.diagonal())
+    system, force = _start(problem, start)
+    refused = np.zeros(size, dtype=np.bool_)
+    newest, stalled = -1, 0
     for iteration in range(1, (20 + 5 * size if max_iterations is None else max_iterations) + 1):
         if budget is not None and not budget.step():
             return None
-        index = np.flatnonzero(loaded)
-        point = solve_active_set(problem, index)
-        if point is None:
-            return None
-        point.refine()
-        current = force[index]
-        blocking = point.force <= 0.0
-        if newest >= 0 and point.force[index == newest][0] <= 0.0:
+        wanted = system.forces(closing, torque)
+        active = system.active
+        if newest >= 0 and wanted[newest] <= 0.0 and system.leave(newest):
             # Rounding said that loading this segment would lower the energy; it does not.
-            loaded[newest] = False
-            refused[newest] = True
-            newest = -1
+            refused[newest], newest = True, -1
             continue
         newest = -1
-        if blocking.any():
-            ratios = current[blocking] / (current[blocking] - point.force[blocking])
-            step = float(ratios.min())
-            moved = current + step * (point.force - current)
-            moved[np.flatnonzero(blocking)[ratios <= step]] = 0.0
-            force[index] = np.maximum(moved, 0.0)
-            loaded = force > 0.0
+        falling = active & (wanted < 0.0)
+        if falling.any():
+            left = np.flatnonzero(falling)
+            ratio = force[left] / (force[left] - wanted[left])
+            step = float(ratio.min())
+            force += step * (wanted - force)
+            leaving = left[ratio <= step]
+            force[leaving] = 0.0
+            np.maximum(force, 0.0, out=force)
+            stalled = 0 if step > 0.0 else stalled + 1
+            gone = [system.leave(int(segment)) for segment in leaving]
+            if not any(gone):
+                return None
             continue
-        force[:] = 0.0
-        force[index] = point.force
-        gap = np.where(loaded | refused, 0.0, point.gap)
-        level = GAP_TOLERANCE * (abs(point.rotation) + float(np.abs(problem.separation[index]).max()))
-        candidate = int(gap.argmin())
-        if gap[candidate] >= -level:
-            return ScaledAnswer(force, point.rotation, iteration)
-        loaded[candidate] = True
+        force, rotation, gap = system.solve(closing[:, None], np.array([torque])).column(0)
+        # Terms of a gap: rotation, separation, and deflections that may cancel each other, |C_ij| <= (C_ii C_jj)^(1/2).
+        level = abs(rotation) + float(np.abs(problem.separation[active]).max()) + float(root.max() * (root @ force))
+        level *= GAP_TOLERANCE
+        gap[active | refused] = 0.0
+        entering = int(gap.argmin()) if stalled < STALLED_STEPS else int(np.argmax(gap < -level))
+        if gap[entering] >= -level:
+            return ScaledAnswer(force, rotation, iteration)
         refused[:] = False
-        newest = candidate
+        if system.enter(entering):
+            newest = entering
+            continue
+        # Its load replaces that of others, and costs nothing.
+        shed = system.shares(entering)
+        left = np.flatnonzero(active & (shed > 0.0))
+        if not left.size:
+            return None
+        ratio = force[left] / shed[left]
+        step = float(ratio.min())
+        leaving = int(left[ratio.argmin()])
+        force -= step * shed
+        force[entering] = step
+        force[leaving] = 0.0
+        np.maximum(force, 0.0, out=force)
+        stalled = 0 if step > 0.0 else stalled + 1
+        if not (system.leave(leaving) and system.enter(entering)):
+            return None
     return None
 
 
-def _feasible_start(problem: ScaledProblem, start: NDArray[np.bool_] | None) -> NDArray[np.float64]:
-    loaded = np.zeros(problem.lever_arm.size, dtype=bool)
-    if start is not None:
+def _start(problem: ScaledProblem, start: NDArray[np.bool_] | None) -> tuple[DenseTouching, Array]:
+    """Touching segments whose forces are unique, and equal forces of them (n); no forces without a torque."""
+    loaded = np.zeros(problem.lever_arm.size, dtype=np.bool_)
+    if start is not None and problem.torque > 0.0:
         loaded |= start & (problem.lever_arm > 0.0)
-    if not loaded.any():
+    index = np.flatnonzero(loaded)
+    block, arm = problem.compliance[np.ix_(index, index)], problem.lever_arm[index]
+    if not index.size or TouchingFactor.of(block, arm) is None:
+        loaded[:] = False  # from one, as it is not known which of them to leave out
         loaded[first_contact_index(problem)] = True
-    force = np.where(loaded, 1.0, 0.0)
-    return force * (problem.torque / float(force @ problem.lever_arm))
+    system = DenseTouching(problem.compliance, problem.lever_arm, loaded)
+    force = np.where(system.active, 1.0, 0.0)
+    return system, force * (problem.torque / float(force @ problem.lever_arm))

@@ -4,7 +4,8 @@ Assume which segments touch, solve the linear system, then move every segment wi
 where the force is negative, into it where the gap is. This is Newton's method on the complementarity conditions and
 ends, mostly after two to five solves, when no sign is wrong; the answer is then exact up to rounding. It can cycle
 where C is nearly singular. After a few steps without progress single segments move, always the last one of the wrong
-sign (Murty 1974; Kostreva 1978; Judice and Pires 1994).
+sign (Murty 1974; Kostreva 1978; Judice and Pires 1994). Where C is singular on the set, progress must go on: the primal
+active set does better.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ class SolvedSet(Protocol):
     force: NDArray[np.float64]
     rotation: float
     gap: NDArray[np.float64]
+    shifted: bool
 
     def refine(self) -> None:
         """Take one step of iterative refinement."""
@@ -90,6 +92,8 @@ def primal_dual_active_set(
                 return answer_of(point, active.size, iteration)
         if wrong.size < fewest:
             fewest, patience = wrong.size, MAX_STALLED_STEPS
+        elif point.shifted:
+            return None
         elif patience > 0:
             patience -= 1
         else:

@@ -143,9 +143,10 @@ def certificate(
     scale, cancellation = 0.0, 1.0
     if total > 0.0:
         mean, uncancelled = strain / total, rooted * rooted / total
-        if max(mean, uncancelled) > 0.0:
+        if max(mean, rooted) > 0.0:  # the square of small roots may be none
             uncancelled = max(max(uncancelled, preload / total), abs(elastic) * size_of_moment / total)
-            scale, cancellation = max(mean, CANCELLATION_FLOOR * uncancelled), max(uncancelled / mean, 1.0)
+            scale = max(mean, CANCELLATION_FLOOR * uncancelled)
+            cancellation = max(uncancelled / mean, 1.0) if mean > 0.0 else INFINITY
     if not scale > 0.0:
         scale = far if far > 0.0 else 1.0
     penetration, shared = 0.0, 0.0

@@ -21,11 +21,11 @@ from ....core.checks import array, frozen_arrays
 from ....core.errors import InputError
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
+from ..active_set.touching_system import TouchingSystem
 from .data_direction import bending_change, given
 from .problem_gradient import ProblemGradient
 from .solution_change import Differentiability, SolutionChange
 from .touching_form import touching_system
-from .touching_system import TouchingSystem
 from .weak_segments import system_in_direction
 
 Array = NDArray[np.float64]

@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
+from ..active_set.active_set_system import TouchingFactor
+from ..active_set.dense_touching import DenseTouching
+from ..active_set.touching_system import TouchingSystem
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
-from .dense_touching import DenseTouching, TouchingFactor
 from .modal_touching import ModalTouching
-from .touching_system import TouchingSystem
 
 Array = NDArray[np.float64]
 

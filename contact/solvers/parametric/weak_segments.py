@@ -20,9 +20,9 @@ from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
 from ...problem.forms.complementarity_form import lcp
 from ...problem.forms.complementary_pivoting import lemke
-from .dense_touching import DEPENDENCE_TOLERANCE
+from ..active_set.active_set_system import DEPENDENCE_TOLERANCE
+from ..active_set.touching_system import TouchingSystem
 from .touching_form import part_of, touching_system
-from .touching_system import TouchingSystem
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

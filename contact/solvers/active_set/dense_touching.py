@@ -10,19 +10,14 @@ inverse is made anew. C_AA itself may be singular.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpocon, dpotrf, dpotri, dpotrs
 
+from .active_set_system import DEPENDENCE_TOLERANCE, TouchingFactor
 from .touching_system import TouchingAnswer
 
 Array = NDArray[np.float64]
 
-#: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
-#: the forces are taken for not unique.
-DEPENDENCE_TOLERANCE = 1e-11
 #: Updates after which the inverse is made anew.
 MAX_UPDATES = 100
 
@@ -74,39 +69,59 @@ class DenseTouching:
             return False
         size = solved.size
         inverse = np.empty((size + 1, size + 1))
-        inverse[:size, :size] = self._inverse + np.outer(solved, solved / pivot)
+        part = np.multiply.outer(solved, solved / pivot, out=inverse[:size, :size])
+        part += self._inverse
         inverse[size, :size] = inverse[:size, size] = -solved / pivot
         inverse[size, size] = 1.0 / pivot
         self._changed(np.append(self._index, segment), inverse)
         return True
+
+    def shares(self, segment: int) -> Array:
+        """Return the forces of the touching segments that a unit force of another one replaces (n)."""
+        solved = self._inverse @ np.append(self._arm[segment], self._compliance[self._index, segment])
+        result = np.zeros(self._arm.size)
+        result[self._index] = solved[1:]
+        return result
 
     def leave(self, segment: int) -> bool:
         """See `TouchingSystem`."""
         place = int(np.flatnonzero(self._index == segment)[0])
         column = self._inverse[:, place + 1]
         pivot = float(column[place + 1])
-        rest = np.delete(self._index, place)
+        rest = self._index[:-1].copy()
+        if place < rest.size:
+            rest[place] = self._index[-1]
         if not rest.size or not pivot > 0.0 or not self._arm[rest].any():
             return False
-        inverse = self._inverse - np.outer(column, column / pivot)
-        kept = np.delete(np.arange(column.size), place + 1)
-        self._changed(rest, inverse[np.ix_(kept, kept)])
+        inverse = np.multiply.outer(column, column / -pivot)
+        inverse += self._inverse
+        inverse[place + 1], inverse[:, place + 1] = inverse[-1], inverse[:, -1]  # the last takes its place
+        self._changed(rest, inverse[:-1, :-1])
         return True
+
+    def forces(self, closing: Array, torque: float) -> Array:
+        """Return the forces of one right-hand side (n), without the gaps and not refined."""
+        result = np.zeros(closing.size)
+        result[self._index] = self._apply(np.append(torque, closing[self._index])[:, None])[1:, 0]
+        return result
 
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
         """See `TouchingSystem`."""
         index, arm = self._index, self._arm[self._index]
-        rows = self._compliance[index]
         found = self._apply(np.vstack([torque, closing[index]]))
-        own, rotation = found[1:], -found[0]
+        force, rotation = np.zeros(closing.shape), -found[0]
+        force[index] = found[1:]
+        gap = self._gap(force, rotation, closing)
         if self._factor is None:
-            left = closing[index] + arm[:, None] * rotation - rows[:, index] @ own
-            found = self._apply(np.vstack([torque - arm @ own, left]))
-            own, rotation = own + found[1:], rotation - found[0]
-        gap = rows.T @ own - self._arm[:, None] * rotation - closing
-        force = np.zeros(gap.shape)
-        force[index], gap[index] = own, 0.0
+            found = self._apply(np.vstack([torque - arm @ force[index], -gap[index]]))
+            force[index] += found[1:]
+            rotation = rotation - found[0]
+            gap = self._gap(force, rotation, closing)
+        gap[index] = 0.0
         return TouchingAnswer(force, rotation, gap)
+
+    def _gap(self, force: Array, rotation: Array, closing: Array) -> Array:
+        return np.asarray(self._compliance @ force - self._arm[:, None] * rotation - closing)
 
     def yielding(self) -> Array:
         """See `TouchingSystem`; C_AA must not be singular."""
@@ -152,64 +167,6 @@ class DenseTouching:
             self._known = inverse
         self._index, self._factor, self._updates = index, factor, 0
         return True
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class TouchingFactor:
-    """Cholesky factor of the compliance among the touching segments.
-
-    Attributes
-    ----------
-    lower
-        L with L L' = C_AA (a, a).
-    arm
-        r_A (a).
-    turning
-        u = C_AA^-1 r_A (a).
-    moment
-        r_A'u: the torque that turns the gear by one radian, the touching segments being held [N mm/rad].
-    """
-
-    lower: Array
-    arm: Array
-    turning: Array
-    moment: float
-
-    @classmethod
-    def of(cls, block: Array, arm: Array) -> TouchingFactor | None:
-        """Factorise; None if the block is singular to rounding."""
-        # The block is symmetric: its transpose is the same matrix in the order LAPACK wants.
-        lower, failed = dpotrf(block.T, lower=1, clean=0)
-        if failed:
-            return None
-        # The trace bounds the largest eigenvalue, and costs less than a norm.
-        reciprocal_condition, _ = dpocon(lower, float(block.trace()), uplo="L")
-        if not reciprocal_condition > DEPENDENCE_TOLERANCE:
-            return None
-        turning = dpotrs(lower, arm, lower=1)[0]
-        moment = float(arm @ turning)
-        return cls(lower, arm, turning, moment) if moment > 0.0 else None
-
-    def solve(self, sides: Array) -> Array:
-        """C_AA^-1 times right-hand sides (a, q)."""
-        return np.asarray(dpotrs(self.lower, sides, lower=1)[0])
-
-    def apply(self, sides: Array) -> Array:
-        """K^-1 times right-hand sides (1 + a, q)."""
-        held = self.solve(sides[1:])
-        first = (self.arm @ held - sides[0]) / self.moment
-        return np.vstack([first, held - self.turning[:, None] * first])
-
-    def inverse(self) -> Array:
-        """K^-1."""
-        half = np.tril(dpotri(self.lower, lower=1)[0])
-        held = half + np.tril(half, -1).T
-        size = self.arm.size + 1
-        whole = np.empty((size, size))
-        whole[0, 0] = -1.0 / self.moment
-        whole[0, 1:] = whole[1:, 0] = self.turning / self.moment
-        whole[1:, 1:] = held - np.outer(self.turning, self.turning / self.moment)
-        return whole
 
 
 def _inverse_of_border(block: Array, arm: Array) -> Array | None:
