@@ -44,12 +44,13 @@ def complex_steps(
         blocks = [complex_steps(function, parameters[:, i : i + COLUMNS_PER_BLOCK], count) for i in starts]
         values, slopes = zip(*blocks, strict=True)
         return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-1)
-    stepped = np.tile(parameters.astype(complex), count)
+    stepped = np.empty((parameters.shape[0], count, n), dtype=complex)
+    stepped[...] = parameters[:, None]
     for index in range(count):
-        stepped[index, index * n : (index + 1) * n] += 1j * COMPLEX_STEP
-    result = function(stepped)
-    derivatives = np.stack(np.split(result.imag / COMPLEX_STEP, count, axis=-1))
-    return result[..., :n].real, derivatives
+        stepped.imag[index, index] += COMPLEX_STEP
+    result = function(stepped.reshape(-1, count * n))
+    slopes = (result.imag / COMPLEX_STEP).reshape(*result.shape[:-1], count, n)
+    return result[..., :n].real, np.moveaxis(slopes, -2, 0)
 
 
 def determinant(first: Pair, second: Pair) -> Array:
@@ -153,13 +154,14 @@ def solve_by(
     count = parameters.shape[1]
     jacobian = np.full((2, 2, count), np.nan)
     converged = np.zeros(count, dtype=bool)
-    active = np.arange(count)
+    numbers = np.arange(count)
+    active: Any = slice(None)  # of all columns, and then their numbers
     size = tolerance * max(1.0, float(np.max(np.abs(target), initial=0.0)))
     limit = np.asarray(max_step)[:, None]
     with np.errstate(all="ignore"):
         for _ in range(iterations):
             here = parameters[:, active]
-            value, (first, second) = derivatives(here, active)
+            value, (first, second) = derivatives(here, numbers)
             residual = target[:, active] - value
             step = cramers_rule(first, second, residual)
             usable = np.all(np.isfinite(step), axis=0)
@@ -169,8 +171,10 @@ def solve_by(
             parameters[:, active] += step
             # The residual was measured before the step; a converged node has taken one more step than it needed.
             done = usable & (np.max(np.abs(residual), axis=0) < size)
-            converged[active[done]] = True
-            active = active[usable & ~done]
-            if active.size == 0:
+            converged[numbers[done]] = True
+            left = usable & ~done
+            if not left.all():
+                active = numbers = numbers[left]
+            if numbers.size == 0:
                 break
     return NewtonResult(parameters, jacobian, converged)

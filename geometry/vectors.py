@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar product of (3, ...) and (3, ...)."""
@@ -17,10 +19,7 @@ def dot(a: Array, b: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """Vector product of (3, ...) and (3, ...)."""
-    first = np.asarray(a[1] * b[2] - a[2] * b[1])
-    result = np.empty((3, *first.shape), dtype=first.dtype)
-    result[0], result[1], result[2] = first, a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    return result
+    return np.asarray(a.take(_NEXT, 0) * b.take(_LAST, 0) - a.take(_LAST, 0) * b.take(_NEXT, 0))
 
 
 def column(vector: Array, like: Array) -> Array:
@@ -52,7 +51,8 @@ def turn_z(cosine: Array, sine: Array, vector: Array | tuple[Array, Array, Array
     x, y, z = vector
     first = np.asarray(cosine * x - sine * y)
     result = np.empty((3, *first.shape), dtype=np.result_type(first, z))
-    result[0], result[1], result[2] = first, sine * x + cosine * y, z
+    result[0], result[2] = first, z
+    np.add(sine * x, cosine * y, out=result[1])
     return result
 
 

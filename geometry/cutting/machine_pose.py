@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays
 from ..vectors import cos_sin, cross, turn_z
 from .machine import MOVING_SETTINGS, IncrementSense, MachineSettings, work_rotation
 
 Array = NDArray[Any]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MachinePose:
     """The machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).
+
+    One is made in every step of an iteration, and none is handed on: its arrays are not locked.
 
     Parameters
     ----------
@@ -107,8 +107,7 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
     >>> from easeoff.cases import gear_pair, read_case
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> surface = pair.gear.loaded
-    >>> pose = machine_pose(surface.settings, np.zeros(1), surface.sense)
-    >>> pose.origin.shape
+    >>> machine_pose(surface.settings, np.zeros(1), surface.sense).origin.shape
     (3, 1)
     """
     # Without motions one column stands for all n rotations.
