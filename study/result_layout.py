@@ -410,6 +410,9 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
             yield from (
                 f"{name}: {one!r} must hold finite numbers" for one in FINITE.get(name, ()) if _share(own, one) < 1.0
             )
+    for name, other in (("front", "optimal_settings"), ("optimization", "modification")):
+        if name in tree.children and other not in tree.children:
+            yield f"{name}: no group {other} beside it"
     if "front" in tree.children:
         yield from (f"front: {fault}" for fault in _front_faults(tree))
     if "root_stress" in tree.children:
@@ -428,10 +431,7 @@ def _front_faults(tree: xr.DataTree) -> Iterator[str]:
     chosen = front.attrs.get("chosen_point")
     if isinstance(chosen, int | float | np.number) and chosen not in range(front.sizes.get("point", 0)):
         yield f"chosen_point = {chosen}: must be the number of a point"
-    if "optimal_settings" not in tree.children:
-        yield "no group optimal_settings beside it"
-        return
-    search = tree["optimal_settings"].to_dataset()
+    search = tree["optimal_settings"].to_dataset() if "optimal_settings" in tree.children else xr.Dataset()
     for name in ("setting", "objective", "quantity_limit"):
         if name in front and name in search and front[name].values.tolist() != search[name].values.tolist():
             yield f"{name!r} must be as in optimal_settings"

@@ -644,6 +644,7 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("front", "/front without front_found", "'front_found' over point, setting"),
         ("front", "/front without @ chosen_point", "no number in the attribute 'chosen_point'"),
         ("modify", "/optimization without stage", "'stage' must be before, after"),
+        ("modify", "/modification without", "no group modification beside it"),
         ("modify", "/modification empty modification", "'modification' must hold finite numbers"),
         ("load_cases", "/ of another kind @ edge_contact", "'edge_contact'"),
         ("load_cases", "/duty without duty_efficiency", "'duty_efficiency'"),
