@@ -73,7 +73,28 @@ GROUPS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
         ("torque", "member"): ("max_root_stress",),
         ("lengthwise",): ("lengthwise",),
     },
+    "optimal_settings": {("setting",): ("setting_start", "setting_value"), ("objective",): ("objective_start",)},
+    "front": {
+        ("point", "objective"): ("front_ratio", "front_value"),
+        ("point", "quantity_limit"): ("front_limited", "front_limit_multiplier"),
+        ("point", "setting"): ("front_setting", "front_found", "front_low_multiplier", "front_high_multiplier"),
+        ("point",): (
+            *("front_multiplier", "front_ceiling", "front_violation", "front_converged", "front_analyses"),
+            *("front_rounding_change", "front_rounding_loss"),
+        ),
+    },
 }
+#: Texts of those groups by their dimensions, and variables that must be finite.
+GROUP_TEXTS: dict[str, dict[str, str]] = {
+    "optimal_settings": {name: name for name in ("setting", "objective", "quantity_limit")},
+    "front": {**{name: name for name in ("setting", "objective", "quantity_limit")}, "objective_units": "objective"},
+}
+FINITE: dict[str, tuple[str, ...]] = {
+    "optimal_settings": ("setting_start", "setting_value", "objective_start"),
+    "front": ("front_ratio", "front_value", "front_setting", "front_found", "front_violation"),
+}
+#: Dimensions along which there may be nothing: of a search without limits, or that was gone on from and ended at once.
+PERHAPS_EMPTY = ("quantity_limit", "programme")
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
 OF_EACH_GROUP = {"pair"}
 #: Those of the group ``misalignment``, which older results lack.
@@ -379,10 +400,21 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
         if name in tree.children:
             own = tree[name].to_dataset()
             yield from (f"{name}: {fault}" for fault in variable_faults(own, layout))
-            few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else 1)]
+            few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else one not in PERHAPS_EMPTY)]
             yield from (f"{name}: {own.sizes[one]} values along {one}" for one in few)
             if name == "modification" and _share(own, name) < KNOWN_SHARE:
                 yield f"{name}: {name!r} must hold finite numbers"
+            for text, dimension in GROUP_TEXTS.get(name, {}).items():
+                if not _is_text(own, text) or own[text].dims != (dimension,):
+                    yield f"{name}: no text {text!r} over {dimension}"
+            yield from (
+                f"{name}: {one!r} must hold finite numbers" for one in FINITE.get(name, ()) if _share(own, one) < 1.0
+            )
+    for name, other in (("front", "optimal_settings"), ("optimization", "modification")):
+        if name in tree.children and other not in tree.children:
+            yield f"{name}: no group {other} beside it"
+    if "front" in tree.children:
+        yield from (f"front: {fault}" for fault in _front_faults(tree))
     if "root_stress" in tree.children:
         for dimension in LOADED:
             sizes = [tree[group].to_dataset().sizes.get(dimension) for group in ("loaded", "root_stress")]
@@ -390,6 +422,19 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
                 yield f"root_stress: {sizes[1]} values along {dimension}"
     if "optimization" in tree.children:
         yield from (f"optimization: {fault}" for fault in _counted_faults(tree["optimization"].to_dataset()))
+
+
+def _front_faults(tree: xr.DataTree) -> Iterator[str]:
+    """Faults of a front beside those of its variables: its own chosen point, and the names of its search."""
+    front = tree["front"].to_dataset()
+    yield from attribute_faults(front.attrs, {"chosen_point": "number"}, needed=True)
+    chosen = front.attrs.get("chosen_point")
+    if isinstance(chosen, int | float | np.number) and chosen not in range(front.sizes.get("point", 0)):
+        yield f"chosen_point = {chosen}: must be the number of a point"
+    search = tree["optimal_settings"].to_dataset() if "optimal_settings" in tree.children else xr.Dataset()
+    for name in ("setting", "objective", "quantity_limit"):
+        if name in front and name in search and front[name].values.tolist() != search[name].values.tolist():
+            yield f"{name!r} must be as in optimal_settings"
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:

@@ -21,7 +21,6 @@ import pytest
 import xarray as xr
 from click.testing import Result
 from lacking import Damage, damaged, damages
-from matplotlib.figure import Figure
 from netCDF4 import Dataset
 from runs import SHELLS, analysed, call, in_copies, output_of, refusal_of, small_text, text_file
 from sweeps import CASE as SWEPT
@@ -45,10 +44,16 @@ from easeoff.friction import lubricant
 from easeoff.friction.ehl.study import parameter_study
 from easeoff.friction.ehl.study.friction_formula import read_formula
 from easeoff.friction.ehl.study.study_case import NUMBERS
-from easeoff.geometry.formats import read_measured_grid
+from easeoff.geometry import Deviation, Member
+from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
+from easeoff.geometry.tooth.tooth_flanks import side
 from easeoff.study.compare import comparison
+from easeoff.study.compare.comparison_table import write_table
 from easeoff.study.compare.measurement.attempt import Attempt
+from easeoff.study.deviations import case_correction
 from easeoff.study.deviations.deviation_source import flank_deviations
+from easeoff.study.library import entries
+from easeoff.study.library.library_files import write_part
 from easeoff.study.sweep import sweep
 
 ESCAPE = "\x1b[2J\x9b2J\u202e"
@@ -66,15 +71,16 @@ def refused(*arguments: object) -> str:
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a small result, a file of wear and one of contact problems."""
+    """A folder with cases, a small result, a file of wear and one of contact problems."""
     folder = tmp_path_factory.mktemp("files")
-    (folder / "case.toml").write_text(small_text(more=SHELLS), encoding="utf-8")
-    for command, name, *words in (
-        ["run", "result.nc", "--torque", "50", "--speed", "500"],
-        ["wear", "wear.nc", "--torque", "50", "--revolutions", "1e4"],
-        ["problems", "problems.nc", "--torque", "50"],
-    ):
-        output_of(command, folder / "case.toml", "-o", folder / name, *words)
+    text_file(folder / "case.toml", small_text(more=SHELLS))
+    text_file(
+        folder / "fe.toml", small_text(more='\n[compliance]\nmodel = "fe"\nfineness = 0.25\nneighbours = false\n')
+    )
+    text_file(folder / "cases.csv", "name,torque,flank,share,speed\na,50,drive,0.6,500\nb,80,coast,0.4,700\n")
+    with contextlib.chdir(folder):
+        for kind in ("result", "wear", "problems"):
+            output_of(*MADE[kind].split())
     return folder
 
 
@@ -431,78 +437,156 @@ def test_problems_of_both_forms_that_lack_a_diagonal_are_refused(tmp_path: Path)
 # Whatever lacks something is refused by all readers or read by all
 
 
-#: Commands that read a file of a kind, with the words after its name.
-SHOWN: list[list[object]] = [["show"], ["cite"], ["plot", "-o", "p"]]
-REPORTED: list[list[object]] = [*SHOWN, ["report", "-o", "r.html"]]
-EXPORTED: list[list[object]] = [*REPORTED, ["export", "-o", "x.vtu", "--nodes", "5x5"]]
-READERS: dict[str, list[list[object]]] = {
+#: Commands that read a file of a kind: ``x.nc``, or what they keep beside their output.
+SHOWN = ["show x.nc", "cite x.nc", "plot x.nc p"]
+REPORTED = [*SHOWN, "report x.nc -o r.html"]
+EXPORTED = [*REPORTED, "export x.nc -o x.vtu --nodes 5x5"]
+DEVIATED = ["problems case.toml -o o.nc --torque 50 --deviation gear=x.nc", "correct case.toml --deviation gear=x.nc"]
+COMPARED = "compare {} -o c --solvers native --repetitions 1"
+PROBLEMS = [
+    "show x.nc",
+    *(f"convert x.nc -o {form} --format {form}" for form in ("npz", "qps")),
+    COMPARED.format("x.nc"),
+]
+FRONT = (
+    "optimize fe.toml -o o.nc --torque 50 --form pareto --minimize max_pressure --minimize peak_to_peak "
+    "--limit ease_off_change<=50 --free pinion.concave.machine.radial_distance --steps 1 --points 2"
+)
+READERS: dict[str, list[str]] = {
     **dict.fromkeys(("result", "supported", "film", "fe", "deviated", "modify"), EXPORTED),
     **dict.fromkeys(("wear", "vh", "load_cases"), REPORTED),
+    **dict.fromkeys(("worn", "measured"), DEVIATED),
+    "front": ["show x.nc", "plot x.nc p", f"{FRONT} --resume x.nc"],
     "sweep": SHOWN,
-    "problems": [["show"], ["convert", "-o", "npz", "--format", "npz"], ["convert", "-o", "qps", "--format", "qps"]],
+    **dict.fromkeys(("problems", "library"), PROBLEMS),
+    "comparison": [COMPARED.format("problems.nc")],
 }
-#: How to make them, with a case of shells but for the finite elements.
-MADE: dict[str, list[object]] = {
-    "supported": ["run", "--torque", "50", "--supports", "gearbox-nasa-12x36"],
-    "film": ["run", "--torque", "50", "--speed", "500", "--film-heating", "gupta_cheng", "--friction-feedback"],
-    "fe": ["run", "--torque", "50"],
-    "deviated": ["run", "--torque", "50", "--deviation", "gear={folder}/wear.nc"],
-    "modify": ["modify", "--torque", "50", "--order", "2"],
-    "vh": ["vh", "--grid", "2x2"],
-    "sweep": ["sweep", "--over", "E=-0.1:0.1:3", "--torque", "50,80"],
-    "load_cases": ["run", "--load-cases", "{folder}/cases.csv"],
+#: How to make them, with a case of shells but for the finite elements and searches.
+MADE: dict[str, str] = {
+    "result": "run case.toml -o result.nc --torque 50 --speed 500",
+    "wear": "wear case.toml -o wear.nc --torque 50 --revolutions 1e4",
+    "problems": "problems case.toml -o problems.nc --torque 50",
+    "supported": "run case.toml -o supported.nc --torque 50 --supports gearbox-nasa-12x36",
+    "film": "run case.toml -o film.nc --torque 50 --speed 500 --film-heating gupta_cheng --friction-feedback",
+    "fe": "run fe.toml -o fe.nc --torque 50",
+    "deviated": "run case.toml -o deviated.nc --torque 50 --deviation gear=wear.nc",
+    "modify": "modify case.toml -o modify.nc --torque 50 --order 2",
+    "vh": "vh case.toml -o vh.nc --grid 2x2",
+    "sweep": "sweep case.toml -o sweep.nc --over E=-0.1:0.1:3 --torque 50,80",
+    "load_cases": "run case.toml -o load_cases.nc --load-cases cases.csv",
+    "front": FRONT.replace("o.nc", "front.nc"),
 }
-#: Every which damage of results is tried, and again on the other forms what the first one has too. Primes: of every
-#: variable another kind is among them.
+#: Of these every damage is tried.
+EVERY_DAMAGE = ("wear", "vh", "sweep", "problems", "library")
+#: Every which damage of the others is tried, and of what the first of the results has too. Primes: of every variable
+#: another kind is among them.
 STEP, STEP_AGAIN = 11, 43
 
 
 @pytest.fixture
-def read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Result]]:
-    """Function that lets commands read a tree in place of a file, and returns what they say."""
+def read_again(tmp_path: Path, files: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Result]]:
+    """Function that lets commands read a tree in place of a file, and returns what they say.
+
+    Fitted settings, measurements of solvers and their report are those of the first file: what is read is tried.
+    """
+    for name in ("case.toml", "fe.toml", "problems.nc"):
+        shutil.copy(files / name, tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(Figure, "savefig", lambda _figure, path, **_: Path(path).touch())
+    text_file(tmp_path / "x.nc", "")
     held: list[xr.DataTree] = []
     from_file: Any = netcdf_file._read
 
-    def content(path: object, opened: object, **keywords: bool) -> Any:
-        if str(path) != "x.nc":
+    def content(path: str | Path, opened: object, **keywords: bool) -> Any:
+        if Path(path).name not in ("x.nc", "results.nc"):
             found: xr.DataTree | xr.Dataset = from_file(path, opened, **keywords)
             return found
         tree = held[-1]
         return tree.copy() if opened is xr.open_datatree else tree.to_dataset()
 
-    monkeypatch.setattr(netcdf_file, "_read", content)
+    fitted: dict[str, Any] = {}
+    fit, write = case_correction.corrective_settings, easeoff.study.compare.write_comparison
 
-    def read(tree: xr.DataTree, readers: list[list[object]]) -> list[Result]:
+    def corrective_settings(member: Member, deviation: Deviation, **options: Any) -> Any:
+        if (flank := side(member.loaded)) not in fitted:
+            fitted[flank] = fit(member, deviation, **options)
+        return fitted[flank]
+
+    def write_comparison(table: xr.Dataset, folder: Path) -> list[Path]:
+        return [] if (folder / "results.nc").exists() else write(table, folder)
+
+    monkeypatch.setattr(netcdf_file, "_read", content)
+    monkeypatch.setattr(case_correction, "corrective_settings", corrective_settings)
+    monkeypatch.setattr(easeoff.study.compare, "write_comparison", write_comparison)
+    give_measurements(monkeypatch)
+
+    def read(tree: xr.DataTree, readers: list[str]) -> list[Result]:
         held[:] = [tree]
-        return [call(words[0], "x.nc", *words[1:]) for words in readers]
+        return [call(*words.split()) for words in readers]
 
     return read
 
 
+def give_measurements(patch: pytest.MonkeyPatch) -> None:
+    """Let comparisons have measurements of solvers that were not made, but given."""
+    measured = [replace(Attempt("solved", run_time=0.125, call_time=0.25), elastic_rotation=1e-3)]
+    patch.setattr(comparison, "measure", lambda *_: measured)
+    patch.setattr(comparison, "launched", lambda *_: set())
+
+
 def fallen(answers: list[Result]) -> list[str]:
-    """Those that are neither done nor refused in one message that names the file."""
+    """Those that are neither done nor refused in one message that names the file, or the option that it goes with."""
     return [
         f"{one.output} {one.exception!r}"
         for one in answers
         if one.exit_code
-        and not (one.exit_code == 2 and one.output.count("Error:") == 1 and "x.nc" in one.output.split("Error:")[1])
+        and not (
+            one.exit_code == 2
+            and one.output.count("Error:") == 1
+            and re.search(r"x\.nc|^ resume: ", one.output.split("Error:")[1])
+        )
     ]
+
+
+def write_small_library(path: Path) -> None:
+    """Problems of the library, of both forms."""
+    names = ("nasa-12x36-drive-heavy", "nasa-12x36-dense")
+    write_part([entry for entry in entries() if entry.name in names], path)
+
+
+def write_small_grid(path: Path) -> None:
+    """A measured grid of a gear."""
+    points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    write_measured_grid(measured_grid(points, np.linspace(1.0, 8.0, 15).reshape(3, 5)), path)
+
+
+def write_small_comparison(path: Path) -> None:
+    """The table of a comparison."""
+    with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
+        give_measurements(patch)
+        table = comparison.compare([path.parent / "problems.nc"], folder, solvers=["native"], repetitions=1)
+        shutil.copy(write_table(table, Path(folder))[0], path)
+
+
+#: What no command writes in a second.
+WRITTEN: dict[str, Callable[[Path], None]] = {
+    "library": write_small_library,
+    "measured": write_small_grid,
+    "comparison": write_small_comparison,
+}
 
 
 @pytest.fixture(scope="module")
 def whole(files: Path) -> Callable[[str], xr.DataTree]:
     """Function that gives a file of a kind, in memory."""
-    text_file(files / "cases.csv", "name,torque,flank,share,speed\na,50,drive,0.6,500\nb,80,coast,0.4,700\n")
-    text_file(files / "fe.toml", small_text(more='\n[compliance]\nmodel = "fe"\nfineness = 0.25\nneighbours = false\n'))
 
     @cache
     def made(kind: str) -> xr.DataTree:
-        path = files / f"{kind}.nc"
-        if not path.exists():
-            command, *words = (str(word).format(folder=files) for word in MADE[kind])
-            output_of(command, files / ("fe.toml" if kind == "fe" else "case.toml"), "-o", path, *words)
+        path = files / f"{'wear' if kind == 'worn' else kind}.nc"
+        with contextlib.chdir(files):
+            if kind in WRITTEN:
+                WRITTEN[kind](path)
+            elif not path.exists():
+                output_of(*MADE[kind].split())
         with xr.open_datatree(path, engine="netcdf4") as tree:
             return tree.load()
 
@@ -516,14 +600,13 @@ def test_what_a_file_lacks_no_command_falls_over(
 ) -> None:
     """Each damage alone is read by one command; what it takes, by all commands with all of the kind at once."""
     tree, readers = whole(kind), READERS[kind]
-    assert [one.exit_code for one in read_again(tree, readers)] == [0] * len(readers)
+    assert not [one.output for one in read_again(tree, readers) if one.exit_code]
     taken: dict[str, list[Damage]] = {}
     wrong: list[tuple[str, list[str]]] = []
     known = set() if kind == "result" else {str(one) for one in damages(whole("result"))}
-    of_result = not {"loaded", "load_cases"}.isdisjoint(tree.children)
     for number, one in enumerate(damages(tree)):
         again = re.sub(r"^/results/\w+", "", str(one)) in known
-        if of_result and number % (STEP_AGAIN if again else STEP):
+        if kind not in EVERY_DAMAGE and number % (STEP_AGAIN if again else STEP):
             continue
         shown = read_again(damaged(tree, [one]), readers[:1])
         wrong += [(str(one), found) for found in [fallen(shown)] if found]
@@ -550,11 +633,18 @@ def test_what_a_file_lacks_no_command_falls_over(
         ("problems", "/ text in reference_force", "reference_force: must hold numbers"),
         ("problems", "/ one value of reference_force", "reference_force: must hold numbers"),
         ("problems", "/ text in pinion_torque", "label pinion_torque"),
+        ("worn", "/ other units of position", "no numbers 'position' [mm] over"),
+        ("worn", "/ other dimensions of member", "no members 'pinion' and 'gear'"),
+        ("measured", "/ other units of deviation", "units of 'deviation' = 'furlong': must be um"),
+        ("measured", "/ without normal", "no numbers 'normal'"),
         ("wear", "/ without @ gear_teeth", "'gear_teeth'"),
         ("wear", "/ empty @ edge_contact", "'edge_contact'"),
         ("wear", "/ other dimensions of member", "'member' must"),
         ("wear", "/ empty @ misalignment_shaft_angle_rad", "'misalignment_shaft_angle_rad'"),
+        ("front", "/front without front_found", "'front_found' over point, setting"),
+        ("front", "/front without @ chosen_point", "no number in the attribute 'chosen_point'"),
         ("modify", "/optimization without stage", "'stage' must be before, after"),
+        ("modify", "/modification without", "no group modification beside it"),
         ("modify", "/modification empty modification", "'modification' must hold finite numbers"),
         ("load_cases", "/ of another kind @ edge_contact", "'edge_contact'"),
         ("load_cases", "/duty without duty_efficiency", "'duty_efficiency'"),
@@ -586,7 +676,7 @@ def test_what_commands_fell_over_is_refused(
 ) -> None:
     tree = whole(kind)
     (damage,) = (one for one in damages(tree) if str(one) == what)
-    for answer in read_again(damaged(tree, [damage]), [one for one in READERS[kind] if one != ["cite"]]):
+    for answer in read_again(damaged(tree, [damage]), [one for one in READERS[kind] if not one.startswith("cite")]):
         assert answer.exit_code == 2
         assert words in answer.output
         assert "x.nc" in answer.output
@@ -789,11 +879,9 @@ def swept(folder: Path) -> object:
 
 def compared(folder: Path) -> object:
     """Measurements of a solver that were not made, but given."""
-    measured = [replace(Attempt("solved", run_time=0.125, call_time=0.25), elastic_rotation=1e-3)]
     problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
     with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as other:
-        patch.setattr(comparison, "measure", lambda *_: measured)
-        patch.setattr(comparison, "launched", lambda *_: set())
+        give_measurements(patch)
         write_problems([problem], f"{other}/p.nc")
         table = comparison.compare([f"{other}/p.nc"], folder, solvers=["native"], repetitions=1)
     return [table[name].values for name in ("run_time", "call_time", "claim", "rotation_error")]

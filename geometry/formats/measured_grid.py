@@ -174,6 +174,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     _require_deviation(grid, source)
     unit = str(grid.attrs.get("deviation_unit", "um"))
     one_of(f"{source}: deviation_unit", unit, ("um", "mm"))
+    cmm.require_units(grid, "deviation", unit, source)
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
     grid = labelled(grid.assign_attrs(deviation_unit="um"))
     _check_size(grid, str(source))
@@ -246,6 +247,7 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
     measured = grid["measured_position"]
     if set(measured.dims) != set(grid["position"].dims) or measured.dtype.kind not in "fiu":
         raise InputError(f"{source} is incomplete: no numbers 'measured_position' over the points")
+    cmm.require_units(grid, "measured_position", "mm", source)
     way = (grid["measured_position"] - grid["position"]).transpose("flank", "row", "column", "xyz").values
     normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
     with np.errstate(over="ignore", invalid="ignore"):  # a slip in a number: it is refused here or by _check_size

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
+from ...core.attributes import labelled, units_of
 from ...core.checks import file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
 from ...core.reading.netcdf_file import read_dataset
@@ -316,6 +316,7 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
     for name in ("position", "normal"):
         if name not in dataset or dataset[name].dims != dimensions or dataset[name].dtype.kind != "f":
             raise InputError(f"{source} is incomplete: no numbers {name!r} over ({', '.join(dimensions)})")
+        require_units(dataset, name, str(units_of(name)), source)
         missing = [dimension for dimension in dimensions if dimension not in dataset.coords]
         if missing or dataset.sizes["xyz"] != 3:
             raise InputError(
@@ -338,3 +339,10 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
         raise InputError(f"{source}: flank = {shown(flanks)}: must be names that differ")
     if np.max(np.abs(np.linalg.norm(dataset["normal"].values, axis=-1) - 1.0)) > 1e-6:
         raise InputError(f"{source}: 'normal' holds vectors that are not of length 1")
+
+
+def require_units(dataset: xr.Dataset, name: str, units: str, source: Path | str) -> None:
+    """Refuse a variable that says of itself to have other units."""
+    found = dataset[name].attrs.get("units", units)
+    if str(found) != units:
+        raise InputError(f"{source}: units of {name!r} = {shown(found)}: must be {units}")

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.reading import shipped_deviations
+from ...core.attributes import units_of
 from ...core.checks import instance, one_of
 from ...core.errors import GeometryError, InputError
 from ...core.printable import printable, shortened
@@ -108,13 +109,15 @@ def _wear_layout(worn: xr.Dataset) -> Iterator[tuple[str, bool]]:
     grid = ("lengthwise", "profile")
     for name, dimensions in (("deviation", {"step", "member", *grid}), ("position", {"member", *grid, "xyz"})):
         there = name in worn.variables and set(worn[name].dims) == dimensions and worn[name].dtype.kind == "f"
-        yield f"numbers {name!r} over {', '.join(sorted(dimensions))}", there
+        units = units_of(name)
+        known = there and worn[name].attrs.get("units", units) == units
+        yield f"numbers {name!r} [{units}] over {', '.join(sorted(dimensions))}", known
     for name in grid:
         values = worn[name].values if name in worn.coords else np.zeros(0)
         numbers = values.dtype.kind == "f" and values.ndim == 1 and 2 <= values.size <= GRID_SIZE_LIMIT
         within = numbers and np.all(np.diff(values) > 0.0) and np.all(np.abs(values - 0.5) <= 0.5 + 1e-9)
         yield f"fractions {name!r}", bool(within)
-    members = [str(value) for value in np.atleast_1d(worn["member"].values)] if "member" in worn.coords else []
+    members = [str(value) for value in worn["member"].values] if "member" in worn.indexes else []
     yield "members 'pinion' and 'gear'", sorted(members) == sorted(get_args(MemberName))
     yield "step", worn.sizes.get("step", 0) > 0
     yield "three coordinates 'xyz'", worn.sizes.get("xyz") == 3

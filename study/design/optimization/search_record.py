@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....core.attributes import labelled
 from ....core.errors import InputError
+from ...result_layout import GROUPS
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .front import FrontPoint
@@ -162,9 +163,10 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
     if "front" not in tree.children:
         return []
     front = tree["front"].to_dataset()
+    names = [name for over in GROUPS["front"].values() for name in over]
     found = []
     for number in range(front.sizes["point"]):
-        one = {str(name).removeprefix("front_"): front[name].values[number] for name in front.data_vars}
+        one = {name.removeprefix("front_"): front[name].values[number] for name in names}
         found.append(
             FrontPoint(
                 one["found"],

@@ -17,6 +17,7 @@ Array = NDArray[Any]
 
 HEIGHT = 4.2  # [in]
 MARKERS = "sd^v"
+PRINTED = {"urad": "µrad", "um": "µm"}
 
 
 def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = None) -> Figure:
@@ -33,16 +34,8 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
     axes.plot(*values[chosen], "o", color=BLUE, markersize=8.0, fillstyle="none", label="in this result")
     axes.plot(*record["objective_start"].values, "x", color=INK, markersize=7.0, label="start")
     plain_axes(axes)
-    units = [_unit(name) for name in names]
-    axes.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK)
-    axes.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK)
+    units = [PRINTED.get(unit, unit) for unit in front["objective_units"].values.tolist()]
+    axes.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
+    axes.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
     return found.figure
-
-
-def _unit(name: str) -> str:
-    """Unit of a quantity as it is printed."""
-    from ...design.optimization.contact_quantity import ContactQuantity
-
-    units = ContactQuantity.parsed(name).meaning.units
-    return {"urad": "µrad", "um": "µm"}.get(units, units)
