@@ -48,7 +48,7 @@ def complex_steps(
     stepped[...] = parameters[:, None]
     for index in range(count):
         stepped.imag[index, index] += COMPLEX_STEP
-    result = function(stepped.reshape(-1, count * n))
+    result = function(stepped.reshape(len(parameters), count * n))
     slopes = (result.imag / COMPLEX_STEP).reshape(*result.shape[:-1], count, n)
     return result[..., :n].real, np.moveaxis(slopes, -2, 0)
 
