@@ -358,6 +358,24 @@ def test_settings_are_rounded_and_analysed_rounded() -> None:
     assert record.sizes["assembly"] == 5  # its own, both ends of the distribution, and the samples
 
 
+def test_an_assembly_drawn_anew_that_has_no_analysis_is_a_gap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search is not lost for it, and the report counts it."""
+    compute, drawn = Workshop.readings, []
+
+    def readings(workshop: Workshop, case: Case) -> Any:
+        if len(workshop.assemblies) == 1:
+            drawn.append(workshop)
+            if len(drawn) == 2:
+                raise GeometryError("the flanks do not meet")
+        return compute(workshop, case)
+
+    monkeypatch.setattr(Workshop, "readings", readings)
+    tree = quick(["max_pressure"], steps=1, spread={"E": "uniform(-0.01,0.01)"}, samples=3)
+    assert np.isfinite(tree["optimal_settings/sample_ratio"].values).tolist() == [[True, False, True]]
+    assert "In 2 assemblies drawn anew" in setting_report(tree)
+    assert "; 1 more could not be analysed" in setting_report(tree)
+
+
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("exact", [False, True])
 def test_settings_whose_rounded_teeth_cannot_be_built_are_kept(monkeypatch: pytest.MonkeyPatch, exact: bool) -> None:

@@ -116,11 +116,12 @@ def _notes(record: xr.Dataset) -> list[str]:
     if not attributes["edge_contact"]:
         found.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
     if "sample_ratio" in record:
-        worst = np.max(record["sample_ratio"].values)
-        known = np.max(record["ratio_by_assembly"].values)
+        samples, known = record["sample_ratio"].values, np.max(record["ratio_by_assembly"].values)
+        analysed = np.isfinite(samples).all(axis=0)
+        lost, worst = np.count_nonzero(~analysed), np.max(samples[:, analysed], initial=0.0)
         found.append(
-            f"In {record.sizes['sample']} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the search "
-            f"{known:.3f}"
+            f"In {np.count_nonzero(analysed)} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the "
+            f"search {known:.3f}" + f"; {lost} more could not be analysed" * bool(lost)
         )
     return found
 

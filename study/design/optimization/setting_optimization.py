@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -17,7 +18,7 @@ from ....cases.schema.case_schema import Case
 from ....cases.writing import case_toml
 from ....core.attributes import labelled
 from ....core.checks import array, instance, number, one_of, shown, whole, words
-from ....core.errors import InputError
+from ....core.errors import EaseoffError, InputError
 from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
@@ -306,14 +307,19 @@ def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) 
 def _fresh_samples(
     outcome: Outcome, judgement: Judgement, spread: Mapping[str, Distribution | str], samples: int | None, seed: int
 ) -> xr.Dataset:
-    """What the settings do in assemblies drawn anew, which the search did not know."""
+    """What the settings do in assemblies drawn anew, which the search did not know; NaN where one has no analysis."""
     point = outcome.point
     drawn = sampled_assemblies(point.workshop.assemblies[0], spread, samples, seed + 1)
-    workshop = replace(point.workshop, assemblies=tuple(drawn))
-    # The ease-off is compared with that of the start in the case's own assembly.
-    start = {(flank, number): point.start[flank, 0] for flank in workshop.states for number in range(len(drawn))}
-    fresh = replace(point, readings=workshop.readings(outcome.case), start=start, workshop=workshop)
-    ratios, limited = replace(judgement, aim=replace(judgement.aim, assemblies=len(drawn))).by_assembly(fresh.read)
+    judgement = replace(judgement, aim=replace(judgement.aim, assemblies=1))
+    ratios = np.full((len(judgement.aim.objectives), len(drawn)), np.nan)
+    limited = np.full((len(judgement.aim.limits), len(drawn)), np.nan)
+    for sample, assembly in enumerate(drawn):
+        workshop = replace(point.workshop, assemblies=(assembly,))
+        # The ease-off is compared with that of the start in the case's own assembly.
+        start = {(flank, 0): point.start[flank, 0] for flank in workshop.states}
+        with suppress(EaseoffError):
+            fresh = replace(point, readings=workshop.readings(outcome.case), start=start, workshop=workshop)
+            ratios[:, [sample]], limited[:, [sample]] = judgement.by_assembly(fresh.read)
     return labelled(
         xr.Dataset(
             {
