@@ -228,7 +228,7 @@ def shipped_formula() -> FrictionFormula:
     --------
     >>> friction, inside = shipped_formula()(1e9, 0.02, 5.0, 0.25, 0.0208, 11.4e-9, 0.6e-6)
     >>> print(f"{friction:.4f}", inside)
-    0.0405 True
+    0.0406 True
     """
     return read_formula(FORMULA_FILE)
 
