@@ -49,8 +49,8 @@ def complex_steps(
     for index in range(count):
         stepped.imag[index, index] += COMPLEX_STEP
     result = function(stepped.reshape(len(parameters), count * n))
-    slopes = (result.imag / COMPLEX_STEP).reshape(*result.shape[:-1], count, n)
-    return result[..., :n].real, np.moveaxis(slopes, -2, 0)
+    derivatives = (result.imag / COMPLEX_STEP).reshape(*result.shape[:-1], count, n)
+    return result[..., :n].real, np.moveaxis(derivatives, -2, 0)
 
 
 def determinant(first: Pair, second: Pair) -> Array:

@@ -101,13 +101,13 @@ def primal_active_set(
             return None
         ratio = force[left] / shed[left]
         step = float(ratio.min())
-        leaving = int(left[ratio.argmin()])
+        emptied = int(left[ratio.argmin()])
         force -= step * shed
         force[entering] = step
-        force[leaving] = 0.0
+        force[emptied] = 0.0
         np.maximum(force, 0.0, out=force)
         stalled = 0 if step > 0.0 else stalled + 1
-        if not (system.leave(leaving) and system.enter(entering)):
+        if not (system.leave(emptied) and system.enter(entering)):
             return None
     return None
 

@@ -36,7 +36,10 @@ class SolvedSet(Protocol):
     force: NDArray[np.float64]
     rotation: float
     gap: NDArray[np.float64]
-    shifted: bool
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the block of the active segments is singular to rounding."""
 
     def refine(self) -> None:
         """Take one step of iterative refinement."""
