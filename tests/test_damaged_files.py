@@ -45,6 +45,7 @@ from easeoff.friction.ehl.study import parameter_study
 from easeoff.friction.ehl.study.friction_formula import read_formula
 from easeoff.friction.ehl.study.study_case import NUMBERS
 from easeoff.geometry import Deviation, Member
+from easeoff.geometry.deviation.corrective_settings import corrective_settings
 from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
 from easeoff.geometry.tooth.tooth_flanks import side
 from easeoff.study.compare import comparison
@@ -504,9 +505,9 @@ def read_again(tmp_path: Path, files: Path, monkeypatch: pytest.MonkeyPatch) -> 
         return tree.copy() if opened is xr.open_datatree else tree.to_dataset()
 
     fitted: dict[str, Any] = {}
-    fit, write = case_correction.corrective_settings, easeoff.study.compare.write_comparison
+    fit, write = corrective_settings, easeoff.study.compare.write_comparison
 
-    def corrective_settings(member: Member, deviation: Deviation, **options: Any) -> Any:
+    def fitted_once(member: Member, deviation: Deviation, **options: Any) -> Any:
         if (flank := side(member.loaded)) not in fitted:
             fitted[flank] = fit(member, deviation, **options)
         return fitted[flank]
@@ -515,7 +516,7 @@ def read_again(tmp_path: Path, files: Path, monkeypatch: pytest.MonkeyPatch) -> 
         return [] if (folder / "results.nc").exists() else write(table, folder)
 
     monkeypatch.setattr(netcdf_file, "_read", content)
-    monkeypatch.setattr(case_correction, "corrective_settings", corrective_settings)
+    monkeypatch.setattr(case_correction, "corrective_settings", fitted_once)
     monkeypatch.setattr(easeoff.study.compare, "write_comparison", write_comparison)
     give_measurements(monkeypatch)
 
