@@ -19,10 +19,11 @@ from ..solver_limits import StepBudget
 from .active_set_system import TouchingFactor, first_contact_index
 from .dense_touching import DenseTouching
 
-#: A penetration below this, relative to the largest term of the gap, is rounding.
-GAP_TOLERANCE = 1e-13
-#: Steps without progress after which the first segment that penetrates enters, not the one that does most (Bland).
-STALLED_STEPS = 20
+#: A penetration below this, relative to the largest term of the gap, is rounding; and where steps stall.
+GAP_TOLERANCE, RELAXED_GAP_TOLERANCE = 1e-13, 1e-11
+#: Steps without progress after which the first segment that penetrates enters, not the one that does most (Bland), and
+#: the part of a step below which there is none.
+STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def primal_active_set(
             leaving = left[ratio <= step]
             force[leaving] = 0.0
             np.maximum(force, 0.0, out=force)
-            stalled = 0 if step > 0.0 else stalled + 1
+            stalled = 0 if step > SMALLEST_STEP else stalled + 1
             gone = [system.leave(int(segment)) for segment in leaving]
             if not any(gone):
                 return None
@@ -85,30 +86,28 @@ def primal_active_set(
         force, rotation, gap = system.solve(closing[:, None], np.array([torque])).column(0)
         # Terms of a gap: rotation, separation, and deflections that may cancel each other, |C_ij| <= (C_ii C_jj)^(1/2).
         level = abs(rotation) + float(np.abs(problem.separation[active]).max()) + float(root.max() * (root @ force))
-        level *= GAP_TOLERANCE
+        level *= GAP_TOLERANCE if stalled < STALLED_STEPS else RELAXED_GAP_TOLERANCE
         gap[active | refused] = 0.0
         entering = int(gap.argmin()) if stalled < STALLED_STEPS else int(np.argmax(gap < -level))
         if gap[entering] >= -level:
             return ScaledAnswer(force, rotation, iteration)
         refused[:] = False
-        if system.enter(entering):
-            newest = entering
-            continue
-        # Its load replaces that of others, and costs nothing.
-        shed = system.shares(entering)
-        left = np.flatnonzero(active & (shed > 0.0))
-        if not left.size:
-            return None
-        ratio = force[left] / shed[left]
-        step = float(ratio.min())
-        emptied = int(left[ratio.argmin()])
-        force -= step * shed
-        force[entering] = step
-        force[emptied] = 0.0
-        np.maximum(force, 0.0, out=force)
-        stalled = 0 if step > 0.0 else stalled + 1
-        if not (system.leave(emptied) and system.enter(entering)):
-            return None
+        newest = entering
+        while not system.enter(entering):
+            # Its load replaces that of others, and costs nothing.
+            shed, newest = system.shares(entering), -1
+            left = np.flatnonzero(system.active & (shed > 0.0))
+            if not left.size:
+                return None
+            ratio = force[left] / shed[left]
+            step, emptied = float(ratio.min()), int(left[ratio.argmin()])
+            force -= step * shed
+            force[entering] += step
+            force[emptied] = 0.0
+            np.maximum(force, 0.0, out=force)
+            stalled = 0 if step > SMALLEST_STEP else stalled + 1
+            if not system.leave(emptied):
+                return None
     return None
 
 
