@@ -82,7 +82,7 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
         if language == "python":
             exec(compile(code, "documentation", "exec"), namespace)
             continue
-        for line in code.splitlines():
+        for line in code.replace("\\\n", " ").splitlines():
             command, *arguments = shlex.split(line, comments=True)
             assert command == "easeoff"
             outcome = CliRunner().invoke(main, arguments)
