@@ -321,13 +321,10 @@ def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: O
     """Certify an outcome on the positions x (half widths), and give it units."""
     point = outcome.point
     certificate = certify(problem, point.pressure, point.approach)
-    asperity_pressure = contact.hertz_pressure * (point.pressure - point.fluid)
-    # Where the film is ruptured, what the lubricant carries is rounding, of either sign.
-    ruptured = outcome.state == State.RUPTURED
     return Film(
         contact=contact,
         position=contact.half_width * x,
-        pressure=np.where(ruptured, asperity_pressure, contact.hertz_pressure * point.pressure),
+        pressure=contact.hertz_pressure * outcome.pressure,
         film=contact.film_scale * point.clearance,
         state=outcome.state,
         status=judge(outcome.converged, certificate),
@@ -335,5 +332,5 @@ def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: O
         iterations=outcome.iterations,
         outcome=outcome,
         problem=problem,
-        asperity_pressure=asperity_pressure,
+        asperity_pressure=contact.hertz_pressure * (point.pressure - point.fluid),
     )

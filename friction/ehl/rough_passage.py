@@ -225,7 +225,7 @@ def rough_passage(
                 _record(records, at, start.position, problem, outcome, boundary_friction, thermal)
                 if keep and step % keep == 0:
                     row = step // keep - 1
-                    pressure[row] = contact.hertz_pressure * _pressure(outcome)
+                    pressure[row] = contact.hertz_pressure * outcome.pressure
                     film[row], states[row] = contact.film_scale * point.film, outcome.state
     return RoughPassage(
         contact=contact,
@@ -265,7 +265,7 @@ def _record(
     thermal: bool,
 ) -> None:
     contact, point = problem.contact, outcome.point
-    pressure, film = contact.hertz_pressure * _pressure(outcome), contact.film_scale * point.film
+    pressure, film = contact.hertz_pressure * outcome.pressure, contact.film_scale * point.film
     part, _ = fluid_part(point.film, problem.touching_film)
     shear = traction(
         contact,
@@ -280,11 +280,6 @@ def _record(
     records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
     records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
     records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
-
-
-def _pressure(outcome: Outcome) -> Array:
-    """Pressures without the rounding that is left where the film is ruptured."""
-    return np.where(outcome.state == State.RUPTURED, 0.0, outcome.point.pressure)
 
 
 class _March:

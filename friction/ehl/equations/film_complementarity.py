@@ -176,6 +176,11 @@ class Outcome:
     converged: bool
     history: tuple[float, ...] = field(default=())
 
+    @property
+    def pressure(self) -> Array:
+        """Pressures (n); where the film is ruptured, without the lubricant's, which is rounding of either sign."""
+        return np.where(self.state == State.RUPTURED, self.point.pressure - self.point.fluid, self.point.pressure)
+
 
 def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     """Film, mass balance and gap at given pressures and approach."""
