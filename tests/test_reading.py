@@ -9,6 +9,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_gr
 from easeoff.study import plot
 from easeoff.study.sweep import percentiles, read_sweep, worst_points
 from easeoff.study.sweep.sweep_file import write_sweep
+
+Take = Callable[[xr.DataTree, Path], Any]
 
 
 @pytest.fixture(scope="module")
@@ -67,14 +70,25 @@ def sweep_again(found: xr.Dataset, folder: Path) -> xr.Dataset:
     return read_sweep(folder / "again.nc")
 
 
+def printed(tree: xr.DataTree, _: Path) -> str:
+    return str(tree.easeoff.summary())
+
+
 def same(mine: Any, other: Any) -> bool:
     return bool(mine.identical(other) if isinstance(mine, xr.DataTree | xr.Dataset) else mine == other)
+
+
+@pytest.fixture(scope="module")
+def in_memory(stored: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[Take], Any]:
+    """What a function makes of the result in memory, once."""
+    tree = easeoff.read_result(stored)
+    return cache(lambda take: take(tree, tmp_path_factory.mktemp("wanted")))
 
 
 @pytest.mark.parametrize(
     "take",
     [
-        lambda tree, _: str(tree.easeoff.summary()),
+        printed,
         lambda tree, _: tree.easeoff.summary()._repr_html_(),
         lambda tree, _: [table.to_html() for table in tree.easeoff.summary().tables.values()],
         lambda tree, _: study.key_numbers(tree),
@@ -88,9 +102,9 @@ def same(mine: Any, other: Any) -> bool:
     ],
 )
 def test_a_chunked_result_is_taken_as_one_in_memory(
-    chunked: xr.DataTree, stored: Path, tmp_path: Path, take: Callable[[xr.DataTree, Path], Any]
+    chunked: xr.DataTree, in_memory: Callable[[Take], Any], tmp_path: Path, take: Take
 ) -> None:
-    assert same(take(chunked, tmp_path), take(easeoff.read_result(stored), tmp_path))
+    assert same(take(chunked, tmp_path), in_memory(take))
 
 
 @pytest.fixture(scope="module")
@@ -101,17 +115,12 @@ def in_zarr(stored: Path) -> Path:
     return stored.with_suffix(".zarr")
 
 
-@pytest.mark.parametrize("chunks", [None, {}])
-@pytest.mark.parametrize("take", [lambda tree, _: str(tree.easeoff.summary()), written, reported])
+@pytest.mark.parametrize(("take", "chunks"), [(printed, {}), (written, {}), (written, None), (reported, None)])
 def test_a_result_in_zarr_is_taken_as_one_in_memory(
-    stored: Path,
-    in_zarr: Path,
-    tmp_path: Path,
-    take: Callable[[xr.DataTree, Path], Any],
-    chunks: dict[str, int] | None,
+    in_zarr: Path, in_memory: Callable[[Take], Any], tmp_path: Path, take: Take, chunks: dict[str, int] | None
 ) -> None:
     with xr.open_datatree(in_zarr, engine="zarr", chunks=chunks, consolidated=False) as lazy:
-        assert same(take(lazy, tmp_path), take(easeoff.read_result(stored), tmp_path))
+        assert same(take(lazy, tmp_path), in_memory(take))
 
 
 @pytest.mark.parametrize("engine", ["netcdf4", "zarr"])
@@ -222,6 +231,7 @@ def test_threads_read_write_and_analyse_in_the_kernel_of_a_notebook(stored: Path
     manager, client = kernel.start_new_kernel(kernel_name="python3", cwd=str(tmp_path))
     code = f"""
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 import easeoff
 wanted = easeoff.read_result({str(stored)!r})
 def work(number):

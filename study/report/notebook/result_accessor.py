@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ....core.errors import InputError
+from ....core.reading.netcdf_file import in_memory
 from ....core.suggestion import suggestion
 from ...result_layout import VARIABLES, faults, load_case_faults
 
@@ -251,11 +252,12 @@ class ResultAccessor:
             return None  # a notebook shows the text instead
 
     def _result(self) -> xr.DataTree:
-        """The tree, if it is a result."""
+        """The tree, if it is a result, with all values in memory."""
         tree = self._tree
         known = "easeoff_version" in tree.attrs
         if not known and "easeoff_version" in tree.root.attrs:
             raise InputError(f"tree = {tree.path!r}: must be a whole result; this is a group of one: take tree.root")
+        tree = in_memory(tree)
         found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
         if not known or found == [f"no group {name}" for name in VARIABLES]:
             name = f"tree = {str(tree.name or tree.path)!r}"
