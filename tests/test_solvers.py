@@ -172,6 +172,17 @@ def test_support_vectors_of_points_that_overlap(method: str) -> None:
     np.testing.assert_allclose(margin[solution.force > 0.0], 1.0, rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.parametrize("seed", [229, 369, 496, 605])
+def test_support_vectors_of_a_wide_kernel(seed: int) -> None:
+    """Digits that a descent loses on nearly singular systems come back where its last segments are solved for anew."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(int(rng.integers(8, 26)), 1))
+    label = np.where(rng.random(len(points)) < 0.5, -1.0, 1.0)
+    solution = solve(support_vectors(points, label, np.exp(-0.5 * ((points - points.T) / 3.0) ** 2)))
+    assert solution.status is Status.CERTIFIED
+    assert solution.certificate.worst < 1e-10
+
+
 def test_touching_segments_that_change_one_by_one_are_those_of_a_system_made_at_once() -> None:
     """In any order, in and out; what a segment sheds is what the system says of its column."""
     rng = np.random.default_rng(2)

@@ -4,7 +4,8 @@
    from the Winkler estimate.
 2. Primal-dual active set, from the same start. It comes first where the problem is small, or was given as many modes
    as segments: to find few among them costs more than the solution.
-3. Primal active set, which cannot cycle.
+3. Primal active set, which cannot cycle; where the compliance is nearly singular, its segments in contact solved for
+   anew.
 
 The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged. Limits of
 time and steps hold for all methods together.
@@ -13,6 +14,7 @@ time and steps hold for all methods together.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from numpy.typing import NDArray
 from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
+from .active_set.polish import exact_answer
 from .active_set.primal_active_set import primal_active_set
 from .active_set.primal_dual_active_set import primal_dual_active_set
 from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
@@ -29,6 +32,7 @@ from .scaled_answer import ScaledAnswer
 from .solver_limits import StepBudget
 
 Mask = NDArray[np.bool_]
+Answers = Iterator[ScaledAnswer | None]
 
 
 def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
@@ -48,6 +52,22 @@ def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> 
     return primal_active_set(problem, active, budget=budget)
 
 
+def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near: ScaledAnswer | None) -> Answers:
+    """Answers of the primal active set whose segments in contact are solved for anew.
+
+    The inverse that it keeps up to date loses digits where the compliance is nearly singular. Then even which segments
+    touch is better known of a compliance that is further from singular; they are solved for in the given one.
+    """
+    if near is not None:
+        yield exact_answer(problem, near, exchanges=0)
+    further = np.array(problem.compliance)
+    further[np.diag_indices(further.shape[0])] *= 1.0 + DIAGONAL_SHARE
+    other = replace(problem, given_compliance=further)
+    near = primal_dual_active_set(other, active, budget=budget) or primal_active_set(other, active, budget=budget)
+    if near is not None:
+        yield exact_answer(problem, near)
+
+
 #: Methods by name, in the order of the cascade.
 METHODS: dict[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnswer | None]] = {
     "modal": _modal,
@@ -62,6 +82,8 @@ METHOD_WORDS = {
     "primal_active_set": "primal active set",
     "projected_conjugate_gradients": "projected conjugate gradients",
 }
+#: By this share more of its diagonal a compliance is so far from singular that rounding seldom matters.
+DIAGONAL_SHARE = 1e-10
 #: Number of segments up to which the dense active set is faster than the modal method, whether or not the modes have to
 #: be compressed first.
 DENSE_FIRST_SIZE = 300
@@ -116,3 +138,5 @@ def _answers(
         answer = METHODS[method](problem, active, budget)
         if answer is not None:
             yield method, answer
+        if method == "primal_active_set" and (budget is None or budget.met is None):
+            yield from ((method, found) for found in _anew(problem, active, budget, answer) if found is not None)
