@@ -296,6 +296,20 @@ def test_a_library_that_waits_for_ever_is_stopped(monkeypatch: pytest.MonkeyPatc
         in_forked_process(signal.pause)
 
 
+def test_a_copy_that_hangs_holds_up_no_other_thread() -> None:
+    """No copy holds the pipe of another: eight end, whatever is still waiting."""
+    release, sink = os.pipe()
+    with ThreadPoolExecutor(9) as pool:
+        with forked_process.netcdf_to_oneself():  # until all of them wait for their copies
+            waiting = pool.submit(in_forked_process, lambda: os.read(release, 1))
+            others = [pool.submit(in_forked_process, lambda number=number: number) for number in range(8)]
+        assert [other.result() for other in others] == list(range(8))
+        os.write(sink, b"a")
+        assert waiting.result() == b"a"
+    os.close(release)
+    os.close(sink)
+
+
 def test_a_file_on_which_the_library_crashes_is_damaged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "good.nc"
     xr.Dataset({"a": ("x", [1.0, 2.0])}).to_netcdf(path, engine="netcdf4")

@@ -66,14 +66,15 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     """
     if not hasattr(os, "fork"):
         return work()
-    source, sink = os.pipe()
     with netcdf_to_oneself(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # other threads, of which the copy uses nothing
+        source, sink = os.pipe()  # here, so that no copy which another thread makes holds it open
         child = os.fork()
+        if child:
+            os.close(sink)
     if child == 0:
         os.close(source)
         _work_and_exit(work, sink)
-    os.close(sink)
     content = None
     try:
         content = _read_within(source, TIME_LIMIT)
