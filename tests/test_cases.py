@@ -29,7 +29,7 @@ NASA = case_text("nasa-12x36")
 @pytest.mark.parametrize("name", shipped_cases())
 def test_shipped_cases_make_a_pair(name: str) -> None:
     case = read_case(name)
-    assert case.text == case_text(name)
+    assert (case.text, case.title) == (case_text(name), shipped_cases()[name])
     assert gear_pair(case).assembly.ratio > 1.0
 
 
