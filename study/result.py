@@ -7,7 +7,6 @@ from pathlib import Path
 
 import xarray as xr
 
-from ..cases.reading import CASE
 from ..core.checks import file_path, instance
 from ..core.errors import InputError
 from ..core.reading.file_origin import layout_fault, unreadable
@@ -92,6 +91,8 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     >>> tree["loaded/peak_to_peak"].attrs["units"]
     'urad'
     """
+    from ..cases.reading import CASE  # what is shown or drawn of a file needs no case
+
     source = file_path("path", path)
     if not os.path.exists(path) and str(path) in CASE.names():
         raise InputError(f"{named(source)} is a case, not a result: make one with 'easeoff run {source} -o FILE'")

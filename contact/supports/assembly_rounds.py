@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays, one_of, positive, whole
 from ...core.stored_status import StoredStatus
-from ...geometry.pair.gear_pair import PairGeometry
-from ..lines.mesh_lines import MeshLines
-from ..loaded_cases import LoadedCase
-from ..segments import CycleSegments, Segments
-from .mesh_wrench import MeshWrenches
-from .support import Supports
+
+if TYPE_CHECKING:
+    from ...geometry.pair.gear_pair import PairGeometry
+    from ..lines.mesh_lines import MeshLines
+    from ..loaded_cases import LoadedCase
+    from ..segments import CycleSegments, Segments
+    from .mesh_wrench import MeshWrenches
+    from .support import Supports
 
 Array = NDArray[np.float64]
 Update = Literal["none", "mean", "position"]

@@ -106,6 +106,7 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
     flank and picture, as in fm-11x41-drive-pressure.png. Pictures of an earlier result of the same case and flank in
     FOLDER are replaced or removed.
     """
+    quick_start()
     from ...core.writing.output_file import check_folder
     from ..plot.figures.drawn_file import read_drawn
 
@@ -142,6 +143,7 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     pictures of the flanks that answer the pointer, and teeth in three dimensions. It opens in any browser without a
     network, which also prints it.
     """
+    quick_start()
     from ...core.errors import InputError
     from ...core.writing.output_file import check_writable
     from ..report.contact_report.given_results import read_given
@@ -174,6 +176,7 @@ def cite(result: Path | None, bibtex: bool) -> None:
     formula, oil, elastic teeth and pair, of the problem library, or of the solvers of a comparison, as far as the file
     tells them.
     """
+    quick_start()
     from ..report.citation.citation_text import citation
 
     if result is None:

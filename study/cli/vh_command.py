@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .command import Command
+from .command import Command, quick_start
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
 from .options.shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
@@ -90,6 +90,7 @@ def vh(
     positive as P: away from the crossing point. Both are added to the misalignment. The centre is that of the marking
     print. The exit code is 1 if it cannot be brought to one of the three places.
     """
+    quick_start()
     from ...cases import read_case
     from ...core.writing.output_file import check_folder, check_writable
     from ..report.vh_table import vh_table

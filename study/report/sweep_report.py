@@ -13,8 +13,8 @@ from tabulate import tabulate
 
 from ...core.errors import InputError
 from ...core.printable import printable
-from ..sweep.batch_analysis import PointStatus
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
+from ..sweep.sweep_layout import PointStatus
 from .summary.contact_tables import WIDTH
 from .summary.deflection_report import error_words
 

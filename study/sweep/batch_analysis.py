@@ -22,7 +22,6 @@ from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
 from ...core.printable import printable, shortened
 from ...core.processes.garbage_collection import without_garbage_collection
-from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
 from ..analysis.contact_analysis import contact_analysis
@@ -31,28 +30,13 @@ from ..analysis.joined_analysis import Analysis
 from ..case_in_mesh import CaseInMesh
 from ..report.key_numbers import key_numbers
 from .point_table import assemblies
+from .sweep_layout import PointStatus
 from .sweep_setup import SweepSetup
 from .swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
 
 Array = NDArray[Any]
 REASON_LENGTH_LIMIT = 200  # of the reason of a failure [characters]
 KEPT_PAIRS = 2  # that a process keeps in mesh
-
-
-class PointStatus(StoredStatus):
-    """How the analysis of a point of a sweep ended.
-
-    Examples
-    --------
-    >>> PointStatus(0).name
-    'CERTIFIED'
-    """
-
-    CERTIFIED = 0
-    UNCERTIFIED = 1
-    NOT_POSSIBLE = 2
-    NO_CONTACT = 3
-    FAILED = 4
 
 
 @dataclass(frozen=True)

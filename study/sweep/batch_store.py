@@ -26,7 +26,8 @@ from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
 from ...core.writing.output_file import check_folder, whole_file
 from ...core.writing.private_folder import NAME as PRIVATE_NAME
 from ...core.writing.private_folder import clear_remains
-from .batch_analysis import Block, PointStatus
+from .batch_analysis import Block
+from .sweep_layout import PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
 PLAN_NAME, MAP_NAME = "sweep.json", "batches.jsonl"

@@ -31,7 +31,8 @@ from ...core.processes.child_environment import (
     end_with_parent,
 )
 from ...core.processes.freed_memory import keep_freed_memory
-from .batch_analysis import Batch, Block, PointStatus, analyze_batch
+from .batch_analysis import Batch, Block, analyze_batch
+from .sweep_layout import PointStatus
 
 #: Times that a batch is begun whose process ends, before its points count as failed.
 ATTEMPT_COUNT = 3

@@ -10,8 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import variable_attributes
-from .batch_analysis import Block, PointStatus
+from .batch_analysis import Block
 from .point_table import PointTable
+from .sweep_layout import PointStatus
 from .sweep_setup import SweepSetup
 from .swept_quantity import swept_quantity
 

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from ...core.errors import InputError
+from ...core.stored_status import StoredStatus
 from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, form_faults
-from .batch_analysis import PointStatus
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
 SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
@@ -31,6 +31,22 @@ OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
 }
 #: Dimensions that a number may have beside those of the points and of the loads.
 OTHER_DIMENSIONS = ("order", "member")
+
+
+class PointStatus(StoredStatus):
+    """How the analysis of a point of a sweep ended.
+
+    Examples
+    --------
+    >>> PointStatus(0).name
+    'CERTIFIED'
+    """
+
+    CERTIFIED = 0
+    UNCERTIFIED = 1
+    NOT_POSSIBLE = 2
+    NO_CONTACT = 3
+    FAILED = 4
 
 
 def sweep_faults(dataset: xr.Dataset) -> list[str]:

@@ -76,6 +76,7 @@ def design(
     DESIGN is the name of a shipped design or the path of a design file: basic data and the wanted ease-off. The blanks
     follow from the basic data; the pinion is fitted to the ease-off.
     """
+    quick_start()
     from ....cases import read_design, write_case
     from ....cases.conversion import machine_resolution
     from ....cases.writing import require_replaceable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..command import Command
+from ..command import Command, quick_start
 from ..options.number_lists import keyed_numbers
 from ..options.shared_options import allow_outside_option, echo, output_option, outside_allowed
 from ..terminal.word_completion import case_names
@@ -46,6 +46,7 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
     case stays as it is; 'easeoff design --round' writes rounded settings into a case.
     """
+    quick_start()
     from ....cases import read_case, write_rexs
     from ....cases.recording import with_blanks
     from ....core.errors import InputError
