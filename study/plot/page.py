@@ -7,16 +7,10 @@ import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps, rc_context, rcParams
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colorbar import Colorbar
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from ...core.printable import printable
@@ -24,6 +18,11 @@ from ...core.writing.output_file import whole_file
 from ..report.departures import deviations, modification
 from ..report.model_name import model_name
 from ..report.summary.deflection_report import misalignment_over_torque
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colorbar import Colorbar
+    from matplotlib.figure import Figure
 
 DPI = 160
 TRUETYPE = 42  # kind of the fonts in a PDF file: text that can be searched and edited
@@ -101,8 +100,7 @@ def titled_sheet(heading: str, title: str, print_: str, body_height: float, foot
     """Sheet with heading, title and small print around a body of a height [in], above a footer of a height [in]."""
     height = body_height + HEADER + footer
     figure = sheet(height)
-    engine = figure.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine: Any = figure.get_layout_engine()
     engine.set(rect=(0.01, footer / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
     top, left = 1.0 - 0.13 / height, 0.02
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
@@ -113,8 +111,7 @@ def titled_sheet(heading: str, title: str, print_: str, body_height: float, foot
 
 def legend_at_foot(figure: Figure, entries: list[Any], height: float) -> None:
     """Legend below the body of a page, in a strip of a height [in] that is taken from the body."""
-    engine = figure.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine: Any = figure.get_layout_engine()
     left, bottom, width, whole = engine.get()["rect"]
     strip = height / figure.get_size_inches()[1]
     engine.set(rect=(left, bottom + strip, width, whole - strip))
@@ -131,6 +128,8 @@ def legend_of_curves(axes: Axes, *, on_page: bool, heading: str = "") -> None:
     if on_page:
         legend = axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.6, **style)
     else:
+        from matplotlib import rcParams
+
         rows = len(axes.get_legend_handles_labels()[1]) + bool(heading)
         figure: Any = axes.figure
         height = axes.get_position().height * figure.bbox.height / figure.dpi
@@ -143,6 +142,9 @@ def legend_of_curves(axes: Axes, *, on_page: bool, heading: str = "") -> None:
 
 def sheet(height: float) -> Figure:
     """White sheet of the page's width and a height [in], without heading and small print."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     return figure
@@ -214,6 +216,8 @@ def torque_name(torque: float) -> str:
 
 def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
     """Colours (n, 4) of torques (n), dark for the small ones."""
+    from matplotlib import colormaps
+
     rank = np.empty(torques.size)
     rank[np.argsort(torques, kind="stable")] = np.linspace(0.0, 0.82, torques.size) if torques.size > 1 else 0.35
     return np.asarray(colormaps[TORQUE_MAP](rank))
@@ -242,6 +246,8 @@ def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> 
             canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
             canvas.print_png(temporary, metadata=marks)
             return path
+        from matplotlib import rc_context
+
         source = "Subject" if kind == "pdf" else "Source"
         own: dict[str, str | None] = {"CreationDate" if kind == "pdf" else "Date": None}
         own |= {source if key == "Source" else key: text for key, text in (marks or {}).items()}

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage
@@ -17,6 +14,10 @@ from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION
 from .tooth_view import ToothView, draw_flank
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 Array = NDArray[Any]
 
@@ -179,6 +180,8 @@ def draw_pattern(
     axes: Axes, view: ToothView, pattern: ContactPattern, *, labels: tuple[bool, bool] = (True, True), path: bool = True
 ) -> None:
     """Draw a pattern on its flank: contact lines, outlines, and the path of contact unless ``path`` is false."""
+    from matplotlib.collections import LineCollection
+
     draw_flank(axes, view, labels=labels)
     # Lines may run out of the flank by a hair; they end at its edge.
     styles = ((False, FAINT, 0.6, 1.0), (True, BLUE, 0.8, 0.75))
@@ -208,6 +211,8 @@ def draw_path(axes: Axes, view: ToothView, pattern: ContactPattern) -> None:
 
 def path_beyond(label: str) -> Line2D:
     """Legend entry of the path of contact outside the carrying range."""
+    from matplotlib.lines import Line2D
+
     return Line2D([], [], label=label, **FADED_PATH)
 
 

@@ -6,14 +6,11 @@ Points are given on the gear flank; the view of the pinion flank shows their con
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import contourpy
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.path import Path as Outline
-from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from ...contact.evaluation.projection_plane import ProjectionPlane
@@ -21,6 +18,10 @@ from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
 from ...geometry.tooth.tooth_flanks import MemberName
 from .page import GREY, INK, PAPER, SMALL_SIZE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.path import Path as Outline
 
 Array = NDArray[Any]
 
@@ -79,6 +80,8 @@ class ToothView:
 
     def outline(self, curves: tuple[Array, ...]) -> Outline:
         """Closed curves (2, k), given as fractions, as one path in the plane."""
+        from matplotlib.path import Path as Outline
+
         parts = [Outline(self.in_plane(curve).T, closed=True) for curve in curves]
         return Outline.make_compound_path(*parts) if parts else Outline(np.zeros((0, 2)))
 
@@ -125,6 +128,8 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     labels
         Whether the axes along the face and across it are labelled.
     """
+    from matplotlib.ticker import MultipleLocator
+
     corners = view.corners
     axes.fill(*corners, facecolor=PAPER, edgecolor="none", zorder=0)
     axes.plot(*np.append(corners, corners[:, :1], axis=1), color=INK, linewidth=1.1, zorder=6)

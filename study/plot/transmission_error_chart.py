@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
@@ -28,6 +26,10 @@ from .page import (
     torque_name,
 )
 from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Array = NDArray[Any]
 

@@ -93,18 +93,16 @@ def write_report(
 
 def report_page(results: Mapping[str, Given], author: str = "") -> str:
     """Text of the page with results by name, and who made it."""
-    from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
     from . import flank_departures, vh_part
 
     given = GivenResults.of(results)
-    with default_style():
-        data: dict[str, Any] = {
-            "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
-            "checks": [vh_part.vh_part(name, found) for name, found in given.checks.items()],
-            "wear": [flank_departures.wear_part(name, worn) for name, worn in given.wear.items()],
-            "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
-            "notes": given.notes,
-        }
+    data: dict[str, Any] = {
+        "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
+        "checks": [vh_part.vh_part(name, found) for name, found in given.checks.items()],
+        "wear": [flank_departures.wear_part(name, worn) for name, worn in given.wear.items()],
+        "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
+        "notes": given.notes,
+    }
     title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
     data |= {"title": printable(title), "version": printable(str(version)), "author": printable(author)}
