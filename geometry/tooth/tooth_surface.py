@@ -8,12 +8,13 @@ their borders.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import two_whole
+from ...core.checks import frozen_arrays, two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -34,6 +35,7 @@ FILLET_STEP_LIMIT = np.array([0.05, 0.05])  # of both parameters, in Newton step
 STRIDE_HALVINGS = 3  # of a stride along the fillet that leads to no point
 
 
+@frozen_arrays
 @dataclass(frozen=True)
 class ToothSide:
     """Fillet and flank of one side of a tooth, in the member's frame.
@@ -88,6 +90,15 @@ def tooth_side(
     GeometryError
         If the cutter meets no tooth of the blank, or flank or fillet are undercut or missing somewhere.
     """
+    return _cut_side(surface, section, tuple(lengthwise.tolist()), flank_nodes, fillet_nodes)
+
+
+@lru_cache(maxsize=8)
+def _cut_side(
+    surface: GeneratingSurface, section: BlankSection, fractions: tuple[float, ...], flank_nodes: int, fillet_nodes: int
+) -> ToothSide:
+    """As ``tooth_side``: the sides of a tooth, and those of one pitch of its body, are the same loaded on either."""
+    lengthwise = np.array(fractions)
     fillet, fillet_normal = _fillet(surface, section, lengthwise, np.linspace(-1.0, 0.0, fillet_nodes))
     joint = fillet[:, :, -1]
     _, start = section.fractions(joint[2], np.hypot(joint[0], joint[1]))
