@@ -21,7 +21,7 @@ from scipy.interpolate import RegularGridInterpolator
 from easeoff import InputError, analyze
 from easeoff.contact import Status
 from easeoff.contact.evaluation.pressure_map import Line, loaded_parts, pressure_map, surface
-from easeoff.contact.evaluation.tooth_passage import envelope, pairs_in_view, tooth_passage
+from easeoff.contact.evaluation.tooth_passage import envelope, pairs_in_view, tooth_passage, two_cycles, unloaded_curves
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment
@@ -46,7 +46,6 @@ from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
-from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves
 
 Array = NDArray[Any]
 

@@ -10,11 +10,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
 
 Array = NDArray[Any]
+CYCLES = 2  # of the mesh that curves show
+STEP_POINT_COUNT = 8  # points of a curve a mesh position
 
 
 @frozen_arrays
@@ -89,3 +92,23 @@ def envelope(course: ToothPassage, cycles: Array) -> Array:
     steps = np.round(cycles * course.per_cycle, 9)  # without rounding a time on a step might miss it
     values = [course.at(steps - pair * course.per_cycle) for pair in pairs_in_view(course, float(np.max(cycles)))]
     return np.asarray(np.fmin.reduce([np.full(cycles.size, np.nan), *values]))
+
+
+def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
+    """Times in cycles, and the values (n) of a cycle repeated, with the first one at the end."""
+    count = values.size
+    return np.arange(cycles * count + 1) / count, np.append(np.tile(values, cycles), values[:1])
+
+
+def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
+    """Passage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad].
+
+    An older result has no envelope between the mesh positions: there it is that of the curves drawn.
+    """
+    course = tooth_passage(
+        unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
+    )
+    if "fine_envelope" in unloaded:
+        return course, *two_cycles(unloaded["fine_envelope"].values)
+    times = np.arange(CYCLES * STEP_POINT_COUNT * course.per_cycle + 1) / (STEP_POINT_COUNT * course.per_cycle)
+    return course, times, envelope(course, times)

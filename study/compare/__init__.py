@@ -49,12 +49,12 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     ['report.md', 'answers_scaled.csv', 'answers_scaled.tex']
     """
     # The drawing library is slow to load, and the processes of the solvers import this package too.
-    from ..plot.drawing_style import default_style
+    from ..plot.drawing_style import drawing
     from .presentation.comparison_report import write_report
 
     target = file_path("folder", folder)
     attempts = write_table(dataset, target)
-    with default_style():
+    with drawing(None):
         from .presentation.comparison_figures import write_figures
 
         figures, pictures = write_figures(dataset, target)

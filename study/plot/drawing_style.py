@@ -14,30 +14,11 @@ CONFIGURATION = "matplotlibrc"
 
 
 @contextlib.contextmanager
-def default_style() -> Iterator[None]:
-    """Draw with matplotlib's defaults; the settings of the caller are back afterwards.
-
-    A file ``matplotlibrc`` in the current folder, which may be a stranger's, is not read: it could have pictures drawn
-    by other programs, or be no text at all.
-
-    Examples
-    --------
-    >>> import matplotlib
-    >>> with matplotlib.rc_context({"text.usetex": True}), default_style():
-    ...     matplotlib.rcParams["text.usetex"]
-    False
-    """
-    _load()
-    import matplotlib
-
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        yield
-
-
-@contextlib.contextmanager
 def drawing(axes: object) -> Iterator[None]:
     """Draw pages with matplotlib's defaults, and on the caller's axes with the settings and sizes of the caller.
+
+    The settings of the caller are back afterwards. A file ``matplotlibrc`` in the current folder, which may be a
+    stranger's, is not read: it could have pictures drawn by other programs, or be no text at all.
 
     Parameters
     ----------
@@ -46,18 +27,22 @@ def drawing(axes: object) -> Iterator[None]:
 
     Examples
     --------
-    >>> with drawing(None):
-    ...     import matplotlib
+    >>> import matplotlib
+    >>> with matplotlib.rc_context({"text.usetex": True}), drawing(None):
     ...     matplotlib.rcParams["text.usetex"]
     False
     """
-    if axes is None:
-        with default_style():
+    if axes is not None:
+        from .figures.own_axes import on_own_axes
+
+        with on_own_axes(axes):
             yield
         return
-    from .figures.own_axes import on_own_axes
+    _load()
+    import matplotlib
 
-    with on_own_axes(axes):
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
         yield
 
 

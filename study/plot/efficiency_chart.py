@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...contact.evaluation.tooth_passage import two_cycles
 from ...friction.operation import named_models
 from ..report.notes.ranges import TOLD_SHARE, range_notes
 from .friction_map_chart import chosen_condition, roughness_name
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, legend_of_curves, plain_axes
 from .panel_grid import OwnAxes, chosen_parts, panels
-from .transmission_error_chart import two_cycles
 
 Array = NDArray[Any]
 

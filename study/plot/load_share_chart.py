@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator, PercentFormatter
 from numpy.typing import NDArray
 
-from ...contact.evaluation.tooth_passage import ToothPassage, pairs_in_view, tooth_passage
+from ...contact.evaluation.tooth_passage import CYCLES, ToothPassage, pairs_in_view, tooth_passage
 from .page import (
     BLUE,
     BODY_SIZE,
@@ -29,7 +29,6 @@ from .panel_grid import OwnAxes, chosen_torques, panels
 
 Array = NDArray[Any]
 
-CYCLES = 2
 NAME_WIDTH = 0.15  # of a pair's name [cycles]
 COLOURS = (BLUE, VERMILION, GREEN)
 

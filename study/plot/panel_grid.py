@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...core.checks import distinct, words
@@ -15,12 +17,8 @@ from ...core.errors import InputError
 from ...core.suggestion import suggestion
 from .page import evenly_chosen, page
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 #: One Axes of the caller, or as many as a picture has panels.
-OwnAxes: TypeAlias = "Axes | Iterable[Axes] | None"
+OwnAxes: TypeAlias = Axes | Iterable[Axes] | None
 
 TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of a result
 
@@ -82,8 +80,6 @@ def panels(
         for axes in found[wanted:]:
             axes.set_visible(False)
         return Panels(figure, found[:wanted], True)
-    from matplotlib.axes import Axes
-
     given = _flat(own)
     if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"

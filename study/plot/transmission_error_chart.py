@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ...contact.evaluation.tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
+from ...contact.evaluation.tooth_passage import CYCLES, pairs_in_view, two_cycles, unloaded_curves
 from .page import (
     BLUE,
     BODY_SIZE,
@@ -27,18 +29,12 @@ from .page import (
 )
 from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 Array = NDArray[Any]
 
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
 PARTS = tuple(HEIGHTS)
 ORDER_COUNT = 4  # of the orders drawn over torque
-CYCLES = 2
-STEP_POINT_COUNT = 8  # points drawn a mesh position
 NAMED_TORQUE_LIMIT = 8  # in the legend
 ORDER_COLOURS, ORDER_MARKS = (BLUE, VERMILION, GREEN, GREY), ("o", "s", "^", "D")
 NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
@@ -77,26 +73,6 @@ def draw(
     if found.on_page:
         found.figure.align_ylabels(found.axes)
     return found.figure
-
-
-def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
-    """Times in cycles, and the values (n) of a cycle repeated, with the first one at the end."""
-    count = values.size
-    return np.arange(cycles * count + 1) / count, np.append(np.tile(values, cycles), values[:1])
-
-
-def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
-    """ToothPassage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad].
-
-    An older result has no envelope between the mesh positions: there it is that of the curves drawn.
-    """
-    course = tooth_passage(
-        unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
-    )
-    if "fine_envelope" in unloaded:
-        return course, *two_cycles(unloaded["fine_envelope"].values)
-    times = np.arange(CYCLES * STEP_POINT_COUNT * course.per_cycle + 1) / (STEP_POINT_COUNT * course.per_cycle)
-    return course, times, envelope(course, times)
 
 
 def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> None:

@@ -19,7 +19,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
-from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage
+from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage, two_cycles
 from easeoff.core.writing.output_file import whole_file
 from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.page import (
@@ -46,7 +46,6 @@ from easeoff.study.plot.pattern_lines import (
 )
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
-from easeoff.study.plot.transmission_error_chart import two_cycles
 
 Array = NDArray[Any]
 

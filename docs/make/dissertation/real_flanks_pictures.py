@@ -15,12 +15,12 @@ from real_flanks_analyses import CASES, MEMBERS, TORQUE, analysed, files
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.contact.evaluation.pressure_map import pressure_map
+from easeoff.contact.evaluation.tooth_passage import two_cycles
 from easeoff.study.deviations.deviation_source import flank_deviations
 from easeoff.study.plot.ease_off_map import draw_map, ease_off_map
 from easeoff.study.plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
-from easeoff.study.plot.transmission_error_chart import two_cycles
 
 FIGURES = IMAGES / "real_flanks"
 ROUNDED = 0.1  # [um]; the last digit of the grids

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ....contact.evaluation.tooth_passage import two_cycles
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ..page import GREY, INK, PANEL_COUNT_LIMIT, SMALL_SIZE, plain_axes, torque_colours, torque_name
 from ..panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
-from ..transmission_error_chart import two_cycles
 
 PARTS = ("face", "cycle")
 LABELS = {"face": "from the toe, along the face [%]", "cycle": "mesh cycles (pinion pitches)"}

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....contact.evaluation.tooth_passage import unloaded_curves
 from ....core.ordered_values import ordered
-from ...plot.transmission_error_chart import unloaded_curves
 from ..notes.ranges import TOLD_SHARE
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
