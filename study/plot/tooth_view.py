@@ -128,14 +128,15 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     labels
         Whether the axes along the face and across it are labelled.
     """
+    from matplotlib.patches import PathPatch, Polygon
     from matplotlib.ticker import MultipleLocator
 
-    corners = view.corners
-    axes.fill(*corners, facecolor=PAPER, edgecolor="none", zorder=0)
+    corners = view.corners  # shapes change no limits, which are set below
+    axes.add_artist(Polygon(corners.T, facecolor=PAPER, edgecolor="none", zorder=0))
     axes.plot(*np.append(corners, corners[:, :1], axis=1), color=INK, linewidth=1.1, zorder=6)
     if boundary:
+        axes.add_artist(PathPatch(view.outline(view.common), facecolor="white", edgecolor="none", zorder=0.5))
         for curve in view.common:
-            axes.fill(*view.in_plane(curve), facecolor="white", edgecolor="none", zorder=0.5)
             axes.plot(*view.in_plane(curve), color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=5)
     left, right, bottom, top = view.window
     gap = 0.3 * (corners[0].min() - left)
