@@ -96,7 +96,8 @@ def test_one_command_alone_reaches_the_yardsticks_and_only_when_it_is_run() -> N
 
 
 @pytest.mark.parametrize(
-    "name", ["geometry", "contact", "contact.compliance", "contact.solvers", "friction", "cases", "study.plot"]
+    "name",
+    ["geometry", "contact", "contact.compliance", "contact.solvers", "friction", "cases", "study.plot", "study.sweep"],
 )
 def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> None:
     """And none is that of a module in its folder: once imported, the module would stand in its place."""
@@ -141,7 +142,15 @@ def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> Non
             "import easeoff.study.analysis.case_analysis",
             ["scipy.optimize", "scipy.interpolate", "scipy.spatial", "matplotlib"],
         ),
-        ("import easeoff.study.result", ["scipy", "matplotlib"]),
+        ("import easeoff.study.result", ["scipy", "matplotlib", "pydantic"]),
+        (
+            "import easeoff.study.report.summary.load_case_summary, easeoff.study.sweep.sweep_file",
+            ["scipy", "matplotlib", "pydantic", "easeoff.contact.loaded", "easeoff.study.sweep.parameter_sweep"],
+        ),
+        (
+            "import easeoff; from easeoff.study.report.contact_report import report_file, cycle_charts, flank_pictures",
+            ["scipy", "matplotlib"],
+        ),
     ],
 )
 def test_what_is_not_needed_is_not_loaded(code: str, spared: list[str]) -> None:

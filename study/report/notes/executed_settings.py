@@ -8,8 +8,6 @@ from typing import get_args
 
 import xarray as xr
 
-from ....cases.schema.case_schema import FlankOfMember
-
 
 def execution_note(flanks: Sequence[str]) -> list[str]:
     """Note, in one line or none, on flanks with settings to execute.
@@ -47,4 +45,8 @@ def executed_settings(tree: xr.DataTree) -> list[str]:
         named = tomllib.loads(str(tree.attrs.get("case", ""))).get("corrected_flanks")
     except tomllib.TOMLDecodeError:  # a case that was changed by hand
         return []
-    return execution_note([flank for flank in get_args(FlankOfMember) if isinstance(named, list) and flank in named])
+    if not isinstance(named, list):
+        return []
+    from ....cases.schema.case_schema import FlankOfMember  # most cases have none
+
+    return execution_note([flank for flank in get_args(FlankOfMember) if flank in named])

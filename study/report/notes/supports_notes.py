@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ....cases.reading import read_case, shipped_cases, shipped_supports
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ..summary.supports_report import bearing_loads, towards_heel
@@ -58,6 +57,8 @@ def axial_face(tree: xr.DataTree, member: str) -> tuple[float, float]:
 
 def _other_pair(tree: xr.DataTree) -> list[str]:
     """Shipped supports bear the name of their case: ``axle-fm-11x41``."""
+    from ....cases.reading import read_case, shipped_cases, shipped_supports  # most pairs have none
+
     name = str(tree.attrs.get("supports_name", ""))
     if name not in shipped_supports():
         return []
