@@ -127,11 +127,6 @@ class Synthesis:
         """Largest residual [mm]."""
         return float(np.abs(self.residual).max())
 
-    @property
-    def largest_root_gap(self) -> float:
-        """Largest distance of the blade's tip from the root cone where it was found [mm]; infinite if nowhere."""
-        return float(np.max(np.abs(self.root_gap), initial=-np.inf, where=np.isfinite(self.root_gap)))
-
 
 def root_cost(fit: Synthesis) -> float:
     """Sum of squares [mm^2] of the blade tips' heights above the root cone, as a fit weighs them."""

@@ -38,7 +38,7 @@ def tip_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
     True
     """
     try:
-        side = tooth_side(surface.designed, section, TOE_MIDDLE_HEEL, SIDE_NODES, FILLET_NODES)
+        side = tooth_side(surface.designed, section, tuple(TOE_MIDDLE_HEEL.tolist()), SIDE_NODES, FILLET_NODES)
     except GeometryError:
         return np.full(TOE_MIDDLE_HEEL.size, np.nan)
     lowest = side.fillet[:, :, 0]

@@ -97,7 +97,7 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
         for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
             surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
             try:
-                found = tooth_side(surface, side.section, places[:, number], SIDE_NODES, nodes)
+                found = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
             except GeometryError:
                 continue
             points[:, :, number] = found.turned(side.rotation).fillet[:, :, 0]

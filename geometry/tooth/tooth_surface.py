@@ -65,10 +65,11 @@ class ToothSide:
         )
 
 
+@lru_cache(maxsize=8)  # a tooth and the body under it have the same sides, loaded on either
 def tooth_side(
     surface: GeneratingSurface,
     section: BlankSection,
-    lengthwise: Array,
+    fractions: tuple[float, ...],
     flank_nodes: int,
     fillet_nodes: int = FILLET_NODES,
 ) -> ToothSide:
@@ -80,8 +81,8 @@ def tooth_side(
         Generating surface of the flank.
     section
         The blank.
-    lengthwise
-        Fractions from toe to heel (nt).
+    fractions
+        Lengthwise fractions from toe to heel (nt).
     flank_nodes, fillet_nodes
         Nodes up the flank and up the fillet.
 
@@ -90,14 +91,6 @@ def tooth_side(
     GeometryError
         If the cutter meets no tooth of the blank, or flank or fillet are undercut or missing somewhere.
     """
-    return _cut_side(surface, section, tuple(lengthwise.tolist()), flank_nodes, fillet_nodes)
-
-
-@lru_cache(maxsize=8)
-def _cut_side(
-    surface: GeneratingSurface, section: BlankSection, fractions: tuple[float, ...], flank_nodes: int, fillet_nodes: int
-) -> ToothSide:
-    """As ``tooth_side``: the sides of a tooth, and those of one pitch of its body, are the same loaded on either."""
     lengthwise = np.array(fractions)
     fillet, fillet_normal = _fillet(surface, section, lengthwise, np.linspace(-1.0, 0.0, fillet_nodes))
     joint = fillet[:, :, -1]
@@ -285,7 +278,7 @@ def tooth_surface(
     """
     which = named_member(pair, member)
     along, upward = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
-    t = np.linspace(0.0, 1.0, along) if lengthwise is None else lengthwise
+    t = tuple((np.linspace(0.0, 1.0, along) if lengthwise is None else lengthwise).tolist())
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, upward, fillet_nodes).turned(p.rotation) for p in placed.values()

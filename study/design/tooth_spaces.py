@@ -166,7 +166,7 @@ def _fillet_ends(surface: GeneratingSurface, section: BlankSection, lengthwise: 
     if lengthwise.size < 3:  # what the search along the face takes
         return np.zeros(0)
     try:
-        found = tooth_side(surface, section, lengthwise, 5, 2).fillet[:, :, -1]
+        found = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
     except GeometryError:
         return np.zeros(0)
     return section.height_above_root(found[2], np.hypot(found[0], found[1]))

@@ -48,10 +48,6 @@ def drawing(axes: object) -> Iterator[None]:
 
 def _load() -> None:
     """Load matplotlib, from another folder if there is a configuration in the current one."""
-    if "matplotlib" in sys.modules:
-        return
-    if not os.path.lexists(CONFIGURATION):
-        importlib.import_module("matplotlib")
-        return
-    with contextlib.chdir(Path(__file__).parent):
+    elsewhere = "matplotlib" not in sys.modules and os.path.lexists(CONFIGURATION)
+    with contextlib.chdir(Path(__file__).parent) if elsewhere else contextlib.nullcontext():
         importlib.import_module("matplotlib")

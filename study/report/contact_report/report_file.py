@@ -19,8 +19,12 @@ from ....core.errors import InputError
 from ....core.printable import printable
 from ....core.writing.output_file import whole_file
 from ....friction.operation import named_models
+from ...plot.page import evenly_chosen
+from ...plot.tooth_view import tooth_view
 from ..summary.result_summary import head_rows, result_notes
+from . import cycle_charts, flank_departures, flank_pictures, vh_part
 from .given_results import GivenResults, by_name
+from .mesh_scene import mesh_scene
 from .report_tables import (
     case_tables,
     efficiency_rows,
@@ -93,8 +97,6 @@ def write_report(
 
 def report_page(results: Mapping[str, Given], author: str = "") -> str:
     """Text of the page with results by name, and who made it."""
-    from . import flank_departures, vh_part
-
     given = GivenResults.of(results)
     data: dict[str, Any] = {
         "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
@@ -128,11 +130,6 @@ def report_page(results: Mapping[str, Given], author: str = "") -> str:
 
 def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     """Everything that the page shows of one result."""
-    from ...plot.page import evenly_chosen
-    from ...plot.tooth_view import tooth_view
-    from . import cycle_charts, flank_departures, flank_pictures
-    from .mesh_scene import mesh_scene
-
     case = stored_case(tree)
     loaded = tree["loaded"].to_dataset()
     under_load = loaded_numbers(tree, case)
