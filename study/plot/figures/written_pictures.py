@@ -85,9 +85,9 @@ def write_pictures(
         checked_thickness(marking)
     torques = None if torque is None else distinct("torque", torque, "N m").tolist()
     parts = list(_parts(result, file_path("folder", folder), flank))
-    chosen = _chosen([one for one, _ in parts], names, torques)
     written: list[Path] = []
-    with drawing(None):
+    with drawing(None):  # which loads the drawing library without a configuration of this folder
+        chosen = _chosen([one for one, _ in parts], names, torques)
         for (one, place), own in zip(parts, chosen, strict=True):
             for name in own:
                 figure = draw_picture(one, name, torque=torques, marking=marking)
