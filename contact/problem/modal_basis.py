@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...core.checks import frozen_arrays, instance, whole
 from ...core.errors import InputError
 from .modes.mode_columns import ModeColumns, mode_columns
-from .modes.shared_columns import few_directions, shared_columns
+from .modes.shared_columns import few_directions, part_of, shared_columns
 
 Array = NDArray[np.float64]
 
@@ -189,14 +189,28 @@ class BendingFactor:
     factor: Array
 
     @cached_property
+    def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        """Rows and columns that share no entry with others, see ``factor_blocks``."""
+        return factor_blocks(self.factor)
+
+    @cached_property
+    def is_shared(self) -> NDArray[np.bool_]:
+        """Which columns couple blocks (k)."""
+        return shared_columns(self.factor, self.blocks)
+
+    @cached_property
     def shared_factor(self) -> Array:
         """The columns that couple blocks (n, s) [(mm/N)^0.5]."""
-        return self.factor[:, shared_columns(self.factor, factor_blocks(self.factor))]
+        return self.factor[:, self.is_shared]
 
     @cached_property
     def basis(self) -> ModalBasis:
-        """The factor compressed by blocks."""
-        return modal_basis(self.factor)
+        """The factor compressed by blocks; columns that couple blocks become shared modes."""
+        if not self.is_shared.any():
+            return _own_basis(self.factor, self.blocks)
+        own = self.factor[:, ~self.is_shared]
+        basis = _own_basis(own, factor_blocks(own))
+        return replace(basis, shared=_shared_modes(self.shared_factor, [rows for rows, _ in basis.blocks]))
 
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
@@ -220,28 +234,13 @@ def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
 
 
 def modal_basis(factor: Array) -> ModalBasis:
-    """Find the blocks of a factor and compress them; columns that couple blocks become shared modes.
-
-    Parameters
-    ----------
-    factor
-        V (n, k) [(mm/N)^0.5].
-    """
-    if factor.shape[1] > 0 and (factor != 0.0).all():
-        return _own_basis(factor, [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))])
-    blocks = factor_blocks(factor)
-    shared = shared_columns(factor, blocks)
-    if not shared.any():
-        return _own_basis(factor, blocks)
-    own = factor[:, ~shared]
-    basis = _own_basis(own, factor_blocks(own))
-    return replace(basis, shared=_shared_modes(factor[:, shared], [rows for rows, _ in basis.blocks]))
+    """Return a factor V (n, k) [(mm/N)^0.5] compressed by blocks, see `BendingFactor`."""
+    return BendingFactor(factor).basis
 
 
 def _own_basis(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> ModalBasis:
     """The basis of a factor without shared modes, from its rows and columns of each block."""
-    whole = len(blocks) == 1 and blocks[0][1].size == factor.shape[1]
-    compressed = [compressed_block(factor if whole else factor[np.ix_(*both)]) for both in blocks]
+    compressed = [compressed_block(part_of(factor, *both)) for both in blocks]
     return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)
 
 
@@ -315,39 +314,41 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
     present = factor != 0.0
     if present.all() and present.shape[1] > 0:
         return [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))]
-    # Few patterns occur among many rows: compare patterns, not rows.
-    packed = np.ascontiguousarray(np.packbits(present, axis=1))
-    if packed.shape[1] == 0:
-        return [(np.arange(factor.shape[0]), np.empty(0, dtype=np.intp))]
-    keys = packed.view(np.dtype((np.void, packed.shape[1])))[:, 0]
-    _, first, pattern = np.unique(keys, return_index=True, return_inverse=True)
-    groups: list[tuple[NDArray[np.bool_], list[int]]] = []
-    for number, row in enumerate(first):
-        columns, members = present[row], [number]
-        separate = []
+    # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
+    packed = np.packbits(present, axis=1)
+    begin = np.flatnonzero(np.append(True, (packed[1:] != packed[:-1]).any(axis=1)))
+    runs: dict[bytes, list[int]] = {}
+    for number, pattern in enumerate(packed[begin]):
+        runs.setdefault(pattern.tobytes(), []).append(number)
+    groups: list[tuple[int, list[int]]] = []
+    for pattern, members in runs.items():
+        columns, separate = int.from_bytes(pattern), []
         for group in groups:
-            if (group[0] & columns).any():
-                columns = group[0] | columns
-                members += group[1]
+            if group[0] & columns:
+                columns, members = columns | group[0], members + group[1]
             else:
                 separate.append(group)
         groups = [*separate, (columns, members)]
-    result = [(np.flatnonzero(np.isin(pattern, members)), np.flatnonzero(columns)) for columns, members in groups]
+    spans = np.split(np.arange(present.shape[0]), begin[1:])
+    result = []
+    for columns, members in groups:
+        bits = np.frombuffer(columns.to_bytes(packed.shape[1]), dtype=np.uint8)
+        rows = np.concatenate([spans[number] for number in sorted(members)])
+        result.append((rows, np.flatnonzero(np.unpackbits(bits, count=present.shape[1]))))
     return sorted(result, key=lambda block: int(block[0][0]))
 
 
 def compressed_block(block: Array) -> Array:
     """Return U (m, r) with U U^T = V V^T up to rounding, of as few columns as that takes, for a block V (m, k)."""
-    from scipy.linalg.lapack import dpstrf  # the contact problem itself needs no scipy
+    from scipy.linalg.lapack import dgeqrf, dorgqr, dpstrf  # the contact problem itself needs no scipy
 
-    rows, columns = block.shape
-    if rows <= 2 * columns:
-        product = block @ block.T
-        lower, pivot, rank, _info = dpstrf(product, tol=DROP_TOLERANCE * float(product.diagonal().max()), lower=1)
-        compressed = np.zeros((rows, rank))
-        compressed[pivot - 1] = np.where(np.arange(rows)[:, None] >= np.arange(rank), lower[:, :rank], 0.0)
+    tall = block.shape[0] > block.shape[1]
+    product = block.T @ block if tall else block @ block.T
+    largest = float(product.diagonal().max(initial=0.0))
+    lower, pivot, rank, _info = dpstrf(product, tol=DROP_TOLERANCE * largest, lower=1)
+    compressed = np.zeros((product.shape[0], rank), order="F")
+    compressed[pivot - 1] = np.tril(lower[:, :rank])
+    if not tall:
         return compressed
-    # What the small eigenvalues of V^T V lose in relative accuracy is of the size of rounding in V V^T.
-    eigenvalues, vectors = np.linalg.eigh(block.T @ block)
-    kept = eigenvalues > DROP_TOLERANCE * max(float(eigenvalues[-1]) if columns else 0.0, 0.0)
-    return np.asarray(block @ vectors[:, kept])
+    # The rows of V are in the directions of L with V^T V = L L^T: what they have beside these is rounding in V V^T.
+    return np.asarray(block @ (dorgqr(*dgeqrf(compressed)[:2])[0] if rank else compressed))

@@ -32,7 +32,7 @@ def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArr
     work, split_work = 0.0, 0.0
     for rows, columns in blocks:
         own = _work(rows.size, columns.size, 0)
-        present = factor[np.ix_(rows, columns)] != 0.0
+        present = part_of(factor, rows, columns) != 0.0
         if present.all():
             work, split_work = work + own, split_work + own
             continue
@@ -43,6 +43,12 @@ def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArr
         shared[columns[coupling]] = True
     count = int(np.count_nonzero(shared))
     return shared if not count or split_work + count**3 / 3 < WORTHWHILE_WORK * work else np.zeros_like(shared)
+
+
+def part_of(factor: Array, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+    """Some rows and columns of a factor, in ascending order; no copy where they are all in a row."""
+    both = [slice(one[0], one[-1] + 1) if one.size and one[-1] - one[0] < one.size else one for one in (rows, columns)]
+    return factor[both[0]][:, both[1]]
 
 
 def _coupling(present: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], float]:
