@@ -119,8 +119,12 @@ class ModalCompliance:
 
     @property
     def has_few_modes(self) -> bool:
-        """Whether the modes are fewer than the segments, or compressed already; else the matrix is the smaller form."""
-        return isinstance(self.modes, ModalBasis) or self.factor.shape[1] < self.factor.shape[0]
+        """Whether the modes are fewer than the segments, in blocks of at most half of these, or compressed already.
+
+        Else the matrix is the smaller form.
+        """
+        modes, (size, columns) = self.modes, self.factor.shape
+        return isinstance(modes, ModalBasis) or columns < size or 2 * max(rows.size for rows, _ in modes.blocks) <= size
 
     @cached_property
     def dense(self) -> Array:
@@ -132,7 +136,7 @@ class ModalCompliance:
     @cached_property
     def diagonal(self) -> Array:
         """Diagonal of C [mm/N], (n)."""
-        return read_only(self.local + np.einsum("ij,ij->i", self.factor, self.factor))
+        return self.local + self.modes.diagonal
 
     @property
     def is_positive_semidefinite(self) -> bool:
@@ -151,7 +155,7 @@ class ModalCompliance:
         if not 0.0 < least < SMALL_LOCAL_FRACTION:
             return least
         shared = self.modes.shared_factor
-        without = np.maximum(whole - np.einsum("ij,ij->i", shared, shared), self.local)
+        without = np.maximum(whole - np.vecdot(shared, shared), self.local)
         return float((self.local / without).min())
 
     def deflection(self, force: Array) -> Array:

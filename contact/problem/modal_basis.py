@@ -126,6 +126,11 @@ class ModalBasis:
         return factor[: self.size]
 
     @cached_property
+    def diagonal(self) -> Array:
+        """Diagonal of U U^T + W W^T [mm/N], (n)."""
+        return np.asarray(np.vecdot(self.factor, self.factor))
+
+    @cached_property
     def shared_factor(self) -> Array:
         """W (n, s) [(mm/N)^0.5], without columns of zeros."""
         if self.shared is None:
@@ -189,6 +194,11 @@ class BendingFactor:
     factor: Array
 
     @cached_property
+    def diagonal(self) -> Array:
+        """Diagonal of V V^T [mm/N], (n)."""
+        return np.asarray(np.vecdot(self.factor, self.factor))
+
+    @cached_property
     def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
         """Rows and columns that share no entry with others, see ``factor_blocks``."""
         return factor_blocks(self.factor)
@@ -204,13 +214,26 @@ class BendingFactor:
         return self.factor[:, self.is_shared]
 
     @cached_property
+    def compressed(self) -> list[Array]:
+        """U of each block (m, r) [(mm/N)^0.5], where no columns couple them."""
+        return [compressed_block(part_of(self.factor, *both)) for both in self.blocks]
+
+    @cached_property
     def basis(self) -> ModalBasis:
         """The factor compressed by blocks; columns that couple blocks become shared modes."""
         if not self.is_shared.any():
-            return _own_basis(self.factor, self.blocks)
-        own = self.factor[:, ~self.is_shared]
-        basis = _own_basis(own, factor_blocks(own))
+            return basis_of_blocks(self.factor.shape[0], [rows for rows, _ in self.blocks], self.compressed)
+        basis = BendingFactor(self.factor[:, ~self.is_shared]).basis
         return replace(basis, shared=_shared_modes(self.shared_factor, [rows for rows, _ in basis.blocks]))
+
+    @cached_property
+    def columns(self) -> ModeColumns:
+        """The compressed modes as the compiled contact solution reads them."""
+        if self.is_shared.any():
+            return self.basis.columns
+        blocks = [(rows, modes) for (rows, _), modes in zip(self.blocks, self.compressed, strict=True)]
+        none = np.zeros((self.factor.shape[0], 0))
+        return mode_columns(self.factor.shape[0], blocks, none, np.zeros((len(blocks), 0, 0)), none)
 
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
@@ -236,12 +259,6 @@ def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
 def modal_basis(factor: Array) -> ModalBasis:
     """Return a factor V (n, k) [(mm/N)^0.5] compressed by blocks, see `BendingFactor`."""
     return BendingFactor(factor).basis
-
-
-def _own_basis(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> ModalBasis:
-    """The basis of a factor without shared modes, from its rows and columns of each block."""
-    compressed = [compressed_block(part_of(factor, *both)) for both in blocks]
-    return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)
 
 
 def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedModes:
@@ -316,11 +333,11 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
         return [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))]
     # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
     packed = np.packbits(present, axis=1)
-    begin = np.flatnonzero(np.append(True, (packed[1:] != packed[:-1]).any(axis=1)))
-    runs: dict[bytes, list[int]] = {}
-    for number, pattern in enumerate(packed[begin]):
-        runs.setdefault(pattern.tobytes(), []).append(number)
-    groups: list[tuple[int, list[int]]] = []
+    ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), present.shape[0]]
+    runs: dict[bytes, list[NDArray[np.intp]]] = {}
+    for begin, end in zip([0, *ends], ends, strict=False):
+        runs.setdefault(packed[begin].tobytes(), []).append(np.arange(begin, end))
+    groups: list[tuple[int, list[NDArray[np.intp]]]] = []
     for pattern, members in runs.items():
         columns, separate = int.from_bytes(pattern), []
         for group in groups:
@@ -329,26 +346,28 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
             else:
                 separate.append(group)
         groups = [*separate, (columns, members)]
-    spans = np.split(np.arange(present.shape[0]), begin[1:])
     result = []
     for columns, members in groups:
         bits = np.frombuffer(columns.to_bytes(packed.shape[1]), dtype=np.uint8)
-        rows = np.concatenate([spans[number] for number in sorted(members)])
-        result.append((rows, np.flatnonzero(np.unpackbits(bits, count=present.shape[1]))))
+        present_columns = np.flatnonzero(np.unpackbits(bits, count=present.shape[1]))
+        result.append((np.sort(np.concatenate(members)), present_columns))
     return sorted(result, key=lambda block: int(block[0][0]))
 
 
 def compressed_block(block: Array) -> Array:
     """Return U (m, r) with U U^T = V V^T up to rounding, of as few columns as that takes, for a block V (m, k)."""
-    from scipy.linalg.lapack import dgeqrf, dorgqr, dpstrf  # the contact problem itself needs no scipy
+    from scipy.linalg.blas import dsyrk  # the contact problem itself needs no scipy
+    from scipy.linalg.lapack import dgeqrf, dorgqr, dpstrf
 
+    if not block.size:
+        return np.zeros((block.shape[0], 0))
     tall = block.shape[0] > block.shape[1]
-    product = block.T @ block if tall else block @ block.T
-    largest = float(product.diagonal().max(initial=0.0))
-    lower, pivot, rank, _info = dpstrf(product, tol=DROP_TOLERANCE * largest, lower=1)
-    compressed = np.zeros((product.shape[0], rank), order="F")
-    compressed[pivot - 1] = np.tril(lower[:, :rank])
+    product = dsyrk(1.0, block.T, trans=not tall, lower=1)  # zero above the diagonal
+    tolerance = DROP_TOLERANCE * float(product.diagonal().max())
+    lower, pivot, rank, _info = dpstrf(product, tol=tolerance, lower=1, overwrite_a=1)
+    compressed = np.empty((product.shape[0], rank), order="F")
+    compressed[pivot - 1] = lower[:, :rank]
     if not tall:
         return compressed
     # The rows of V are in the directions of L with V^T V = L L^T: what they have beside these is rounding in V V^T.
-    return np.asarray(block @ (dorgqr(*dgeqrf(compressed)[:2])[0] if rank else compressed))
+    return np.asarray(block @ (dorgqr(*dgeqrf(compressed, overwrite_a=1)[:2])[0] if rank else compressed))

@@ -2,8 +2,8 @@
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
-2. Primal-dual active set, from the same start. It comes first where the problem is small, or was given as many modes
-   as segments: to find few among them costs more than the solution.
+2. Primal-dual active set, from the same start. It comes first where as many modes were given as segments, in blocks of
+   more than half of these: to find few among them costs more than the solution.
 3. Primal active set, which cannot cycle; where the compliance is nearly singular, its segments in contact solved for
    anew.
 
@@ -84,9 +84,6 @@ METHOD_WORDS = {
 }
 #: By this share more of its diagonal a compliance is so far from singular that rounding seldom matters.
 DIAGONAL_SHARE = 1e-10
-#: Number of segments up to which the dense active set is faster than the modal method, whether or not the modes have to
-#: be compressed first.
-DENSE_FIRST_SIZE = 300
 
 
 def answers(
@@ -124,9 +121,7 @@ def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
         return (products,)
     if problem.modal is None:
         return (dense, *others)
-    if problem.separation.size <= DENSE_FIRST_SIZE or not problem.modal.compliance.has_few_modes:
-        return (dense, modal, *others)
-    return (modal, dense, *others)
+    return (modal, dense, *others) if problem.modal.compliance.has_few_modes else (dense, modal, *others)
 
 
 def _answers(

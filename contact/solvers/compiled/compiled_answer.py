@@ -27,6 +27,7 @@ solve_batch = kernel(".newton_kernel", __package__).solve_batch
 SMALLEST_LOCAL_FRACTION = 1e-4
 
 _NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.uint8), np.empty((0, 14))
+_NO_FACTOR = np.empty(0)
 
 
 class CompiledAnswer(NamedTuple):
@@ -64,12 +65,12 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
     begin, size = perf_counter(), problem.separation.size
-    columns = tuple(matrix.modes.basis.columns)
+    columns, factor = tuple(matrix.modes.columns), _given_factor(matrix)
     ready = perf_counter()
     force, gap, numbers, counts = _results(1, size)
     mask = _NO_MASK if active is None else active.reshape(1, size).view(np.uint8)
     solve_batch(
-        columns, np.array([problem.torque]), problem.separation.reshape(1, size),
+        columns, factor, np.array([problem.torque]), problem.separation.reshape(1, size),
         problem.lever_arm, matrix.local, _NO_LAW, mask,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
@@ -78,10 +79,6 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
         return None
     ended_at = perf_counter()
     times = ready - begin, ended_at - ready
-    if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
-        return CompiledAnswer(
-            with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES, math.nan, *times
-        )
     return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, math.nan, *times)
 
 
@@ -100,7 +97,7 @@ def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Ar
         return None
     force, gap, numbers, counts = _results(1, size)
     solve_batch(
-        tuple(modal.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
+        tuple(modal.basis.columns), _NO_FACTOR, np.array([problem.torque]), problem.separation.reshape(1, size),
         problem.lever_arm, modal.diagonal, _NO_LAW, active.reshape(1, size).view(np.uint8),
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
@@ -118,13 +115,14 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
         steps and whether the method ended (b, 2). None where the method cannot be used.
     """
     matrix = problem.compliance_matrix
-    if not isinstance(matrix, ModalCompliance):
+    if not (isinstance(matrix, ModalCompliance) and matrix.has_few_modes):
         return None
-    if not (matrix.local_fraction > SMALLEST_LOCAL_FRACTION and isinstance(matrix.modes, ModalBasis)):
+    if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
     force, gap, numbers, counts = _results(*separation.shape)
     solve_batch(
-        tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
+        tuple(matrix.modes.columns), _given_factor(matrix), torque, separation,
+        problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     return force, gap, numbers, counts
@@ -154,8 +152,8 @@ def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list
     force, gap, numbers, counts = _results(count, size)
     secant = np.empty((count, size))
     solve_batch(
-        tuple(basis.columns), torque, np.repeat(first.separation.reshape(1, size), count, axis=0), first.lever_arm,
-        first.separation, law, _NO_MASK,
+        tuple(basis.columns), _NO_FACTOR, torque, np.repeat(first.separation.reshape(1, size), count, axis=0),
+        first.lever_arm, first.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
     )  # fmt: skip
     answers: list[CompiledAnswer | None] = []
@@ -178,6 +176,11 @@ def answer_of(problem: ContactProblem, force: Array, gap: Array, numbers: Array)
     if not certificate.resolution <= RESOLUTION_LIMIT and certificate.worst <= RESOLUTION_LIMIT:
         return with_certificate(problem, force, elastic)
     return Answer(force, rotation, gap, elastic, certificate, problem)
+
+
+def _given_factor(matrix: ModalCompliance) -> Array:
+    """V row by row where it was given so (n k): the proof is on it; empty for modes that were given compressed."""
+    return _NO_FACTOR if isinstance(matrix.modes, ModalBasis) else matrix.factor.reshape(-1)
 
 
 def _results(count: int, size: int) -> tuple[Array, Array, Array, NDArray[np.int64]]:

@@ -20,7 +20,7 @@ cdef class Newton:
     cdef bint plain
     cdef double[::1] amplitudes, loads, change, begin, best, border, solved, mixed, stiff_mixed
     cdef double[::1] shifted, separation, arm, stiff, gap, root, pull, lever, force, local
-    cdef double[::1] z, grams, rows, few, whole, pool
+    cdef double[::1] z, grams, rows, few, whole, pool, given
     cdef Py_ssize_t taken
     cdef int64_t[::1] spans, segment, touching
 
@@ -91,9 +91,12 @@ cdef (double, Py_ssize_t, bint) _solve(
     const unsigned char[:, ::1] mask, Py_ssize_t b,
 ) noexcept nogil
 
-@cython.locals(spread=double, compliance=double)
+@cython.locals(columns=Py_ssize_t)
+cdef void _bend(Newton n, const double[::1] factor) noexcept nogil
+
+@cython.locals(spread=double, compliance=double, columns=Py_ssize_t)
 cdef double _answer(
-    Newton n, bint linear, const double[::1] local, double rotation, const double[::1] arm, double[:, ::1] force, double[:, ::1] gap, double[:, ::1] secant, Py_ssize_t b,
+    Newton n, bint linear, const double[::1] local, const double[::1] factor, double rotation, const double[::1] arm, double[:, ::1] force, double[:, ::1] gap, double[:, ::1] secant, Py_ssize_t b,
 ) noexcept nogil
 
 @cython.locals(
@@ -101,7 +104,7 @@ cdef double _answer(
     known=double, b=Py_ssize_t,
 )
 cpdef solve_batch(
-    tuple modes, const double[::1] torque, const double[:, ::1] separation, const double[::1] arm,
+    tuple modes, const double[::1] factor, const double[::1] torque, const double[:, ::1] separation, const double[::1] arm,
     const double[::1] local, const double[:, ::1] law, const unsigned char[:, ::1] mask, double[:, ::1] force,
     double[:, ::1] gap, double[:, ::1] secant, double[:, ::1] numbers, int64_t[:, ::1] counts,
 )

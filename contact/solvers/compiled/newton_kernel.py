@@ -734,8 +734,30 @@ def _solve(n: Any, torque: float, arm: Any, local: Any, linear: bool, mask: Any,
     return rotation, steps, ended
 
 
+def _bend(n: Any, factor: Any) -> None:
+    """Deflection in modes under the forces in ``separation``, to ``gap``: by the factor as given, if there is one."""
+    columns = n.given.shape[0]
+    for x in range(n.size):
+        n.gap[x] = 0.0
+    if columns:
+        for t in range(columns):
+            n.given[t] = 0.0
+        for x in range(n.size):
+            n.local[n.segment[x]] = n.separation[x]
+        add_rows(factor, 0, columns, n.size, n.local, 0, n.given, 0, columns)
+        row_products(factor, 0, columns, n.size, n.given, 0, columns, n.local, 0)
+        for x in range(n.size):
+            n.gap[x] = n.local[n.segment[x]]
+        return
+    if n.shared:
+        _spread(n, n.loads)
+    for q in range(n.blocks):
+        x0, count, column, rank = n.table[q, 0], n.table[q, 1], n.table[q, 2], n.table[q, 3]
+        add_rows(n.columns, column, count, rank + n.local_shared, n.loads, q * n.width, n.gap, x0, count)
+
+
 def _answer(
-    n: Any, linear: bool, local: Any, rotation: float, arm: Any, force: Any, gap: Any, secant: Any, b: int
+    n: Any, linear: bool, local: Any, factor: Any, rotation: float, arm: Any, force: Any, gap: Any, secant: Any, b: int
 ) -> float:
     """Forces and gaps in the order of the segments, the deflection from the forces themselves.
 
@@ -747,13 +769,8 @@ def _answer(
             n.separation[x] = n.pull[x] if n.root[x] > 0.0 else 0.0  # never -0
         else:
             n.separation[x] = n.force[x] if n.gap[x] < 0.0 else 0.0
-        n.gap[x] = 0.0
-    if n.shared:
-        _spread(n, n.loads)
-    for q in range(n.blocks):
-        x0, count, column, rank = n.table[q, 0], n.table[q, 1], n.table[q, 2], n.table[q, 3]
-        add_rows(n.columns, column, count, rank + n.local_shared, n.loads, q * n.width, n.gap, x0, count)
-    spread = 1.0
+    _bend(n, factor)
+    spread, columns = 1.0, n.given.shape[0]
     for x in range(n.size):
         i = n.segment[x]
         force[b, i] = n.separation[x]
@@ -765,7 +782,11 @@ def _answer(
             compliance /= n.law[i, 0]
             secant[b, i] = compliance
         n.pull[i] = compliance * n.separation[x] + n.gap[x]
-        n.lever[i] = compliance + n.sums[0, i]
+        n.lever[i] = compliance
+        if columns:
+            n.lever[i] += dot(factor, i * columns, factor, i * columns, columns)
+            continue
+        n.lever[i] += n.sums[0, i]
         if n.shared:
             terms = n.lever[i] + n.sums[3, i]
             n.lever[i] += n.sums[2, i]
@@ -776,7 +797,7 @@ def _answer(
 
 
 def solve_batch(
-    modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
+    modes: Any, factor: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
     force: Any, gap: Any, secant: Any, numbers: Any, counts: Any,
 ) -> None:  # fmt: skip
     """Solve problems of one compliance one after another.
@@ -785,6 +806,8 @@ def solve_batch(
     ----------
     modes
         See ``mode_columns``.
+    factor
+        What the modes were compressed from, row by row (n k): the answer is proved on it; empty for none.
     torque
         Of every problem (b) [N mm].
     separation
@@ -806,13 +829,14 @@ def solve_batch(
     n: Any = Newton()
     linear = law.shape[0] == 0
     _prepare(n, modes, law, arm.shape[0])
-    known = n.size + n.width + 10.0 + n.local_shared + n.shared
+    n.given = np.empty(factor.shape[0] // n.size)
+    known = n.size + 10.0 + (n.given.shape[0] or n.width + n.local_shared + n.shared)
     for b in range(torque.shape[0]):
         first, remainder, shift_error = first_contact(separation[b], arm, n.shifted)
         rotation, steps, ended = _solve(n, torque[b], arm, local, linear, mask, b)
         counts[b, 0], counts[b, 1] = steps + 1, ended
         numbers[b, 9] = NAN if linear else _stiffness(n)
-        spread = _answer(n, linear, local, rotation, arm, force, gap, secant, b)
+        spread = _answer(n, linear, local, factor, rotation, arm, force, gap, secant, b)
         numbers[b, 0], numbers[b, 1] = first + (remainder + rotation), rotation
         certificate(
             force[b], n.pull, gap[b], n.shifted, arm, n.lever, torque[b], spread * known, shift_error * abs(first),
