@@ -272,7 +272,7 @@ def bits_of(kernel: Any, given: ContactProblem, law: Array, torques: Array, mask
     with np.errstate(all="ignore"):
         kernel.solve_batch(
             tuple(matrix.modes.columns), factor, torques, np.repeat(given.separation[None], count, axis=0),
-            given.lever_arm, matrix.local, law, mask, *found, numbers, counts,
+            given.lever_arm, matrix.local, matrix.diagonal, law, mask, *found, numbers, counts,
         )  # fmt: skip
     return [*found, numbers, counts]
 

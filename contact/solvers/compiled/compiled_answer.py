@@ -71,7 +71,7 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     mask = _NO_MASK if active is None else active.reshape(1, size).view(np.uint8)
     solve_batch(
         columns, factor, np.array([problem.torque]), problem.separation.reshape(1, size),
-        problem.lever_arm, matrix.local, _NO_LAW, mask,
+        problem.lever_arm, matrix.local, matrix.diagonal, _NO_LAW, mask,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
@@ -98,7 +98,7 @@ def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Ar
     force, gap, numbers, counts = _results(1, size)
     solve_batch(
         tuple(modal.basis.columns), _NO_FACTOR, np.array([problem.torque]), problem.separation.reshape(1, size),
-        problem.lever_arm, modal.diagonal, _NO_LAW, active.reshape(1, size).view(np.uint8),
+        problem.lever_arm, modal.diagonal, modal.diagonal, _NO_LAW, active.reshape(1, size).view(np.uint8),
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
@@ -122,7 +122,7 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     force, gap, numbers, counts = _results(*separation.shape)
     solve_batch(
         tuple(matrix.modes.columns), _given_factor(matrix), torque, separation,
-        problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
+        problem.lever_arm, matrix.local, matrix.diagonal, _NO_LAW, _NO_MASK,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     return force, gap, numbers, counts
@@ -153,7 +153,7 @@ def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list
     secant = np.empty((count, size))
     solve_batch(
         tuple(basis.columns), _NO_FACTOR, torque, np.repeat(first.separation.reshape(1, size), count, axis=0),
-        first.lever_arm, first.separation, law, _NO_MASK,
+        first.lever_arm, first.separation, first.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
     )  # fmt: skip
     answers: list[CompiledAnswer | None] = []

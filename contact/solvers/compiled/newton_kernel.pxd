@@ -94,9 +94,9 @@ cdef (double, Py_ssize_t, bint) _solve(
 @cython.locals(columns=Py_ssize_t)
 cdef void _bend(Newton n, const double[::1] factor) noexcept nogil
 
-@cython.locals(spread=double, compliance=double, columns=Py_ssize_t)
+@cython.locals(spread=double, compliance=double)
 cdef double _answer(
-    Newton n, bint linear, const double[::1] local, const double[::1] factor, double rotation, const double[::1] arm, double[:, ::1] force, double[:, ::1] gap, double[:, ::1] secant, Py_ssize_t b,
+    Newton n, bint linear, const double[::1] local, const double[::1] diagonal, const double[::1] factor, double rotation, const double[::1] arm, double[:, ::1] force, double[:, ::1] gap, double[:, ::1] secant, Py_ssize_t b,
 ) noexcept nogil
 
 @cython.locals(
@@ -105,6 +105,6 @@ cdef double _answer(
 )
 cpdef solve_batch(
     tuple modes, const double[::1] factor, const double[::1] torque, const double[:, ::1] separation, const double[::1] arm,
-    const double[::1] local, const double[:, ::1] law, const unsigned char[:, ::1] mask, double[:, ::1] force,
+    const double[::1] local, const double[::1] diagonal, const double[:, ::1] law, const unsigned char[:, ::1] mask, double[:, ::1] force,
     double[:, ::1] gap, double[:, ::1] secant, double[:, ::1] numbers, int64_t[:, ::1] counts,
 )

@@ -737,18 +737,18 @@ def _solve(n: Any, torque: float, arm: Any, local: Any, linear: bool, mask: Any,
 def _bend(n: Any, factor: Any) -> None:
     """Deflection in modes under the forces in ``separation``, to ``gap``: by the factor as given, if there is one."""
     columns = n.given.shape[0]
-    for x in range(n.size):
-        n.gap[x] = 0.0
     if columns:
         for t in range(columns):
             n.given[t] = 0.0
         for x in range(n.size):
-            n.local[n.segment[x]] = n.separation[x]
-        add_rows(factor, 0, columns, n.size, n.local, 0, n.given, 0, columns)
+            if n.separation[x] != 0.0:
+                add_rows(factor, n.segment[x] * columns, columns, 1, n.separation, x, n.given, 0, columns)
         row_products(factor, 0, columns, n.size, n.given, 0, columns, n.local, 0)
         for x in range(n.size):
             n.gap[x] = n.local[n.segment[x]]
         return
+    for x in range(n.size):
+        n.gap[x] = 0.0
     if n.shared:
         _spread(n, n.loads)
     for q in range(n.blocks):
@@ -757,8 +757,9 @@ def _bend(n: Any, factor: Any) -> None:
 
 
 def _answer(
-    n: Any, linear: bool, local: Any, factor: Any, rotation: float, arm: Any, force: Any, gap: Any, secant: Any, b: int
-) -> float:
+    n: Any, linear: bool, local: Any, diagonal: Any, factor: Any, rotation: float, arm: Any, force: Any, gap: Any,
+    secant: Any, b: int,
+) -> float:  # fmt: skip
     """Forces and gaps in the order of the segments, the deflection from the forces themselves.
 
     Deflections and diagonal of the compliance are then in ``pull`` and ``lever``. Returns the spread of terms that
@@ -770,7 +771,7 @@ def _answer(
         else:
             n.separation[x] = n.force[x] if n.gap[x] < 0.0 else 0.0
     _bend(n, factor)
-    spread, columns = 1.0, n.given.shape[0]
+    spread = 1.0
     for x in range(n.size):
         i = n.segment[x]
         force[b, i] = n.separation[x]
@@ -782,14 +783,10 @@ def _answer(
             compliance /= n.law[i, 0]
             secant[b, i] = compliance
         n.pull[i] = compliance * n.separation[x] + n.gap[x]
-        n.lever[i] = compliance
-        if columns:
-            n.lever[i] += dot(factor, i * columns, factor, i * columns, columns)
-            continue
-        n.lever[i] += n.sums[0, i]
-        if n.shared:
-            terms = n.lever[i] + n.sums[3, i]
-            n.lever[i] += n.sums[2, i]
+        n.lever[i] = diagonal[i] if linear else compliance + n.sums[0, i]
+        if n.shared and not n.given.shape[0]:
+            terms = compliance + n.sums[0, i] + n.sums[3, i]
+            n.lever[i] = compliance + n.sums[0, i] + n.sums[2, i]
             spread = max(spread, terms / n.lever[i])
     for i in range(n.size):
         gap[b, i] = n.pull[i] + n.shifted[i] - rotation * arm[i]
@@ -797,7 +794,7 @@ def _answer(
 
 
 def solve_batch(
-    modes: Any, factor: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
+    modes: Any, factor: Any, torque: Any, separation: Any, arm: Any, local: Any, diagonal: Any, law: Any, mask: Any,
     force: Any, gap: Any, secant: Any, numbers: Any, counts: Any,
 ) -> None:  # fmt: skip
     """Solve problems of one compliance one after another.
@@ -812,10 +809,10 @@ def solve_batch(
         Of every problem (b) [N mm].
     separation
         Of every problem (b, n) [mm].
-    arm, local
-        Of the segments (n) [mm], [mm/N].
+    arm, local, diagonal
+        Of the segments (n) [mm], [mm/N]: the latter two their local and whole compliances, where these are given.
     law
-        Parameters of line contacts (n, 14), empty where the local compliances are given.
+        Parameters of line contacts (n, 14), else empty.
     mask
         Of every problem, segments that are assumed in contact (b, n); empty for none.
     force, gap
@@ -836,7 +833,7 @@ def solve_batch(
         rotation, steps, ended = _solve(n, torque[b], arm, local, linear, mask, b)
         counts[b, 0], counts[b, 1] = steps + 1, ended
         numbers[b, 9] = NAN if linear else _stiffness(n)
-        spread = _answer(n, linear, local, factor, rotation, arm, force, gap, secant, b)
+        spread = _answer(n, linear, local, diagonal, factor, rotation, arm, force, gap, secant, b)
         numbers[b, 0], numbers[b, 1] = first + (remainder + rotation), rotation
         certificate(
             force[b], n.pull, gap[b], n.shifted, arm, n.lever, torque[b], spread * known, shift_error * abs(first),
