@@ -369,7 +369,7 @@ def frozen_arrays(record: type[Record]) -> type[Record]:
         setattr(record, name, _freezing(method))
     for value in vars(record).values():
         if isinstance(value, functools.cached_property):
-            value.func = functools.wraps(value.func)(lambda self, compute=value.func: frozen(compute(self), own=True))
+            value.func = functools.wraps(value.func)(lambda self, compute=value.func: frozen(compute(self)))
     return record
 
 
@@ -393,29 +393,23 @@ def _restored(record: Any, state: dict[str, Any]) -> None:
     record.__dict__.update(state)
 
 
-def frozen(value: Any, *, own: bool = False) -> Any:
-    """Return an array, or tuple, list or dict of some, that cannot be written to: the value itself where it is that.
-
-    So is, of one's own, an array that nobody else writes to, from now on.
-    """
+def frozen(value: Any) -> Any:
+    """Return an array, or tuple, list or dict of some, that cannot be written to: the value itself where it is that."""
     if isinstance(value, np.ndarray):
-        if own:
-            value.setflags(write=False)
-            return value
         within: Any = value
         while isinstance(within, np.ndarray) and not within.flags.writeable:
             within = within.base
         if within is None:
             return value
-        copy = np.array(value, subok=True)
-        copy.setflags(write=False)
-        return copy
+        own = np.array(value, subok=True)
+        own.setflags(write=False)
+        return own
     named = isinstance(value, tuple) and hasattr(value, "_make")
     if not named and type(value) not in (tuple, list, dict):
         return value
     entries = list(value.values() if isinstance(value, dict) else value)
-    kept = [frozen(entry, own=own) for entry in entries]
-    if all(one is entry for one, entry in zip(kept, entries, strict=True)):
+    kept = [frozen(entry) for entry in entries]
+    if all(own is entry for own, entry in zip(kept, entries, strict=True)):
         return value
     if isinstance(value, dict):
         return dict(zip(value, kept, strict=True))

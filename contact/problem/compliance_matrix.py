@@ -119,10 +119,7 @@ class ModalCompliance:
 
     @property
     def has_few_modes(self) -> bool:
-        """Whether the modes are fewer than the segments, in blocks of at most half of these, or compressed already.
-
-        Else the matrix is the smaller form.
-        """
+        """Whether modes are compressed, less than the segments, or in blocks of at most half of these; else C is less."""
         modes, (size, columns) = self.modes, self.factor.shape
         return isinstance(modes, ModalBasis) or columns < size or 2 * max(rows.size for rows, _ in modes.blocks) <= size
 

@@ -329,8 +329,6 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
         columns.
     """
     present = factor != 0.0
-    if present.all() and present.shape[1] > 0:
-        return [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))]
     # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
     packed = np.packbits(present, axis=1)
     ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), present.shape[0]]

@@ -16,6 +16,7 @@ from ...problem.certificate import RESOLUTION_LIMIT, Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
+from ...problem.modes.mode_columns import ModeColumns
 from ...problem.scaled_problem import ScaledProblem
 
 Array = NDArray[np.float64]
@@ -26,8 +27,7 @@ solve_batch = kernel(".newton_kernel", __package__).solve_batch
 #: lost, and iterations gained, in the ratio of the two.
 SMALLEST_LOCAL_FRACTION = 1e-4
 
-_NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.uint8), np.empty((0, 14))
-_NO_FACTOR = np.empty(0)
+_NO_FACTOR, _NO_MASK, _NO_LAW = np.empty(0), np.empty((0, 0), dtype=np.uint8), np.empty((0, 14))
 
 
 class CompiledAnswer(NamedTuple):
@@ -64,22 +64,19 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
         return None
     if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
-    begin, size = perf_counter(), problem.separation.size
-    columns, factor = tuple(matrix.modes.columns), _given_factor(matrix)
+    begin, columns = perf_counter(), matrix.modes.columns
     ready = perf_counter()
-    force, gap, numbers, counts = _results(1, size)
-    mask = _NO_MASK if active is None else active.reshape(1, size).view(np.uint8)
-    solve_batch(
-        columns, factor, np.array([problem.torque]), problem.separation.reshape(1, size),
-        problem.lever_arm, matrix.local, matrix.diagonal, _NO_LAW, mask,
-        force, gap, _NO_FORCES, numbers, counts,
+    mask = _NO_MASK if active is None else active[np.newaxis].view(np.uint8)
+    force, gap, _, numbers, counts = _solved(
+        columns, np.array([problem.torque]), problem.separation[np.newaxis], problem.lever_arm, matrix.local,
+        matrix.diagonal, mask=mask, factor=_given_factor(matrix),
     )  # fmt: skip
     steps, ended = counts[0].tolist()
     if not ended:
         return None
     ended_at = perf_counter()
     times = ready - begin, ended_at - ready
-    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES, math.nan, *times)
+    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FACTOR, math.nan, *times)
 
 
 def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Array, float, int] | None:
@@ -92,14 +89,12 @@ def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Ar
     active
         Segments assumed in contact (n).
     """
-    modal, size = problem.modal, problem.separation.size
+    modal = problem.modal
     if modal is None or not modal.compliance.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
-    force, gap, numbers, counts = _results(1, size)
-    solve_batch(
-        tuple(modal.basis.columns), _NO_FACTOR, np.array([problem.torque]), problem.separation.reshape(1, size),
-        problem.lever_arm, modal.diagonal, modal.diagonal, _NO_LAW, active.reshape(1, size).view(np.uint8),
-        force, gap, _NO_FORCES, numbers, counts,
+    force, _, _, numbers, counts = _solved(
+        modal.basis.columns, np.array([problem.torque]), problem.separation[np.newaxis], problem.lever_arm,
+        modal.diagonal, modal.whole_diagonal, mask=active[np.newaxis].view(np.uint8),
     )  # fmt: skip
     steps, ended = counts[0].tolist()
     return (force[0], float(numbers[0, 0]), steps) if ended else None
@@ -115,15 +110,13 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
         steps and whether the method ended (b, 2). None where the method cannot be used.
     """
     matrix = problem.compliance_matrix
-    if not (isinstance(matrix, ModalCompliance) and matrix.has_few_modes):
+    if not isinstance(matrix, ModalCompliance) or not matrix.has_few_modes:
         return None
     if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
-    force, gap, numbers, counts = _results(*separation.shape)
-    solve_batch(
-        tuple(matrix.modes.columns), _given_factor(matrix), torque, separation,
-        problem.lever_arm, matrix.local, matrix.diagonal, _NO_LAW, _NO_MASK,
-        force, gap, _NO_FORCES, numbers, counts,
+    force, gap, _, numbers, counts = _solved(
+        matrix.modes.columns, torque, separation, problem.lever_arm, matrix.local, matrix.diagonal,
+        factor=_given_factor(matrix),
     )  # fmt: skip
     return force, gap, numbers, counts
 
@@ -148,14 +141,10 @@ def line_contact_answers(bendings: Sequence[ContactProblem], law: Array) -> list
     basis, torque = first.modal_basis, np.array([one.torque for one in bendings])
     if basis is None or not torque.min() > 0.0:
         return [None] * len(bendings)
-    count, size = torque.size, first.size
-    force, gap, numbers, counts = _results(count, size)
-    secant = np.empty((count, size))
-    solve_batch(
-        tuple(basis.columns), _NO_FACTOR, torque, np.repeat(first.separation.reshape(1, size), count, axis=0),
-        first.lever_arm, first.separation, first.separation, law, _NO_MASK,
-        force, gap, secant, numbers, counts,
-    )  # fmt: skip
+    separation = np.repeat(first.separation[np.newaxis], torque.size, axis=0)
+    force, gap, secant, numbers, counts = _solved(
+        basis.columns, torque, separation, first.lever_arm, first.separation, first.separation, law=law
+    )
     answers: list[CompiledAnswer | None] = []
     for b, (steps, ended) in enumerate(counts.tolist()):
         if not ended:
@@ -183,6 +172,13 @@ def _given_factor(matrix: ModalCompliance) -> Array:
     return _NO_FACTOR if isinstance(matrix.modes, ModalBasis) else matrix.factor.reshape(-1)
 
 
-def _results(count: int, size: int) -> tuple[Array, Array, Array, NDArray[np.int64]]:
-    shape = (count, size)
-    return np.empty(shape), np.empty(shape), np.empty((count, 10)), np.empty((count, 2), dtype=np.int64)
+def _solved(
+    modes: ModeColumns, torque: Array, separation: Array, arm: Array, local: Array, diagonal: Array, *,
+    law: Array = _NO_LAW, mask: NDArray[np.uint8] = _NO_MASK, factor: Array = _NO_FACTOR,
+) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:  # fmt: skip
+    """Results of `solve_batch`: forces, gaps, secant compliances of line contacts, numbers and counts."""
+    shape = separation.shape
+    found = np.empty(shape), np.empty(shape), np.empty(shape if law.size else (0, 0)), np.empty((shape[0], 10))
+    counts = np.empty((shape[0], 2), dtype=np.int64)
+    solve_batch(tuple(modes), factor, torque, separation, arm, local, diagonal, law, mask, *found, counts)
+    return *found, counts
