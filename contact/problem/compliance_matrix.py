@@ -119,7 +119,7 @@ class ModalCompliance:
 
     @property
     def has_few_modes(self) -> bool:
-        """Whether modes are compressed, less than the segments, or in blocks of at most half of these; else C is less."""
+        """Whether modes are fewer than segments, in blocks of half of them, or compressed; else C is the smaller."""
         modes, (size, columns) = self.modes, self.factor.shape
         return isinstance(modes, ModalBasis) or columns < size or 2 * max(rows.size for rows, _ in modes.blocks) <= size
 
@@ -133,7 +133,7 @@ class ModalCompliance:
     @cached_property
     def diagonal(self) -> Array:
         """Diagonal of C [mm/N], (n)."""
-        return self.local + self.modes.diagonal
+        return read_only(self.local + np.vecdot(self.factor, self.factor))
 
     @property
     def is_positive_semidefinite(self) -> bool:

@@ -126,11 +126,6 @@ class ModalBasis:
         return factor[: self.size]
 
     @cached_property
-    def diagonal(self) -> Array:
-        """Diagonal of U U^T + W W^T [mm/N], (n)."""
-        return np.asarray(np.vecdot(self.factor, self.factor))
-
-    @cached_property
     def shared_factor(self) -> Array:
         """W (n, s) [(mm/N)^0.5], without columns of zeros."""
         if self.shared is None:
@@ -194,11 +189,6 @@ class BendingFactor:
     factor: Array
 
     @cached_property
-    def diagonal(self) -> Array:
-        """Diagonal of V V^T [mm/N], (n)."""
-        return np.asarray(np.vecdot(self.factor, self.factor))
-
-    @cached_property
     def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
         """Rows and columns that share no entry with others, see ``factor_blocks``."""
         return factor_blocks(self.factor)
@@ -214,15 +204,16 @@ class BendingFactor:
         return self.factor[:, self.is_shared]
 
     @cached_property
-    def compressed(self) -> list[Array]:
-        """U of each block (m, r) [(mm/N)^0.5], where no columns couple them."""
-        return [compressed_block(part_of(self.factor, *both)) for both in self.blocks]
+    def compressed(self) -> list[tuple[NDArray[np.intp], Array]]:
+        """Rows (m) and U (m, r) [(mm/N)^0.5] of each block, where no columns couple them."""
+        return [(rows, compressed_block(part_of(self.factor, rows, columns))) for rows, columns in self.blocks]
 
     @cached_property
     def basis(self) -> ModalBasis:
         """The factor compressed by blocks; columns that couple blocks become shared modes."""
         if not self.is_shared.any():
-            return basis_of_blocks(self.factor.shape[0], [rows for rows, _ in self.blocks], self.compressed)
+            rows, modes = zip(*self.compressed, strict=True)
+            return basis_of_blocks(self.factor.shape[0], rows, modes)
         basis = BendingFactor(self.factor[:, ~self.is_shared]).basis
         return replace(basis, shared=_shared_modes(self.shared_factor, [rows for rows, _ in basis.blocks]))
 
@@ -231,9 +222,8 @@ class BendingFactor:
         """The compressed modes as the compiled contact solution reads them."""
         if self.is_shared.any():
             return self.basis.columns
-        blocks = [(rows, modes) for (rows, _), modes in zip(self.blocks, self.compressed, strict=True)]
         none = np.zeros((self.factor.shape[0], 0))
-        return mode_columns(self.factor.shape[0], blocks, none, np.zeros((len(blocks), 0, 0)), none)
+        return mode_columns(none.shape[0], self.compressed, none, np.zeros((len(self.blocks), 0, 0)), none)
 
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:

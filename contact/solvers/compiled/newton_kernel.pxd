@@ -91,10 +91,7 @@ cdef (double, Py_ssize_t, bint) _solve(
     const unsigned char[:, ::1] mask, Py_ssize_t b,
 ) noexcept nogil
 
-@cython.locals(columns=Py_ssize_t)
-cdef void _bend(Newton n, const double[::1] factor) noexcept nogil
-
-@cython.locals(spread=double, compliance=double)
+@cython.locals(spread=double, compliance=double, columns=Py_ssize_t)
 cdef double _answer(
     Newton n, bint linear, const double[::1] local, const double[::1] diagonal, const double[::1] factor, double rotation, const double[::1] arm, double[:, ::1] force, double[:, ::1] gap, double[:, ::1] secant, Py_ssize_t b,
 ) noexcept nogil

@@ -734,28 +734,6 @@ def _solve(n: Any, torque: float, arm: Any, local: Any, linear: bool, mask: Any,
     return rotation, steps, ended
 
 
-def _bend(n: Any, factor: Any) -> None:
-    """Deflection in modes under the forces in ``separation``, to ``gap``: by the factor as given, if there is one."""
-    columns = n.given.shape[0]
-    if columns:
-        for t in range(columns):
-            n.given[t] = 0.0
-        for x in range(n.size):
-            if n.separation[x] != 0.0:
-                add_rows(factor, n.segment[x] * columns, columns, 1, n.separation, x, n.given, 0, columns)
-        row_products(factor, 0, columns, n.size, n.given, 0, columns, n.local, 0)
-        for x in range(n.size):
-            n.gap[x] = n.local[n.segment[x]]
-        return
-    for x in range(n.size):
-        n.gap[x] = 0.0
-    if n.shared:
-        _spread(n, n.loads)
-    for q in range(n.blocks):
-        x0, count, column, rank = n.table[q, 0], n.table[q, 1], n.table[q, 2], n.table[q, 3]
-        add_rows(n.columns, column, count, rank + n.local_shared, n.loads, q * n.width, n.gap, x0, count)
-
-
 def _answer(
     n: Any, linear: bool, local: Any, diagonal: Any, factor: Any, rotation: float, arm: Any, force: Any, gap: Any,
     secant: Any, b: int,
@@ -765,12 +743,24 @@ def _answer(
     Deflections and diagonal of the compliance are then in ``pull`` and ``lever``. Returns the spread of terms that
     cancel in W, which leave more rounding than its diagonal tells.
     """
+    columns = n.given.shape[0]
+    for t in range(columns):
+        n.given[t] = 0.0
     for x in range(n.size):
         if linear:
             n.separation[x] = n.pull[x] if n.root[x] > 0.0 else 0.0  # never -0
         else:
             n.separation[x] = n.force[x] if n.gap[x] < 0.0 else 0.0
-    _bend(n, factor)
+        n.gap[x] = 0.0
+        if columns and n.separation[x] > 0.0:
+            add_rows(factor, n.segment[x] * columns, columns, 1, n.separation, x, n.given, 0, columns)
+    if columns:
+        row_products(factor, 0, columns, n.size, n.given, 0, columns, n.local, 0)
+    elif n.shared:
+        _spread(n, n.loads)
+    for q in range(0 if columns else n.blocks):
+        x0, count, column, rank = n.table[q, 0], n.table[q, 1], n.table[q, 2], n.table[q, 3]
+        add_rows(n.columns, column, count, rank + n.local_shared, n.loads, q * n.width, n.gap, x0, count)
     spread = 1.0
     for x in range(n.size):
         i = n.segment[x]
@@ -782,9 +772,9 @@ def _answer(
             compliance, _tangent = strip(n.law, i, n.separation[x] / n.law[i, 0])
             compliance /= n.law[i, 0]
             secant[b, i] = compliance
-        n.pull[i] = compliance * n.separation[x] + n.gap[x]
+        n.pull[i] = compliance * n.separation[x] + (n.local[i] if columns else n.gap[x])
         n.lever[i] = diagonal[i] if linear else compliance + n.sums[0, i]
-        if n.shared and not n.given.shape[0]:
+        if n.shared and not columns:
             terms = compliance + n.sums[0, i] + n.sums[3, i]
             n.lever[i] = compliance + n.sums[0, i] + n.sums[2, i]
             spread = max(spread, terms / n.lever[i])
