@@ -395,6 +395,11 @@ def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: py
         patch.setattr("easeoff.contact.problem.modal_basis.compressed_block", _refused)
         solution = solve(given)
     assert (solution.certified, solution.method) == (True, "primal_dual_active_set")
+    columns = 1e-3 * rng.uniform(-1.0, 1.0, (2, size // 2, size))
+    halves = np.block([[columns[0], np.zeros((size // 2, size))], [np.zeros((size // 2, size)), columns[1]]])
+    for factor, method in ((halves, "modal"), (halves + 1e-300, "primal_dual_active_set")):
+        blocks = ContactProblem(given.separation, given.lever_arm, given.torque, (given.compliance[0], factor))
+        assert solve(blocks).method == method
     other = solve(modal(given))
     assert (other.certified, other.method) == (True, "modal")
     np.testing.assert_allclose(solution.force, other.force, rtol=1e-10, atol=1e-9 * other.force.max())

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, read_only
+from ...core.checks import frozen_arrays
 from ..problem.modal_basis import ModalBasis, basis_of_blocks, compressed_block
 from .body_coupling import BodyCoupling
 
@@ -85,7 +85,7 @@ class UnitLoads:
         key = rows.tobytes()
         if key in self.known:
             return self.known[key]
-        compressed = read_only(compressed_block(self._rows(rows, lambda loads: loads.own)))
+        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
         if np.all(rows < len(self.on_lines.on_bodies)):
             self.known[key] = compressed
         return compressed

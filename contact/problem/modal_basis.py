@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, instance, whole
+from ...core.checks import frozen_arrays, instance, read_only, whole
 from ...core.errors import InputError
 from .modes.mode_columns import ModeColumns, mode_columns
 from .modes.shared_columns import few_directions, part_of, shared_columns
@@ -356,6 +356,6 @@ def compressed_block(block: Array) -> Array:
     compressed = np.empty((product.shape[0], rank), order="F")
     compressed[pivot - 1] = lower[:, :rank]
     if not tall:
-        return compressed
+        return read_only(compressed)
     # The rows of V are in the directions of L with V^T V = L L^T: what they have beside these is rounding in V V^T.
-    return np.asarray(block @ (dorgqr(*dgeqrf(compressed, overwrite_a=1)[:2])[0] if rank else compressed))
+    return read_only(block @ (dorgqr(*dgeqrf(compressed, overwrite_a=1)[:2])[0] if rank else compressed))
