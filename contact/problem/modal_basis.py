@@ -318,10 +318,9 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
         Pairs of index arrays, rows and columns; every row is in one group. Rows of zeros make one group without
         columns.
     """
-    present = factor != 0.0
     # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
-    packed = np.packbits(present, axis=1)
-    ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), present.shape[0]]
+    packed = np.packbits(factor != 0.0, axis=1)
+    ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), factor.shape[0]]
     runs: dict[bytes, list[NDArray[np.intp]]] = {}
     for begin, end in zip([0, *ends], ends, strict=False):
         runs.setdefault(packed[begin].tobytes(), []).append(np.arange(begin, end))
@@ -337,8 +336,8 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
     result = []
     for columns, members in groups:
         bits = np.frombuffer(columns.to_bytes(packed.shape[1]), dtype=np.uint8)
-        present_columns = np.flatnonzero(np.unpackbits(bits, count=present.shape[1]))
-        result.append((np.sort(np.concatenate(members)), present_columns))
+        present = np.flatnonzero(np.unpackbits(bits, count=factor.shape[1]))
+        result.append((np.sort(np.concatenate(members)), present))
     return sorted(result, key=lambda block: int(block[0][0]))
 
 

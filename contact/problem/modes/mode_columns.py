@@ -13,8 +13,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.checks import read_only
-
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
@@ -106,4 +104,4 @@ def mode_columns(
             for (index, _), own_mixing in zip(blocks, np.abs(mixing), strict=True):
                 terms = np.abs(shared_columns[index]) @ own_mixing
                 sums[3, index] = np.einsum("ij,ij->i", terms, terms)
-    return ModeColumns(places, table, whole, read_only(np.concatenate(columns)), sums, np.ascontiguousarray(mixing))
+    return ModeColumns(places, table, whole, np.concatenate(columns), sums, np.ascontiguousarray(mixing))
