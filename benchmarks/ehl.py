@@ -25,9 +25,9 @@ from easeoff.friction.ehl import (
     rough_passage,
     smooth_film,
 )
-from easeoff.friction.ehl.equations import hierarchical_matrix as hierarchical
-from easeoff.friction.ehl.equations.elastic_deflection import Deflection, logarithm_of_hats
-from easeoff.friction.ehl.equations.reynolds_equation import balance
+from easeoff.friction.ehl import hierarchical_matrix as hierarchical
+from easeoff.friction.ehl.hierarchical_matrix import Deflection, logarithm_of_hats
+from easeoff.friction.ehl.reynolds_equation import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz
 from tabulate import tabulate
 

@@ -10,15 +10,13 @@ from .rolling_traction import rolling_traction
 if TYPE_CHECKING:
     from .coefficient import COEFFICIENTS, friction_coefficient
     from .conditions import ContactConditions
-    from .contact_temperature.flash_temperature import blok_flash_temperature, flash_temperature
-    from .contact_temperature.matched_partition import MatchedBand, matched_band
+    from .contact_temperature import MatchedBand, blok_flash_temperature, flash_temperature, matched_band
     from .efficiency import friction
     from .feedback import friction_feedback
+    from .film_thickness import FILM_FACTORS, FILMS, THERMAL_FACTORS
     from .kolivand_formula import formula_flags
     from .lubricants.data_sheet import data_sheet_lubricant, write_lubricant
     from .lubricants.lubricant import Lubricant, OilState, available_lubricants, lubricant
-    from .oil_film.film_thickness import FILMS
-    from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
     from .operation import FrictionModel, Operation
 
 __all__ = [
@@ -49,15 +47,13 @@ __all__ = [
 _ORIGINS = {
     ".coefficient": ["COEFFICIENTS", "friction_coefficient"],
     ".conditions": ["ContactConditions"],
-    ".contact_temperature.flash_temperature": ["blok_flash_temperature", "flash_temperature"],
-    ".contact_temperature.matched_partition": ["MatchedBand", "matched_band"],
+    ".contact_temperature": ["MatchedBand", "blok_flash_temperature", "flash_temperature", "matched_band"],
     ".efficiency": ["friction"],
     ".feedback": ["friction_feedback"],
-    ".oil_film.film_thickness": ["FILMS"],
+    ".film_thickness": ["FILMS", "FILM_FACTORS", "THERMAL_FACTORS"],
     ".kolivand_formula": ["formula_flags"],
     ".lubricants.data_sheet": ["data_sheet_lubricant", "write_lubricant"],
     ".lubricants.lubricant": ["Lubricant", "OilState", "available_lubricants", "lubricant"],
     ".operation": ["FrictionModel", "Operation"],
-    ".oil_film.thermal_factors": ["FILM_FACTORS", "THERMAL_FACTORS"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..core.checks import array, number, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
-from .formula_range import Flags, combined_flags
-from .kolivand_formula import formula_coefficient, formula_flags
+from .kolivand_formula import Flags, combined_flags, formula_coefficient, formula_flags
 from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
 
 Array = NDArray[Any]

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from ..core.attributes import labelled
 from ..core.checks import instance
 from .coefficient import CoefficientModel
-from .contact_temperature.hottest_contacts import HottestContacts
-from .formula_range import FLAGS, LossShares
+from .contact_temperature import HottestContacts
+from .film_thickness import with_least_film
+from .kolivand_formula import FLAGS, LossShares
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
 from .lubricants.lubricant import lubricant
-from .oil_film.least_film import with_least_film
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]

@@ -27,9 +27,9 @@ from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
 from .efficiency import OPERATION, friction
+from .film_thickness import with_least_film
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .losses import losses
-from .oil_film.least_film import with_least_film
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]

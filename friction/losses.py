@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import ContactConditions
-from .contact_temperature.flash_temperature import flash_temperature
-from .formula_range import Flags
-from .kolivand_formula import between_regimes
+from .contact_temperature import flash_temperature
+from .film_thickness import THERMAL_FACTORS
+from .kolivand_formula import Flags, between_regimes
 from .loaded_contacts import LoadedContacts
-from .oil_film.thermal_factors import THERMAL_FACTORS
 from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
 

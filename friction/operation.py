@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
-from .contact_temperature.thermal_material import (
+from .contact_temperature import (
     CONDUCTIVITY,
     CONDUCTIVITY_RANGE,
     DENSITY,
@@ -22,10 +22,9 @@ from .contact_temperature.thermal_material import (
     ThermalMaterial,
     by_member,
 )
+from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
+from .loaded_contacts import SurfaceVelocities
 from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
-from .oil_film.film_thickness import film_formula
-from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
-from .surface_velocities import SurfaceVelocities
 
 Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..core.checks import instance, one_of
 from .conditions import ContactConditions
-from .oil_film.thermal_factors import THERMAL_FACTORS
+from .film_thickness import THERMAL_FACTORS
 
 Array = NDArray[Any]
 

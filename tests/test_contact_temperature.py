@@ -17,22 +17,21 @@ from easeoff.cases import write_case
 from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.core.errors import InputError
 from easeoff.friction import FrictionModel, Operation, blok_flash_temperature, flash_temperature, friction, matched_band
-from easeoff.friction.contact_temperature.band_source import (
-    Distribution,
-    band_temperature,
-    fast_band,
-    slow_band,
-    uniform_band,
-)
-from easeoff.friction.contact_temperature.flash_temperature import peclet_number, rise_per_heat
-from easeoff.friction.contact_temperature.greatest_temperature import (
+from easeoff.friction.contact_temperature import (
     BLOK_FACTOR,
     FAST_LIMIT,
     HOTTEST_PARAMETER,
+    Distribution,
+    ThermalMaterial,
+    band_temperature,
+    fast_band,
     greatest_temperature,
+    peclet_number,
+    rise_per_heat,
     searched_greatest,
+    slow_band,
+    uniform_band,
 )
-from easeoff.friction.contact_temperature.thermal_material import ThermalMaterial
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.study.report.key_numbers import key_numbers
 from easeoff.study.report.summary.result_summary import result_summary

@@ -41,9 +41,9 @@ from easeoff.core.reading import netcdf_file
 from easeoff.core.reading.netcdf_file import read_dataset, read_tree
 from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
-from easeoff.friction.ehl.study import parameter_study
+from easeoff.friction.ehl.study import study_design
 from easeoff.friction.ehl.study.friction_formula import read_formula
-from easeoff.friction.ehl.study.study_case import NUMBERS
+from easeoff.friction.ehl.study.study_design import NUMBERS
 from easeoff.geometry import Deviation, Member
 from easeoff.geometry.deviation.corrective_settings import corrective_settings
 from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
@@ -891,8 +891,8 @@ def compared(folder: Path) -> object:
 def studied(folder: Path) -> object:
     row = {**dict.fromkeys(NUMBERS, 0.01), "status": 0.0}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parameter_study, "run_case", lambda *_: row)
-        found = parameter_study.run_study(folder / "study.nc", 2)
+        patch.setattr(study_design, "run_case", lambda *_: row)
+        found = study_design.run_study(folder / "study.nc", 2)
     return [found[name].values for name in NUMBERS]
 
 

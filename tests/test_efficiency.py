@@ -24,10 +24,9 @@ from easeoff.contact import Status
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.coefficient import contact_conditions
 from easeoff.friction.feedback import friction_torques
-from easeoff.friction.loaded_contacts import loaded_contacts
+from easeoff.friction.loaded_contacts import action_splines, axes_of, loaded_contacts, surface_velocities
 from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
 from easeoff.friction.operation import named_models
-from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.linalg import toeplitz
 
-from easeoff.friction.ehl.equations import hierarchical_matrix as hierarchical
-from easeoff.friction.ehl.equations.elastic_deflection import Deflection, logarithm_of_hats
+from easeoff.friction.ehl import hierarchical_matrix as hierarchical
+from easeoff.friction.ehl.hierarchical_matrix import Deflection, logarithm_of_hats
 
 Array = NDArray[np.float64]
 

@@ -30,11 +30,10 @@ from easeoff.friction.ehl import (
     wave,
 )
 from easeoff.friction.ehl.study import Design, Resolution, compare, fit_friction, run_study, shipped_formula
-from easeoff.friction.ehl.study import parameter_study as study_module
-from easeoff.friction.ehl.study import study_case as cases_module
+from easeoff.friction.ehl.study import study_design as cases_module
+from easeoff.friction.ehl.study import study_design as study_module
 from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, read_formula
-from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Row, run_case
-from easeoff.friction.ehl.study.study_design import Condition, numbers, oil_75w90
+from easeoff.friction.ehl.study.study_design import MODEL_VERSION, NUMBERS, Condition, Row, numbers, oil_75w90, run_case
 
 NAN, INF = math.nan, math.inf
 OIL: dict[str, Any] = {"viscosity": 0.02, "pressure_viscosity": 1.1e-8}

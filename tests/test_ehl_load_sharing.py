@@ -21,9 +21,9 @@ from easeoff.friction.ehl import (
     smooth_film,
     traction,
 )
-from easeoff.friction.ehl.equations.film_complementarity import evaluate
-from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.rolling_contact.asperities import mean_power
+from easeoff.friction.ehl.asperities import mean_power
+from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.reynolds_equation import evaluate
 
 OIL = Oil(0.0139, 10.4e-9, law="two_slope")
 GEAR = LubricatedContact(0.7e9, 0.02, 2.2, OIL, slide_to_roll=0.45)

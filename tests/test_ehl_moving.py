@@ -24,8 +24,8 @@ from easeoff.friction.ehl import (
     smooth_film,
     wave,
 )
-from easeoff.friction.ehl.equations.film_complementarity import ROUGH
 from easeoff.friction.ehl.film import domain, touching_start
+from easeoff.friction.ehl.reynolds_equation import ROUGH
 from easeoff.friction.ehl.rough_passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, _March
 
 OIL = Oil(0.0139, 10.4e-9)

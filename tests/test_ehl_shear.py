@@ -10,7 +10,7 @@ import pytest
 
 from easeoff import InputError
 from easeoff.friction.ehl import LubricatedContact, Oil, heated_inlet, smooth_film, traction
-from easeoff.friction.ehl.rolling_contact.inlet_heating import film_factor
+from easeoff.friction.ehl.lubricated_contact import film_factor
 from easeoff.friction.ehl.shear_traction import film_temperature
 
 OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.038, thermal_conductivity=0.14)

@@ -16,11 +16,9 @@ from scipy.stats import qmc
 from easeoff import InputError
 from easeoff.friction import lubricant
 from easeoff.friction.ehl import Film, LubricatedContact, Oil, State, Status, smooth_film
-from easeoff.friction.ehl.equations.film_certificate import certify
-from easeoff.friction.ehl.equations.film_complementarity import evaluate
-from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.equations.reynolds_equation import History, balance
 from easeoff.friction.ehl.film import RESOLUTION_LIMIT
+from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.reynolds_equation import History, balance, certify, evaluate
 
 MODULUS = 2.273e11
 NEWTONIAN = math.inf

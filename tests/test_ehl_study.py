@@ -29,14 +29,11 @@ from easeoff.friction.ehl.study import (
     run_study,
     shipped_formula,
 )
-from easeoff.friction.ehl.study import parameter_study as study_module
-from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.formula_regression import study_inputs
-from easeoff.friction.ehl.study.friction_formula import read_formula, write_formula
-from easeoff.friction.ehl.study.parameter_study import study_dataset
-from easeoff.friction.ehl.study.study_case import NUMBERS, Row, run_case
-from easeoff.friction.ehl.study.study_design import REFINED, Condition, oil_75w90
-from easeoff.friction.oil_film.film_thickness import pan_hamrock
+from easeoff.friction.ehl.study import study_design as cases_module
+from easeoff.friction.ehl.study import study_design as study_module
+from easeoff.friction.ehl.study.friction_formula import read_formula, study_inputs, write_formula
+from easeoff.friction.ehl.study.study_design import NUMBERS, REFINED, Condition, Row, oil_75w90, run_case, study_dataset
+from easeoff.friction.film_thickness import pan_hamrock
 
 
 def test_design_has_the_combinations_of_the_dissertation() -> None:

@@ -32,7 +32,7 @@ from easeoff.friction import (
 from easeoff.friction import kolivand_formula as formula
 from easeoff.friction.coefficient import contact_conditions
 from easeoff.friction.ehl.study import shipped_formula
-from easeoff.friction.formula_range import FLAGS
+from easeoff.friction.kolivand_formula import FLAGS
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency

@@ -21,7 +21,7 @@ from easeoff.friction import (
 )
 from easeoff.friction import kolivand_formula as module
 from easeoff.friction.coefficient import contact_conditions, xu_kahraman
-from easeoff.friction.oil_film.film_thickness import dowson_higginson, pan_hamrock
+from easeoff.friction.film_thickness import dowson_higginson, pan_hamrock
 from easeoff.friction.rolling_traction import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where

@@ -12,7 +12,7 @@ from pairs import conjugate_pair
 
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.friction.surface_velocities import Axes, SurfaceVelocities, action_splines, axes_of, surface_velocities
+from easeoff.friction.loaded_contacts import Axes, SurfaceVelocities, action_splines, axes_of, surface_velocities
 from easeoff.geometry import GearPair, Misalignment
 from easeoff.geometry.pair.datasets import ease_off_dataset
 from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off

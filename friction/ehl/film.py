@@ -11,12 +11,23 @@ import numpy as np
 from ...core import checks
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
-from .equations.elastic_deflection import Deflection
-from .equations.film_certificate import Certificate, Status, certify, judge
-from .equations.film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
-from .equations.reynolds_equation import Array
-from .rolling_contact.asperities import Asperities
-from .rolling_contact.lubricated_contact import LubricatedContact
+from .asperities import Asperities
+from .hierarchical_matrix import Deflection
+from .lubricated_contact import LubricatedContact
+from .reynolds_equation import (
+    ROUGH,
+    SMOOTH,
+    Array,
+    Certificate,
+    Outcome,
+    Problem,
+    State,
+    States,
+    Status,
+    certify,
+    judge,
+    solve,
+)
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
 INLET_GAP_RATIO = 120.0

@@ -9,9 +9,8 @@ import xarray as xr
 
 from ...core.attributes import labelled
 from ...core.checks import instance
-from .equations.film_certificate import Status
-from .equations.film_complementarity import State
 from .film import Film
+from .reynolds_equation import State, Status
 from .rough_passage import RoughPassage
 
 

@@ -17,13 +17,25 @@ from ...core import checks
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ...core.processes.memory import require_memory
-from .equations.elastic_deflection import Deflection
-from .equations.film_certificate import Status, certify, judge
-from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
-from .equations.reynolds_equation import Array, History, fluid_part
+from .asperities import Profile, smooth
 from .film import FEWEST_NODES, MOST_NODES, Film, domain, touching_start
-from .rolling_contact.lubricated_contact import LubricatedContact
-from .rolling_contact.surface_roughness import Profile, smooth
+from .hierarchical_matrix import Deflection
+from .lubricated_contact import LubricatedContact
+from .reynolds_equation import (
+    ROUGH,
+    Array,
+    History,
+    Outcome,
+    Point,
+    Problem,
+    State,
+    States,
+    Status,
+    certify,
+    fluid_part,
+    judge,
+    solve,
+)
 from .shear_traction import BOUNDARY_FRICTION, traction
 
 #: Film left between touching asperities [m]: a few layers of molecules.

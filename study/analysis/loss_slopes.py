@@ -158,7 +158,7 @@ class _FrictionInputs:
 
     def moved(self, setting: int, step: float) -> LoadedContacts:
         """The contacts after a step of one setting."""
-        from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
+        from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 
         contacts, geometry = self.contacts, self.found.cycle.geometry
         told, torque = geometry.ease_off, contacts.torque

@@ -22,8 +22,8 @@ from ...contact.lines.contact_lines import boundary_distance
 from ...core.checks import number
 from ...core.errors import InputError
 from ...friction import FrictionModel
+from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
-from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
 from ..report.notes.ranges import range_notes
 from .contour_labels import (
     drop_short,

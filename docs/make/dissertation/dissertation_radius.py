@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.friction import COEFFICIENTS, ContactConditions
-from easeoff.friction.surface_velocities import axes_of
+from easeoff.friction.loaded_contacts import axes_of
 from easeoff.geometry.vectors import column, cross, dot
 
 Array = NDArray[Any]

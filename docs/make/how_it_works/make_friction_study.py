@@ -21,8 +21,14 @@ from tqdm import tqdm
 from easeoff.core.writing.output_file import whole_file
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl.study import Design, fit_friction, run_study
-from easeoff.friction.ehl.study.formula_regression import REGIMES, study_inputs
-from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, lambda_ratio, logarithms_of, write_formula
+from easeoff.friction.ehl.study.friction_formula import (
+    FORMULA_FILE,
+    REGIMES,
+    lambda_ratio,
+    logarithms_of,
+    study_inputs,
+    write_formula,
+)
 from easeoff.friction.ehl.study.study_design import REFINED
 
 STUDIES = ((Design(), None), (REFINED, 3000))

@@ -1,10 +1,7 @@
 """The parameter study of the film model, and the friction formula fitted to it."""
 
-from .formula_regression import compare, fit_friction
-from .friction_formula import FrictionFormula, shipped_formula
-from .parameter_study import run_study
-from .study_case import Resolution
-from .study_design import Design
+from .friction_formula import FrictionFormula, compare, fit_friction, shipped_formula
+from .study_design import Design, Resolution, run_study
 
 __all__ = [
     "Design",

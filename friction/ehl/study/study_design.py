@@ -1,25 +1,46 @@
-"""Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
+"""Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets.
+
+One case of the parameter study: a combination of conditions, computed with the film model.
+
+Parameter study of friction with the film model: one row a combination, from a checkpoint, as a labelled dataset.
+"""
 
 from __future__ import annotations
 
+import importlib
 import math
 import operator
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
-from functools import cached_property
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from ....core import checks
-from ....core.errors import InputError
+from ....core.attributes import labelled
+from ....core.checkpoint import Checkpoint, digest
+from ....core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
+from ....core.processes.child_environment import child_environment
+from ....core.reading.netcdf_file import read_dataset
+from ....core.writing.netcdf_output import write_netcdf
+from ....core.writing.output_file import check_writable
 from ...conditions import STEEL_MODULUS
 from ...lubricants.lubricant import lubricant
-from ..rolling_contact.lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact
-from ..rolling_contact.oil import Oil
+from ..asperities import Asperities, generated_profile
+from ..film import FEWEST_NODES, MOST_NODES, Film, domain, mixed_film, smooth_film
+from ..lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact, Oil
+from ..reynolds_equation import Status
+from ..rough_passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, rough_passage
+from ..shear_traction import BOUNDARY_FRICTION, traction
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
 EYRING_STRESS = 5e6
@@ -264,3 +285,391 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
 
 def _is_whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+#: Of the model and its numerics. To be raised with every change that changes results: rows of another version that a
+#: study finds on disk are not used.
+MODEL_VERSION = 2
+#: A case whose certified steps are fewer than this share is not converged.
+CERTIFIED_SHARE_MINIMUM = 0.9
+#: Lubricant that the others may make or lose, of all that flows through.
+LEAKAGE_LIMIT = 0.01
+RAMP_STEPS = 20
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Model, assumptions and grid of a study.
+
+    Parameters
+    ----------
+    model
+        ``load_sharing``: roughness by its statistics, see ``Asperities``, which needs ``correlation_length``,
+        ``fewest``, ``boundary_friction`` and ``thermal`` alone of what follows. ``passage``: profiles that move through
+        the contact, see ``rough_passage``.
+    correlation_length
+        Of the roughness of both surfaces [m].
+    points
+        Grid spacings in a correlation length.
+    fewest, most
+        Bounds of the number of nodes. Where the upper one cuts in, the profile is coarser.
+    travel
+        How far the mean flow moves while averages are taken: as many correlation lengths, or one half width of the
+        contact if that is more. Before, it moves from the inlet to the middle.
+    smooth_from
+        Lambda ratio from which on the smooth film stands for the rough one.
+    flooded
+        See ``domain``.
+    order
+        Of the differences in space and time, see ``rough_passage``.
+    seed
+        Of the profiles; the surfaces have different ones.
+    touching_film, boundary_friction
+        [m], [1].
+    thermal
+        Lower the viscosity in the shear stress by the film's own heat.
+
+    Raises
+    ------
+    InputError
+        If there is no such model, or a number cannot be used.
+
+    Examples
+    --------
+    >>> Resolution(model="passage", fewest=97).most
+    1025
+    """
+
+    model: Literal["load_sharing", "passage"] = "load_sharing"
+    correlation_length: float = 20e-6
+    points: float = 3.0
+    fewest: int = 257
+    most: int = 1025
+    travel: float = 30.0
+    smooth_from: float = 3.0
+    flooded: float = ROUGH_INLET_GAP_RATIO
+    order: int = 2
+    seed: int = 1
+    touching_film: float = TOUCHING_FILM
+    boundary_friction: float = BOUNDARY_FRICTION
+    thermal: bool = True
+
+    def __post_init__(self) -> None:
+        checks.one_of("model", self.model, ("load_sharing", "passage"))
+        checked = {
+            "correlation_length": checks.positive("correlation_length", self.correlation_length, "m"),
+            "points": checks.positive("points", self.points, "1"),
+            "fewest": checks.whole("fewest", self.fewest, FEWEST_NODES, MOST_NODES),
+            "most": checks.whole(
+                "most", self.most, self.fewest if self.model == "passage" else FEWEST_NODES, MOST_NODES
+            ),
+            "travel": checks.positive("travel", self.travel, "1", zero=True),
+            "smooth_from": checks.positive("smooth_from", self.smooth_from, "1", zero=True, infinite=True),
+            "flooded": checks.number("flooded", self.flooded, above=1.0),
+            "order": checks.whole("order", self.order, 1, 2),
+            "seed": checks.whole("seed", self.seed, 0),
+            "touching_film": checks.positive("touching_film", self.touching_film, "m"),
+            "boundary_friction": checks.positive("boundary_friction", self.boundary_friction, "1", zero=True),
+            "thermal": checks.truth("thermal", self.thermal),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+
+Row = dict[str, float]
+
+#: Numbers of a row besides the condition and the status; NaN where there is no answer.
+NUMBERS = (
+    "film_friction",
+    "asperity_friction",
+    "asperity_share",
+    "mean_film",
+    "smooth_film",
+    "lambda_ratio",
+    "certified_share",
+    "newton_steps",
+    "nodes",
+    "run_time",
+)
+
+
+def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
+    """Compute one combination.
+
+    Returns
+    -------
+    dict
+        ``status`` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a
+        row with the status ``FAILED`` and a ``message``; a mistake in the program is an exception as ever.
+
+    Examples
+    --------
+    >>> row = run_case(Condition(0.5, 5.0, 20.0, 0.5, 50.0, 0.2, 0.2), Resolution(fewest=97))
+    >>> Status(int(row["status"])).name, round(row["lambda_ratio"], 1)
+    ('CERTIFIED', 6.0)
+    """
+    checks.instance("condition", condition, Condition)
+    resolution = Resolution() if resolution is None else resolution
+    checks.instance("resolution", resolution, Resolution)
+    start = time.perf_counter()
+    row: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.FAILED)}
+    try:
+        row.update(_computed(condition, resolution))
+    except (EaseoffError, ArithmeticError, np.linalg.LinAlgError) as error:  # the study goes on
+        row["message"] = f"{type(error).__name__}: {error}"  # type: ignore[assignment]
+    row["run_time"] = time.perf_counter() - start
+    return row
+
+
+def _computed(condition: Condition, resolution: Resolution) -> Row:
+    contact = condition.contact
+    smooth = _smooth_film(contact)
+    if not smooth.certified:
+        return {"status": float(Status.NOT_CONVERGED)}
+    film = smooth.minimum_film
+    row = {"smooth_film": 1e6 * film, "lambda_ratio": film / condition.composite_roughness}
+    if resolution.model == "load_sharing":
+        roughness = Asperities(condition.composite_roughness, resolution.correlation_length)
+        return row | _steady(mixed_film(contact, roughness, nodes=resolution.fewest), resolution)
+    if row["lambda_ratio"] >= resolution.smooth_from:
+        return row | _steady(smooth, resolution)
+    return row | _rough(condition, contact, resolution)
+
+
+#: Cases in a row often differ by the roughness alone.
+_smooth_film = lru_cache(maxsize=8)(smooth_film)
+
+
+def _steady(film: Film, resolution: Resolution) -> Row:
+    cost = {"newton_steps": float(film.iterations), "nodes": float(film.position.size)}
+    if not film.certified:
+        return cost | {"status": float(Status.NOT_CONVERGED), "certified_share": 0.0}
+    shear = traction(
+        film.contact,
+        film.position,
+        film.pressure - film.asperity_pressure,
+        film.film,
+        asperity_pressure=film.asperity_pressure,
+        boundary_friction=resolution.boundary_friction,
+        thermal=resolution.thermal,
+    )
+    settled = math.isfinite(shear.film)
+    within = np.abs(film.position) < film.contact.half_width
+    numbers = {
+        "film_friction": shear.film,
+        "asperity_friction": shear.asperities,
+        "asperity_share": film.asperity_share,
+        "mean_film": 1e6 * float(film.film[within].mean()),
+    }
+    return (
+        cost
+        | (numbers if settled else {})
+        | {
+            "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
+            "certified_share": float(settled),
+        }
+    )
+
+
+def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolution) -> Row:
+    span = domain(contact, resolution.flooded)
+    length = (span[1] - span[0]) * contact.half_width
+    wanted = math.ceil(resolution.points * length / resolution.correlation_length) + 1
+    nodes = min(max(wanted, resolution.fewest), resolution.most)
+    spacing = length / (nodes - 1)
+    settle = max(RAMP_STEPS, math.ceil(-span[0] * contact.half_width / spacing))
+    averaged = math.ceil(max(resolution.travel * resolution.correlation_length, contact.half_width) / spacing)
+    period = max(2.0 * length, 50.0 * resolution.correlation_length)
+    first, second = (
+        generated_profile(1e-6 * rms, resolution.correlation_length, period, seed)
+        for rms, seed in (
+            (condition.roughness_1, 2 * resolution.seed),
+            (condition.roughness_2, 2 * resolution.seed + 1),
+        )
+    )
+    passage = rough_passage(
+        contact,
+        first,
+        second,
+        steps=settle + averaged,
+        nodes=nodes,
+        ramp=RAMP_STEPS,
+        settle=settle,
+        span=span,
+        touching_film=resolution.touching_film,
+        order=resolution.order,
+        boundary_friction=resolution.boundary_friction,
+        thermal=resolution.thermal,
+    )
+    friction = passage.friction_coefficient
+    enough = (
+        passage.certified_share >= CERTIFIED_SHARE_MINIMUM
+        and passage.leakage <= LEAKAGE_LIMIT
+        and math.isfinite(friction)
+    )
+    return {
+        "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
+        "film_friction": passage.average("film_friction"),
+        "asperity_friction": passage.average("asperity_friction"),
+        "asperity_share": passage.average("asperity_share"),
+        "mean_film": 1e6 * passage.average("mean_film"),
+        "certified_share": passage.certified_share,
+        "newton_steps": float(passage.iterations.mean()),
+        "nodes": float(nodes),
+    }
+
+
+def run_study(
+    path: str | os.PathLike[str],
+    wanted: Iterable[int] | int | None = None,
+    *,
+    design: Design | None = None,
+    resolution: Resolution | None = None,
+    dask: bool = False,
+    seconds: float = math.inf,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Run combinations of the study that are not known yet, and write the dataset.
+
+    Parameters
+    ----------
+    path
+        The netCDF file; missing folders are made. Rows are kept in a checkpoint beside it, whose name ends in
+        ``.rows``: an interrupted study resumes from it. An earlier study is replaced; any other file is refused.
+    wanted
+        Numbers of combinations; the size of a space-filling subset; or all of them.
+    design, resolution
+        Those of the dissertation and the defaults if not given. Rows of another design, resolution or version of the
+        model (``MODEL_VERSION``) are not used.
+    dask
+        Spread the cases over dask: over the client that is active, or else the processes of this machine. Each process
+        imports the program that called: a script must call from below ``if __name__ == "__main__":``, or else it
+        begins anew in each of them, which ends in a BrokenProcessPool.
+    seconds
+        Begin no case after as many; the rest are rows with the status ``NOT_RUN``.
+    progress
+        Called with the number of cases done and of all that were missing.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset written; see ``study_dataset``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written or is no study, an argument cannot be used, or a number is not in the design; all
+        before the first case.
+    MissingPackageError
+        If dask is asked for and not installed.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     study = run_study(f"{folder}/study.nc", [31499], resolution=Resolution(fewest=97))
+    >>> study["status"].values
+    array([0], dtype=int8)
+    """
+    design = Design() if design is None else design
+    resolution = Resolution() if resolution is None else resolution
+    checks.instance("design", design, Design)
+    checks.instance("resolution", resolution, Resolution)
+    checks.number("seconds", seconds, "s", infinite=True)
+    checks.truth("dask", dask)
+    checks.instance("progress", progress, Callable | None)
+    target = checks.file_path("path", path)
+    check_writable(target)
+    _check_is_study(target)
+    order = numbers(design, wanted)
+    conditions = {int(number): design.condition(int(number)) for number in order}
+    roughest = max(condition.composite_roughness for condition in conditions.values())
+    Asperities(roughest, resolution.correlation_length)  # refuses what is too steep
+    store = target.with_name(target.name + ".rows")
+    checkpoint: Checkpoint[Row] = Checkpoint(store, "parameter study of friction", encode=dict, decode=dict)
+    contents = digest(version=MODEL_VERSION, design=asdict(design), resolution=asdict(resolution))
+    known = {number: row for number in conditions if (row := checkpoint.get(f"{contents}/{number}")) is not None}
+    missing = {number: condition for number, condition in conditions.items() if number not in known}
+    run = _with_dask if dask else _one_by_one
+    checkpoint.begin()
+    for done, (number, row) in enumerate(run(missing, resolution, time.monotonic() + seconds), start=1):
+        known[number] = row
+        checkpoint.add(f"{contents}/{number}", row)
+        if progress is not None:
+            progress(done, len(missing))
+    not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
+    dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
+    dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
+    dataset.attrs["model_version"] = MODEL_VERSION
+    write_netcdf(dataset, target, {str(name): {"zlib": True} for name in dataset.data_vars})
+    return dataset
+
+
+def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
+    """Return rows as a labelled dataset over the dimension ``combination``, failed ones included.
+
+    Variables: the condition, ``status``, ``friction_coefficient`` and its parts by film and asperities,
+    ``asperity_share``, ``mean_film``, ``smooth_film`` (smallest of the smooth surfaces), ``lambda_ratio``,
+    ``certified_share``, and the cost; ``failure``, what went wrong, if a case has failed.
+
+    Examples
+    --------
+    >>> row = run_case(Design().condition(31499), Resolution(fewest=97))
+    >>> study = study_dataset(Design(), {31499: row})
+    >>> dict(study.sizes), study["temperature"].item()
+    ({'combination': 1}, 100.0)
+    """
+    cases = [asdict(design.condition(number)) for number in rows]
+    names = list(asdict(design.condition(0)))
+    renamed = {"hertz_pressure": "contact_pressure", "equivalent_radius": "contact_radius"}
+    data: dict[str, Any] = {
+        renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
+        for name in names
+    }
+    for name in NUMBERS:
+        data[name] = ("combination", np.array([row[name] for row in rows.values()], dtype=float))
+    friction = data["film_friction"][1] + data["asperity_friction"][1]
+    data["friction_coefficient"] = ("combination", friction)
+    status = np.array([row["status"] for row in rows.values()]).astype(np.int8)
+    data["status"] = ("combination", status, Status.flag_attributes())
+    messages = np.array([str(row.get("message", "")) for row in rows.values()])
+    if any(messages):
+        data["failure"] = ("combination", messages)
+    return labelled(xr.Dataset(data, coords={"combination": np.array(list(rows), dtype=int)}))
+
+
+def _one_by_one(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
+    for number, condition in conditions.items():
+        if time.monotonic() > deadline:
+            return
+        yield number, run_case(condition, resolution)
+
+
+def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
+    try:
+        engine: Any = importlib.import_module("dask")
+    except ImportError as error:
+        message = f"dask is not installed: {how_to_install('easeoff[dask]')}; or run without it"
+        raise MissingPackageError(message) from error
+    batch = 8 * (os.cpu_count() or 1)
+    todo = list(conditions)
+    # With a distributed client its scheduler is the default; without one, processes: the work holds the interpreter.
+    scheduler = {} if engine.config.get("scheduler", None) else {"scheduler": "processes"}
+    for at in range(0, len(todo), batch):
+        if time.monotonic() > deadline:
+            return
+        part = todo[at : at + batch]
+        tasks = [engine.delayed(run_case)(conditions[number], resolution) for number in part]
+        with child_environment():
+            rows = engine.compute(*tasks, **scheduler)
+        yield from zip(part, rows, strict=True)
+
+
+def _check_is_study(target: Path) -> None:
+    """Refuse to overwrite a file that is something else."""
+    if not target.exists():
+        return
+    with suppress(InputError):
+        if {"combination", "status", "friction_coefficient"} <= set(read_dataset(target).variables):
+            return
+    raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")

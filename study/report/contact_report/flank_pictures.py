@@ -13,7 +13,7 @@ from ....contact.evaluation.carrying_error import CarryingError
 from ....contact.evaluation.marking_print import MarkingPrint
 from ....contact.lines.contact_lines import boundary_distance
 from ....core.ordered_values import ordered
-from ....friction.surface_velocities import action_splines, axes_of, surface_velocities
+from ....friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...plot.pattern_lines import contact_pattern
 from ...plot.tooth_view import ToothView, fine_grid
 from .flank_raster import RASTER, gear_raster, on_lines, on_member, pressure_raster, scattered_rasters

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....friction.formula_range import TOLD_THINNING
+from ....friction.kolivand_formula import TOLD_THINNING
 
 #: Input that a flag of ``/friction/formula_flags`` is about.
 INPUTS = {

@@ -1,1 +1,0 @@
-"""The rolling contact: its oil, its operating conditions and its rough surfaces."""

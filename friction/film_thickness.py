@@ -1,0 +1,186 @@
+"""Least film thickness of a smooth, isothermal line contact, by name.
+
+>>> from easeoff.friction import FILMS
+>>> list(FILMS)
+['pan_hamrock', 'dowson_higginson']
+>>> print(f"{FILMS['pan_hamrock'](1e-11, 5000.0, 1.3e-4):.2e}")
+1.58e-05
+
+Least film thickness of a mesh cycle, and where it is.
+
+Thermal factors: by how much the heat of the sheared inlet lowers rolling traction and film thickness.
+
+>>> from easeoff.friction import FILM_FACTORS, THERMAL_FACTORS
+>>> list(THERMAL_FACTORS)
+['goksem_hargreaves', 'murch_wilson', 'gupta_cheng', 'none']
+>>> FILM_FACTORS
+('none', 'gupta_cheng', 'murch_wilson')
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..core.attributes import labelled
+from ..core.checks import one_of
+
+Array = NDArray[Any]
+
+
+def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:
+    """Least film thickness over equivalent radius (...) from U, G, W (...).
+
+    Pan and Hamrock, ASME Journal of Tribology 111, 1989, doi 10.1115/1.3261900: H = 1.714 U^0.694 G^0.568 W^-0.128.
+    """
+    return 1.714 * speed**0.694 * material**0.568 * load**-0.128
+
+
+def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
+    """Least film thickness over equivalent radius (...) from U, G, W (...).
+
+    Dowson and Higginson, Elastohydrodynamic Lubrication, Pergamon, 1966: H = 2.65 U^0.7 G^0.54 W^-0.13.
+    """
+    return 2.65 * speed**0.7 * material**0.54 * load**-0.13
+
+
+FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
+    "pan_hamrock": pan_hamrock,
+    "dowson_higginson": dowson_higginson,
+}
+
+
+def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
+    """A film formula by name.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown.
+    """
+    return FILMS[one_of("film", name, FILMS)]
+
+
+def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
+    """The group ``/friction`` with the least film thickness over the mesh cycle, at every operating condition.
+
+    Parameters
+    ----------
+    friction
+        Of ``friction`` or ``friction_feedback``; returned as it is if its fields over the segments were not kept.
+    loaded
+        The group ``/loaded``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.friction import Operation, friction
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> found = with_least_film(friction(tree, Operation(speed=1500.0)), tree["loaded"].to_dataset())
+    >>> bool(found["min_film_thickness"].item() == found["film_thickness"].min())
+    True
+    """
+    if "film_thickness" not in friction:
+        return friction
+    film = friction["film_thickness"].transpose("mesh_position", "segment", "torque", ...)
+    flat = np.where(np.isfinite(film.values), film.values, np.inf).reshape(-1, *film.shape[2:])
+    least = np.argmin(flat, axis=0)
+    known = np.isfinite(flat.min(axis=0))
+    position, segment = np.unravel_index(least, film.shape[:2])
+    dims = film.dims[2:]
+    torque = np.arange(film.sizes["torque"]).reshape(-1, *(1,) * (least.ndim - 1))
+    table = loaded[["lengthwise", "profile"]].transpose("torque", "mesh_position", "segment")
+    points = {f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")}
+    numbers = {
+        "min_film_thickness": flat.min(axis=0),
+        "min_film_position": loaded["mesh_position"].values[position],
+        **points,
+    }
+    conditions = friction["efficiency"]
+    # Without feedback the film is the same at every roughness.
+    missing = len(conditions.dims) - len(dims)
+    found = {}
+    for name, value in numbers.items():
+        known_value = np.where(known, value, np.nan)
+        spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
+        found[name] = (conditions.dims, spread.copy())
+    return labelled(friction.assign(found))
+
+
+class DimensionlessGroups(Protocol):
+    """Dimensionless groups of line contacts, under the same names in friction and in the film model.
+
+    ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
+    """
+
+    @property
+    def pressure_parameter(self) -> Any:
+        """Hertz pressure over contact modulus, H."""
+
+    @property
+    def load_parameter(self) -> Any:
+        """Load per length over contact modulus and radius, W."""
+
+    @property
+    def speed_parameter(self) -> Any:
+        """Viscosity times rolling velocity over contact modulus and radius, U."""
+
+    @property
+    def material_parameter(self) -> Any:
+        """Pressure-viscosity coefficient times contact modulus, G."""
+
+    @property
+    def thermal_parameter(self) -> Any:
+        """Thermal loading of the inlet, L."""
+
+    @property
+    def slide_to_roll(self) -> Any:
+        """Sliding over rolling velocity, SR."""
+
+
+def goksem_hargreaves(conditions: DimensionlessGroups) -> Array:
+    """Thermal factor that goes with the rolling traction's own formula (...), in its isothermal part Eq. 5.10."""
+    c = conditions
+    thermal = c.thermal_parameter
+    group = 11.81221 * c.material_parameter * c.speed_parameter / c.load_parameter**1.5
+    return np.asarray(group ** (0.0106383 * thermal**0.31746) / (1.0 + 0.411483 * thermal**0.707071))
+
+
+def murch_wilson(conditions: DimensionlessGroups) -> Array:
+    """Thermal factor of the film in pure rolling (...).
+
+    Murch and Wilson, Journal of Lubrication Technology 97, 1975, doi 10.1115/1.3452559.
+    """
+    return np.asarray(3.94 / (3.94 + conditions.thermal_parameter**0.62))
+
+
+def gupta_cheng(conditions: DimensionlessGroups) -> Array:
+    """Thermal factor of the film with sliding (...).
+
+    Gupta, Cheng, Zhu, Forster and Schrand, Tribology Transactions 35, 1992, doi 10.1080/10402009208982117, as quoted by
+    Arana, Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655. Zero where the formula, far beyond its range
+    of pressure and speed, would be negative.
+    """
+    c = conditions
+    thermal = c.thermal_parameter
+    cooling = 1.0 - 13.2 * c.pressure_parameter * thermal**0.42
+    return np.asarray(np.maximum(cooling, 0.0) / (1.0 + 0.213 * (1.0 + 2.23 * c.slide_to_roll**0.83) * thermal**0.64))
+
+
+def no_heating(conditions: DimensionlessGroups) -> Array:
+    """No thermal factor: one."""
+    return np.ones(())
+
+
+THERMAL_FACTORS: Mapping[str, Callable[[DimensionlessGroups], Array]] = {
+    "goksem_hargreaves": goksem_hargreaves,
+    "murch_wilson": murch_wilson,
+    "gupta_cheng": gupta_cheng,
+    "none": no_heating,
+}
+#: Those of the factors that were made for the film thickness, and none.
+FILM_FACTORS = ("none", "gupta_cheng", "murch_wilson")
