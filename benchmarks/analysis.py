@@ -29,7 +29,7 @@ from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.loaded import solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.flanks.seed_lattice import mean_parameters, seed_lattice
+from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from tabulate import tabulate
 
 THESIS_SECONDS_PER_TORQUE = 45.0  # Kolivand 2009, section 3.4, on a 3.0 GHz PC

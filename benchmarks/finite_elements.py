@@ -31,7 +31,7 @@ from easeoff.geometry import pair_geometry
 from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.geometry import LatticeSize
 from easeoff.geometry.tooth.tooth_lattice import usual_depth
-from easeoff.verification.thesis_shell import thesis_kinematics
+from easeoff.verification.shell_root_stress import thesis_kinematics
 
 from finite_element_split import split
 from finite_element_teeth import (

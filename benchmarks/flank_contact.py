@@ -24,10 +24,10 @@ from easeoff.contact import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.bricks import quadratic
 from easeoff.verification import flank_response
-from easeoff.verification.flank_contact.surface_cells import SurfaceCells
-from easeoff.verification.flank_contact.surface_contact import half_space_compliance
-from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
-from easeoff.geometry.tooth.lattice_spacing import with_middles
+from easeoff.verification.surface_cells import SurfaceCells
+from easeoff.verification.flank_contact import half_space_compliance
+from easeoff.geometry.tooth.tooth_lattice import LatticeSpacing
+from easeoff.geometry.tooth.tooth_lattice import with_middles
 from easeoff.geometry import LatticeSize, tooth_lattice
 
 BLOCK, RADII, CLOSURE = (6.0, 8.0, 8.0), (12.0, 600.0), 0.012  # half sides and height, radii, approach [mm]

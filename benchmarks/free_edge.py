@@ -17,7 +17,7 @@ from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.flank_compliance import flank_shares
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.tooth.tooth_flanks import MemberName
-from easeoff.verification.thesis_shell import thesis_kinematics
+from easeoff.verification.shell_root_stress import thesis_kinematics
 
 IMAGE = Path(__file__).parents[1] / "docs" / "images" / "finite_elements" / "free_edge.png"
 # Of about the height and thickness that the deflections of figure 3.4 call for; length and radius are the thesis's.

@@ -22,7 +22,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import GearPair, Misalignment, pair_geometry
 from easeoff.geometry import principal_curvatures
 from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.geometry.flanks.seed_lattice import mean_parameters, seed_lattice
+from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from easeoff.geometry.pair.gear_pair import bodies, grid
 from tabulate import tabulate
 

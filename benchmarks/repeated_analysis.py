@@ -29,7 +29,7 @@ from easeoff.cases.conversion import elastic_model
 from easeoff.cases.conversion import finite_elements
 from easeoff.contact import MeshCycle
 from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.flanks.seed_lattice import mean_parameters, seed_lattice
+from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from tabulate import tabulate
 
 CASE = "fm-11x41"

@@ -28,7 +28,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
 from easeoff.contact.compliance.finite_elements.neighbouring_teeth import body_modes, ring_size, with_body
 from easeoff.geometry import LatticeSize, pair_geometry, tooth_lattice
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
-from easeoff.verification.finite_element_bodies.toothed_sector import toothed_sector
+from easeoff.verification.toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 CASES = (("fm-11x41", 500.0), ("nasa-12x36", 200.0))

@@ -16,11 +16,10 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
 )
 from ..core.checks import instance, one_of, two_whole
 from ..core.errors import GeometryError, InputError
-from ..geometry.cutting.blade import Blade
-from ..geometry.cutting.blade_sections import Relief
+from ..geometry.cutting.blade import Blade, Relief
 from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
-from ..geometry.cutting.machine_resolution import MachineResolution
+from ..geometry.cutting.named_settings import MachineResolution
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
@@ -36,8 +35,8 @@ from .schema.misalignment_table import MisalignmentTable, deflections_of
 
 if TYPE_CHECKING:  # what a design needs is imported for one
     from ..geometry.design.blank import BlankDesign, BlankDimensions
-    from ..geometry.design.set_up.pinion_method import SettingLimits
-    from ..geometry.design.standard_steps import StandardSteps
+    from ..geometry.design.closest_fit import StandardSteps
+    from ..geometry.design.pinion_method import SettingLimits
     from ..geometry.design.synthesis import EaseOffTarget
 
 Side = Literal["concave", "convex"]
@@ -232,7 +231,7 @@ def setting_limits(table: LimitsTable) -> SettingLimits:
     >>> round(setting_limits(read_design("fm-11x41").pinion.limits).cutter_tilt, 4)
     0.5236
     """
-    from ..geometry.design.set_up.pinion_method import SettingLimits
+    from ..geometry.design.pinion_method import SettingLimits
 
     values = table.model_dump()
     low, high = (values.pop(f"{end}_blade_pressure_angle") for end in ("smallest", "largest"))
@@ -250,7 +249,7 @@ def standard_steps(table: CutterStepsTable) -> StandardSteps:
     >>> standard_steps(read_design("fm-11x41").cutter_steps).point_width
     0.0
     """
-    from ..geometry.design.standard_steps import StandardSteps
+    from ..geometry.design.closest_fit import StandardSteps
 
     return StandardSteps(math.radians(table.blade_angle), table.point_width, table.edge_radius)
 

@@ -12,10 +12,8 @@ from ..core.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions
     from .compliance.elastic_model import STEEL, ElasticModel
-    from .line_contact.line_contact_path import LineContactPath, line_contact_path
-    from .line_contact.line_contact_sensitivity import line_contact_sensitivity
+    from .line_contact.line_contact_path import LineContactPath, line_contact_path, line_contact_sensitivity
     from .lines.mesh_lines import MeshLines, lines_in_mesh
-    from .load_capacity.tooth_root_stress import root_stress
     from .mesh_cycle import MeshCycle
     from .problem.certificate import Certificate, certify
     from .problem.contact_problem import ContactProblem
@@ -50,6 +48,7 @@ if TYPE_CHECKING:
     from .supports.support import BearingReaction, Supports
     from .supports.support_identification import IdentifiedSupport, identified_support
     from .supports.supported_contact import SupportedContact
+    from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
 __all__ = [
@@ -113,52 +112,45 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".compliance": [
-        "ElasticFoundation",
-        "HalfSpaceCompliance",
-        "Material",
-        "Shell",
-        "ToothDimensions",
-    ],
-    ".compliance.elastic_model": ["STEEL", "ElasticModel"],
-    ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
-    ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
+    ".compliance": ["ElasticFoundation", "HalfSpaceCompliance", "Material", "Shell", "ToothDimensions"],
+    ".compliance.elastic_model": ["ElasticModel", "STEEL"],
+    ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path", "line_contact_sensitivity"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_cycle": ["MeshCycle"],
     ".problem.certificate": ["Certificate", "certify"],
-    ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.contact_problem": ["ContactProblem"],
-    ".problem.modal_basis": ["ModalBasis", "SharedModes"],
-    ".problem.operator_compliance": ["OperatorCompliance"],
-    ".problem.forms.dual_form": ["DualQP", "dual_qp"],
-    ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
-    ".problem.shared_modes": ["with_shared_modes"],
-    ".problem.exchange.problem_file": ["read_problems", "write_problems"],
     ".problem.exchange.problem_checksum": ["problem_checksum"],
+    ".problem.exchange.problem_file": ["read_problems", "write_problems"],
     ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
     ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz"],
-    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
-    ".solvers.parametric.sensitivity": ["Sensitivity"],
-    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
-    ".solvers.parametric.solution_sensitivity": ["sensitivity"],
-    ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".problem.exchange.reference_solutions": ["read_references"],
-    ".load_capacity.tooth_root_stress": ["root_stress"],
+    ".problem.forms.complementarity_form": ["LCP", "lcp"],
+    ".problem.forms.dual_form": ["DualQP", "dual_qp"],
+    ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.modal_basis": ["ModalBasis", "SharedModes"],
+    ".problem.operator_compliance": ["OperatorCompliance"],
+    ".problem.shared_modes": ["with_shared_modes"],
     ".solvers": [
-        "SOLVERS",
         "ContactSolution",
         "ContactSolutions",
+        "SOLVERS",
         "Solver",
         "Status",
         "available_solvers",
         "solve",
         "solve_many",
     ],
+    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
+    ".solvers.parametric.sensitivity": ["Sensitivity"],
+    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
+    ".solvers.parametric.solution_sensitivity": ["sensitivity"],
+    ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".supports.assembly_rounds": ["AssemblyRounds"],
     ".supports.support": ["BearingReaction", "Supports"],
     ".supports.support_identification": ["IdentifiedSupport", "identified_support"],
     ".supports.supported_contact": ["SupportedContact"],
+    ".tooth_root_stress": ["root_stress"],
     ".unloaded": ["unloaded_contact"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

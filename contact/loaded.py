@@ -1,29 +1,359 @@
-"""Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, ch. 3)."""
+"""Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, ch. 3).
+
+Peak to peak and harmonics of a transmission error over one mesh cycle.
+
+Solved cases of the loaded contact, and their dataset.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..core.attributes import labelled
 from ..core.checks import array
 from ..core.ordered_values import ordered
 from ..core.processes.blas_threads import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
+from .compliance.weber_line_contact import WeberLineContact
 from .line_contact.line_contact_law import solve_at_torques
+from .lines.closest_approach import PASSING_FIELDS
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
-from .lines.opposite_points import PASSING_FIELDS
-from .loaded_cases import LoadedCase, loaded_dataset
+from .problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
+from .problem.contact_problem import ContactProblem
 from .segments import CycleSegments, LineSegments, Segments
-from .solvers import SolverChoice
+from .solvers import ContactSolution, SolverChoice, Status
 from .supports.held_members import HeldMembers
 
 Array = NDArray[Any]
+
+EXTREME_ROUNDS = 6
+WINDOW = 4  # samples on either side of an extreme that its place is estimated from
+PLACES = np.linspace(0.0, 1.0, 1001)[1:-1]  # between two samples, at which the estimate is looked at
+
+
+def peak_to_peak(values: Array) -> float:
+    """Largest minus smallest value of a cycle (n), in the units of the values.
+
+    Examples
+    --------
+    >>> peak_to_peak(np.array([1.0, 4.0, 2.0]))
+    3.0
+    """
+    return float(np.max(values) - np.min(values))
+
+
+def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: float) -> float:
+    """Peak to peak of a periodic function between its samples as well, with kinks where it is the least of several.
+
+    On either side of a kink the function is smooth: parabolas through the samples beside it meet at its peak. There the
+    function is evaluated, and again with that sample added, until the estimate comes true.
+
+    Parameters
+    ----------
+    values
+        Samples (n) at i / n of the period, seven at least; NaN makes the result NaN.
+    at
+        The function at places (m), as fractions of the period from 0 to 1.
+    tolerance
+        Difference between an estimate and the value there that ends the search, in the units of the values.
+
+    Examples
+    --------
+    >>> def sawtooth(x):
+    ...     return np.minimum(np.mod(x - 0.03, 1.0), 2.0 * np.mod(0.03 - x, 1.0))
+    >>> round(continuous_range(sawtooth(np.arange(16) / 16), sawtooth, 1e-6), 3)
+    0.667
+    """
+    (_, greatest), (_, least) = extremes(values, at, tolerance)
+    return greatest - least
+
+
+def extremes(
+    values: Array, at: Callable[[Array], Array], tolerance: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Place and value of the greatest and of the least value; arguments as of ``continuous_range``.
+
+    Examples
+    --------
+    >>> def wave(x):
+    ...     return np.cos(2.0 * np.pi * x)
+    >>> (place, value), _ = extremes(wave(np.arange(16) / 16), wave, 1e-6)
+    >>> round(value, 6)
+    1.0
+    """
+    if not np.all(np.isfinite(values)):
+        return (np.nan, np.nan), (np.nan, np.nan)
+    windows = [(sign, *window) for sign in (1.0, -1.0) for window in _windows(sign * values)]
+    open_ones = list(range(len(windows)))
+    for _ in range(EXTREME_ROUNDS):
+        estimates = [_estimated(*windows[k][1:]) for k in open_ones]
+        found = at(np.mod([place for place, _ in estimates], 1.0))
+        following = []
+        for k, (place, estimate), value in zip(open_ones, estimates, found, strict=True):
+            sign, places, heights = windows[k]
+            index = np.searchsorted(places, place)
+            windows[k] = sign, np.insert(places, index, place), np.insert(heights, index, sign * value)
+            if abs(sign * value - estimate) > tolerance:
+                following.append(k)
+        open_ones = following
+        if not open_ones:
+            break
+
+    def highest(sign: float) -> tuple[float, float]:
+        known = [(w[2][k], w[1][k]) for w in windows if w[0] == sign for k in [np.argmax(w[2])]]
+        value, place = max(known)
+        return float(np.mod(place, 1.0)), float(sign * value)
+
+    return highest(1.0), highest(-1.0)
+
+
+def _windows(values: Array) -> list[tuple[Array, Array]]:
+    """Places and values around every sample beside which the greatest value may lie."""
+    before, after = np.roll(values, 1), np.roll(values, -1)
+    rise = np.maximum(np.abs(values - before), np.abs(values - after))
+    high = (values >= before) & (values >= after) & (values + rise >= np.max(values))
+    around = np.flatnonzero(high)[:, None] + np.arange(-WINDOW, WINDOW + 1)
+    return [(index / values.size, values[index % values.size]) for index in around]
+
+
+def _estimated(places: Array, values: Array) -> tuple[float, float]:
+    """Where a function that is the least of smooth ones is greatest beside its greatest sample, and its value there."""
+    middle = int(np.clip(np.argmax(values), 3, values.size - 4))
+    tried, heights = [], []
+    for left in (middle - 1, middle):
+        x = places[left] + (places[left + 1] - places[left]) * PLACES
+        sides = (slice(left - 2, left + 1), slice(left + 1, left + 4))
+        tried.append(x)
+        heights.append(np.minimum(*(_parabola(places[side], values[side], x) for side in sides)))
+    x, height = np.concatenate(tried), np.concatenate(heights)
+    best = int(np.argmax(height))
+    return float(x[best]), float(height[best])
+
+
+def _parabola(places: Array, values: Array, x: Array) -> Array:
+    """Parabola through three points, at places (m)."""
+    a, b, c = places
+    slope, other = (values[1] - values[0]) / (b - a), (values[2] - values[1]) / (c - b)
+    return np.asarray(values[0] + (x - a) * (slope + (x - b) * (other - slope) / (c - a)))
+
+
+def harmonics(values: Array, orders: int = 3) -> Array:
+    """Amplitudes (orders) of the first harmonics of a cycle sampled evenly at n points.
+
+    Examples
+    --------
+    >>> cycle = 5.0 + 2.0 * np.cos(2 * np.pi * np.arange(16) / 16 + 0.3)
+    >>> [float(a) for a in harmonics(cycle).round(12)]
+    [2.0, 0.0, 0.0]
+    """
+    spectrum = np.abs(np.fft.rfft(values)) * 2.0 / len(values)
+    if len(values) % 2 == 0:
+        spectrum[-1] /= 2.0  # the highest order of an even sample is not shared with its mirror
+    result = np.zeros(orders)
+    count = min(orders, spectrum.size - 1)
+    result[:count] = spectrum[1 : count + 1]
+    return result
+
+
+def rms(amplitudes: Array) -> float:
+    """Root of the sum of the squared amplitudes, as the dissertation's tables use it (without the factor 1/sqrt 2).
+
+    Examples
+    --------
+    >>> rms(np.array([3.0, 4.0]))
+    5.0
+    """
+    return float(np.sqrt(np.sum(np.square(amplitudes))))
+
+
+HARMONIC_ORDER_COUNT = 10
+
+
+@dataclass(frozen=True)
+class LoadedCase:
+    """One torque at one mesh position.
+
+    Parameters
+    ----------
+    torque, mesh_position
+        Their numbers.
+    segments
+        Potential contact segments.
+    solution
+        Forces, rotation and certificate.
+    problem
+        The contact problem with the local compliance of the solution.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> case = cycle.solved([100.0])[0]
+    >>> case.problem.torque == 1e3 * cycle.ratio * 100.0
+    True
+    """
+
+    torque: int
+    mesh_position: int
+    segments: Segments
+    solution: ContactSolution
+    problem: ContactProblem
+
+
+def loaded_dataset(
+    segments: list[Segments | None], cases: list[LoadedCase], torques: Array, rotations: Array
+) -> xr.Dataset:
+    """The group ``/loaded`` of a result.
+
+    Parameters
+    ----------
+    segments
+        Segments of every mesh position (k).
+    cases
+        Solved cases.
+    torques
+        Torques at the pinion (t) [N m].
+    rotations
+        Pinion rotations (k) [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> torques = np.array([100.0])
+    >>> found = loaded_dataset(cycle.segments.by_position, cycle.solved(torques), torques, cycle.lines.rotations)
+    >>> found["load_share"].dims
+    ('torque', 'mesh_position', 'pair')
+    """
+    size = max(s.pair.size for s in segments if s is not None)
+    cycle = (torques.size, rotations.size)
+    pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
+    status = np.full(cycle, Status.INFEASIBLE, dtype=np.int8)
+    entries = (*CERTIFICATE_FIELDS, *CERTIFICATE_LIMITS)
+    names = ("transmission_error", "edge_share", "iterations", *entries)
+    scalars = {name: np.full(cycle, np.nan) for name in names}
+    per_segment = {
+        name: np.full((*cycle, size), np.nan)
+        for name in (
+            "force",
+            "pressure",
+            "gap",
+            "half_width",
+            "separation",
+            "length",
+            "equivalent_radius",
+            "lever_arm",
+            "tooth",
+            "lengthwise",
+            "profile",
+            "overhang",
+        )
+    }
+    for case in cases:
+        solution, at = case.solution, (case.torque, case.mesh_position)
+        status[at] = solution.status
+        scalars["transmission_error"][at] = 1e6 * solution.rotation
+        scalars["iterations"][at] = solution.iterations
+        for name in entries:
+            scalars[name][at] = getattr(solution.certificate, name)
+    if cases:
+        sizes = [case.segments.pair.size for case in cases]
+        at_cases = np.array([(case.torque, case.mesh_position) for case in cases])
+        places = *np.repeat(at_cases, sizes, axis=0).T, np.concatenate([np.arange(size) for size in sizes])
+        for name, values in _of_segments(cases).items():
+            per_segment[name][places] = values
+    certified = status == Status.CERTIFIED
+    moment = np.nan_to_num(per_segment["force"]) * np.nan_to_num(per_segment["lever_arm"])
+    of_pair = [np.sum(np.where(per_segment["tooth"] == pair, moment, 0.0), axis=2) for pair in pairs]
+    on_edges = np.sum(np.where(np.isfinite(per_segment["overhang"]), moment, 0.0), axis=2)
+    whole = np.where(certified, np.sum(moment, axis=2), np.nan)
+    share = np.stack(of_pair, axis=2) / whole[:, :, None]
+    scalars["edge_share"] = on_edges / whole
+    error = scalars["transmission_error"]
+    data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}
+    data |= {name: (("torque", "mesh_position", "segment"), value) for name, value in per_segment.items()}
+    data["status"] = (("torque", "mesh_position"), status, Status.flag_attributes())
+    data["load_share"] = (("torque", "mesh_position", "pair"), share)
+    data["pinion_rotation"] = ("mesh_position", rotations)
+    data |= rotation_numbers(error)
+    pressure = per_segment["pressure"].reshape(torques.size, -1)
+    # Where sharp edges carry all of the load, there is no pressure to compare: what carries nothing does not count.
+    greatest = np.where(pressure > 0.0, pressure, -np.inf).max(axis=1)
+    data["max_pressure"] = ("torque", np.where(np.isfinite(greatest), greatest, np.nan))
+    coords = {
+        "torque": torques,
+        "mesh_position": np.arange(rotations.size) / rotations.size,
+        "order": np.arange(1, HARMONIC_ORDER_COUNT + 1),
+        "pair": pairs,
+    }
+    line_contact = next(s.line_contact for s in segments if s is not None)
+    attributes: dict[str, Any] = {
+        "contact_modulus_MPa": 2.0 / line_contact.flexibility,
+        "searched_segments": sum(int(np.count_nonzero(s.searched)) for s in segments if s is not None),
+    }
+    failures = [case.solution.message for case in cases if not case.solution.certified]
+    attributes |= {"first_failure": failures[0]} if failures else {}
+    return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
+
+
+def rotation_numbers(error: Array) -> dict[str, tuple[tuple[str, ...], Array]]:
+    """The transmission error (t, k) [urad], and its numbers over the mesh cycle, with their dimensions.
+
+    Examples
+    --------
+    >>> rotation_numbers(np.array([[1.0, 3.0]]))["peak_to_peak"]
+    (('torque',), array([2.]))
+    """
+    amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
+    return {
+        "transmission_error": (("torque", "mesh_position"), error),
+        "peak_to_peak": (("torque",), np.array([peak_to_peak(row) for row in error])),
+        "mean_level": (("torque",), error.mean(axis=1)),
+        "rms": (("torque",), np.array([rms(row[:3]) for row in amplitudes])),
+        "harmonic": (("torque", "order"), amplitudes),
+    }
+
+
+def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
+    """Values of the segments of all cases, one after the other."""
+    segments, solutions = [case.segments for case in cases], [case.solution for case in cases]
+    force = np.concatenate([solution.force for solution in solutions])
+    contact, known = WeberLineContact.joined([here.line_contact for here in segments]), np.isfinite(force)
+    point = np.concatenate([here.point for here in segments], axis=1)
+    pressure = contact.pressure(force)
+    # Of the strip that the pressure is of, the whole one also where an edge cuts it, as of flash temperatures.
+    half_width, hertzian = contact.half_width(force), pressure > 0.0
+    np.divide(2.0 * force, np.pi * contact.length * pressure, out=half_width, where=hertzian)
+    return {
+        "force": force,
+        "pressure": np.where(known, pressure, np.nan),
+        "half_width": np.where(known, half_width, np.nan),
+        "gap": 1e3 * np.concatenate([solution.gap for solution in solutions]),
+        "separation": np.concatenate([here.separation for here in segments]),
+        "length": contact.length,
+        "equivalent_radius": contact.equivalent_radius,
+        "lever_arm": np.concatenate([here.lever_arm for here in segments]),
+        "tooth": np.concatenate([here.pair for here in segments]),
+        "lengthwise": point[0],
+        "profile": point[1],
+        "overhang": np.where(contact.overhang >= 0.0, contact.overhang, np.nan),
+    }
+
+
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
 EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
 EDGE_SEARCH_POSITIONS = 2  # mesh positions at which the rotation is found first, to search edges for all

@@ -16,12 +16,10 @@ from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
-from .lines.closest_approach import SEPARATION_FIELDS
+from .lines.closest_approach import PASSING_FIELDS, SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations, roll_limits
-from .lines.opposite_points import PASSING_FIELDS
-from .loaded import cycle_cases, loaded_splines, solve_all, solve_cycle
-from .loaded_cases import LoadedCase
+from .loaded import LoadedCase, cycle_cases, loaded_splines, solve_all, solve_cycle
 from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
 from .unloaded import unloaded_contact

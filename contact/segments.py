@@ -18,13 +18,11 @@ from .compliance.material import Material
 from .compliance.spread_deflection import SpreadDeflection
 from .compliance.unit_loads import Loads, UnitLoads
 from .compliance.weber_line_contact import WeberLineContact
-from .lines.closest_approach import ClosestApproach, closest_approach
+from .lines.closest_approach import ClosestApproach, closest_approach, pinion_points
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.loaded_places import LoadedPlaces
 from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
-from .lines.mesh_lines import MeshLines, gauss_points
-from .lines.opposite_points import pinion_points
+from .lines.mesh_lines import LoadedPlaces, MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 from .supports.mesh_wrench import MeshWrenches

@@ -18,7 +18,7 @@ from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.touching_points import GAP_LIMIT
 from .lines.turned_flanks import BOUNDS, TurnedFlanks
-from .mesh_harmonics import continuous_range, harmonics, rms
+from .loaded import continuous_range, harmonics, rms
 from .pair_errors import PairErrors, smallest
 
 Array = NDArray[Any]

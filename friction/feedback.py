@@ -21,7 +21,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.line_contact.line_contact_law import solve_line_contacts
-from ..contact.loaded_cases import LoadedCase
+from ..contact.loaded import LoadedCase
 from ..contact.solvers import SolverChoice, Status
 from ..core.attributes import labelled
 from ..core.checks import instance, instances

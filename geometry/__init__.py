@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .cutting.blade import Blade
-    from .cutting.blade_sections import BladeSection
+    from .cutting.blade import Blade, BladeSection
     from .cutting.generating_surface import GeneratingSurface, Hand
     from .cutting.machine import MachineSettings
-    from .cutting.machine_resolution import MachineResolution
+    from .cutting.named_settings import MachineResolution
     from .design.basic_settings import blank_section, formate_gear
     from .design.blank import BlankDesign, BlankDimensions, blank_dimensions
     from .design.conjugate_pinion import conjugate_pinion
     from .design.synthesis import EaseOffTarget, Synthesis, fit_pinion
     from .deviation.corrective_settings import Correction, corrective_settings
+    from .deviation.deviated_flank import departure
     from .deviation.deviation import Deviation, deviation_from_formula
     from .deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
     from .deviation.machine_set_up import shares_set_up, usual_settings
-    from .deviation.recut_flank import departure
     from .flanks.blank_section import BlankSection
     from .flanks.curvature import principal_curvatures
     from .flanks.flank import Flank
@@ -78,27 +77,19 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".cutting.blade": ["Blade"],
-    ".cutting.blade_sections": ["BladeSection"],
+    ".cutting.blade": ["Blade", "BladeSection"],
     ".cutting.generating_surface": ["GeneratingSurface", "Hand"],
     ".cutting.machine": ["MachineSettings"],
-    ".cutting.machine_resolution": ["MachineResolution"],
+    ".cutting.named_settings": ["MachineResolution"],
     ".design.basic_settings": ["blank_section", "formate_gear"],
-    ".design.blank": [
-        "BlankDesign",
-        "BlankDimensions",
-        "blank_dimensions",
-    ],
+    ".design.blank": ["BlankDesign", "BlankDimensions", "blank_dimensions"],
     ".design.conjugate_pinion": ["conjugate_pinion"],
     ".design.synthesis": ["EaseOffTarget", "Synthesis", "fit_pinion"],
     ".deviation.corrective_settings": ["Correction", "corrective_settings"],
+    ".deviation.deviated_flank": ["departure"],
     ".deviation.deviation": ["Deviation", "deviation_from_formula"],
     ".deviation.global_errors": ["GlobalErrors", "angle_errors", "fit_global_errors"],
-    ".deviation.machine_set_up": [
-        "shares_set_up",
-        "usual_settings",
-    ],
-    ".deviation.recut_flank": ["departure"],
+    ".deviation.machine_set_up": ["shares_set_up", "usual_settings"],
     ".flanks.blank_section": ["BlankSection"],
     ".flanks.curvature": ["principal_curvatures"],
     ".flanks.flank": ["Flank"],

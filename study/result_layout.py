@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..contact.evaluation.pressure_place import LineEnd
+from ..contact.evaluation.pressure_map import LineEnd
 from ..contact.solvers import Status
 from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.attributes import units_of

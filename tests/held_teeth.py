@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from easeoff.contact import MeshCycle
-from easeoff.geometry.pair.datasets import ease_off_dataset, teeth_dataset
-from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.geometry.pair.gear_pair import GearPair, MemberGeometry, PairGeometry
-from easeoff.geometry.pair.rolling import drift
+from easeoff.geometry.pair.ease_off import drift, exact_ease_off
+from easeoff.geometry.pair.gear_pair import GearPair, MemberGeometry, PairGeometry, ease_off_dataset, teeth_dataset
 
 
 def anew(cycle: MeshCycle, pair: GearPair) -> MeshCycle:

@@ -18,21 +18,15 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.design.agma929.edge_radius_limit import EdgeRadiusLimits
-from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
-from easeoff.geometry.design.agma929.slot_width import SlotWidths
-from easeoff.geometry.design.agma929.tooth_line import ToothLine
-from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
-from easeoff.geometry.design.agma929.top_land import TopLands
 from easeoff.geometry.design.blank import blank_design_from_symbols
 from easeoff.geometry.design.edge_radius import rounded
+from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from easeoff.geometry.design.tooth_proportions import ToothProportions, measured_proportions
 from easeoff.geometry.pair.backlash import circular_backlash, filling_thickness
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
-from easeoff.geometry.tooth import land_width
-from easeoff.geometry.tooth.contact_height import contact_heights
-from easeoff.geometry.tooth.land_width import land_widths
+from easeoff.geometry.tooth import tooth_surface as tooth_surface_module
 from easeoff.geometry.tooth.tooth_flanks import MemberName, PlacedFlank, placed_flanks, side
-from easeoff.geometry.tooth.tooth_surface import ToothSide, tooth_side, tooth_surface
+from easeoff.geometry.tooth.tooth_surface import ToothSide, contact_heights, land_widths, tooth_side, tooth_surface
 from easeoff.study.design.tooth_spaces import ToothSpaces, tooth_spaces
 
 DATA = Path(__file__).parent / "data"
@@ -289,7 +283,7 @@ def test_slot_of_blades_whose_corner_cuts_no_whole_flank_is_that_of_their_edge_r
             raise GeometryError("undercut")
         return tooth_side(surface, *others)
 
-    monkeypatch.setattr(land_width, "tooth_side", refused)
+    monkeypatch.setattr(tooth_surface_module, "tooth_side", refused)
     found = land_widths(pair, member, ENDS)
     assert np.allclose(found.slot, sharp.slot, rtol=0.0, atol=0.1 * 0.6)
     assert np.allclose(found.root_line, sharp.root_line, rtol=0.0, atol=1e-4)

@@ -22,7 +22,7 @@ from easeoff.geometry import (
     formate_gear,
 )
 from easeoff.geometry.design.basic_settings import generated_gear, hobbing_blade
-from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import _left_by_cutter
 from easeoff.geometry.pair.tooth_body import tooth_body

@@ -22,7 +22,7 @@ from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
 from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.verification import FlanksInMesh, flanks_in_mesh
-from easeoff.verification.flank_contact.segment_gap import exact_gap
+from easeoff.verification.surface_cells import exact_gap
 
 Array = NDArray[np.float64]
 CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open

@@ -29,15 +29,14 @@ from easeoff.geometry import (
     pair_geometry,
     principal_curvatures,
 )
-from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.blade import Relief
 from easeoff.geometry.cutting.machine import work_rotation
 from easeoff.geometry.flanks.blank_section import BlankSection
-from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
-from easeoff.geometry.flanks.seed_lattice import mean_parameters
+from easeoff.geometry.flanks.flank import NodeStatus, mean_parameters, solve_flank
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.pair.tip_mates import unmet_tips
-from easeoff.geometry.tooth.blade_tip import TOE_MIDDLE_HEEL, tip_gap
+from easeoff.geometry.tooth.tooth_surface import TOE_MIDDLE_HEEL, tip_gap
 from easeoff.geometry.vectors import rotate_z
 from easeoff.study import design_case
 

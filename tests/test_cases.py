@@ -19,7 +19,7 @@ from runs import replaced
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
 from easeoff.geometry import Misalignment, pair_geometry, tooth_angle
-from easeoff.geometry.design.mean_point import angles_of_normal
+from easeoff.geometry.design.blank import angles_of_normal
 from easeoff.geometry.pair.tooth_thickness import mean_cone_distances
 from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 

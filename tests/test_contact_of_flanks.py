@@ -16,7 +16,7 @@ from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import STEEL, MeshLines, lines_in_mesh
 from easeoff.geometry import LatticeSize
-from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
+from easeoff.geometry.tooth.tooth_lattice import LatticeSpacing
 from easeoff.verification import (
     FlankContact,
     FlankResponse,
@@ -25,9 +25,9 @@ from easeoff.verification import (
     flank_response,
     flanks_in_mesh,
 )
-from easeoff.verification.flank_contact.flank_response import thinner_edges
-from easeoff.verification.flank_contact.stretch_load import greatest_stretch_load
-from easeoff.verification.flank_contact.surface_cells import cells_on_line
+from easeoff.verification.flank_contact import greatest_stretch_load
+from easeoff.verification.flank_response import thinner_edges
+from easeoff.verification.surface_cells import cells_on_line
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"

@@ -26,19 +26,18 @@ from easeoff.geometry import (
     usual_settings,
 )
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.cutting.machine_resolution import setting_step
 from easeoff.geometry.cutting.named_settings import (
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
     get_setting,
     scale_of,
+    setting_step,
     with_settings,
 )
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
-from easeoff.geometry.deviation.deviated_flank import deviated_member
+from easeoff.geometry.deviation.deviated_flank import RecutFlank, deviated_member
 from easeoff.geometry.deviation.deviation import Deviation
 from easeoff.geometry.deviation.machine_set_up import movable_settings
-from easeoff.geometry.deviation.recut_flank import RecutFlank
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.gear_pair import Member
 from easeoff.geometry.pair.tooth_body import middle_angle
@@ -50,7 +49,7 @@ from easeoff.study.report.correction_report import correction_report, root_warni
 from easeoff.study.report.summary.load_case_summary import load_case_notes
 from easeoff.study.report.summary.result_summary import result_notes
 from easeoff.verification import correction_loop
-from easeoff.verification.measuring.correction_loop import (
+from easeoff.verification.correction_loop import (
     CORRECTION_LOOPS,
     FORMATE,
     GENERATED,

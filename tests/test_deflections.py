@@ -27,7 +27,7 @@ from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.study.report.summary.result_summary import result_summary
 from easeoff.study.sweep import sweep
 from easeoff.verification import verify
-from easeoff.verification.yardsticks.verified_pair import VerifiedPair
+from easeoff.verification.verified_pair import VerifiedPair
 
 AXLE = Deflections(
     [0.0, 100.0, 300.0],

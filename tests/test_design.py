@@ -34,9 +34,9 @@ from easeoff.cases import (
 )
 from easeoff.cases.conversion import blank_design, ease_off_target
 from easeoff.geometry import BlankDimensions, FlankName, blank_dimensions, ease_off
-from easeoff.geometry.design.fit_quality import residual_limits
-from easeoff.geometry.design.mean_point import mean_point_angles
-from easeoff.geometry.design.set_up.pinion_method import PinionMethod
+from easeoff.geometry.design.blank import mean_point_angles
+from easeoff.geometry.design.closest_fit import residual_limits
+from easeoff.geometry.design.pinion_method import PinionMethod
 from easeoff.geometry.pair.backlash import circular_backlash
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import bodies, grid

@@ -28,15 +28,13 @@ from easeoff.geometry import (
     pair_geometry,
     principal_curvatures,
 )
-from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.blade import Relief
 from easeoff.geometry.cutting.named_settings import get_setting, with_settings
-from easeoff.geometry.deviation.deviated_flank import deviated_member, deviated_pair
-from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
+from easeoff.geometry.deviation.deviated_flank import deviated_ease_off, deviated_member, deviated_pair
 from easeoff.geometry.newton import complex_steps
-from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
+from easeoff.geometry.pair.ease_off import EaseOff, drift, exact_ease_off, relative_velocity, rolling
 from easeoff.geometry.pair.gear_pair import grid
-from easeoff.geometry.pair.rolling import drift, relative_velocity, rolling
-from easeoff.verification.measuring.measured_distance import distance_along_normals
+from easeoff.verification.envelope_condition import distance_along_normals
 
 Array = NDArray[np.float64]
 Formula = Callable[[Array, Array], Array]

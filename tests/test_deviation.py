@@ -29,13 +29,11 @@ from easeoff.geometry import (
 from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
 from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP
-from easeoff.geometry.deviation.deviation import Method, deviation_from_dataset
-from easeoff.geometry.deviation.interpolation import smoothed
-from easeoff.geometry.deviation.measurement import zeroed
+from easeoff.geometry.deviation.deviation import Method, deviation_from_dataset, smoothed, zeroed
 from easeoff.geometry.formats import EdgeMargins, cmm_points
 from easeoff.geometry.formats.measuring_points import _grid
 from easeoff.geometry.tooth.tooth_flanks import named_member
-from easeoff.verification.measuring.measured_distance import distance_along_normals
+from easeoff.verification.envelope_condition import distance_along_normals
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 5, 9

@@ -29,8 +29,7 @@ from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.schema_table import Table
 from easeoff.contact import SOLVERS, ContactProblem, read_problems, solve
 from easeoff.geometry import MachineSettings, ease_off
-from easeoff.geometry.cutting.machine import IncrementSense
-from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.cutting.machine import IncrementSense, machine_pose
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.study.cli import main

@@ -27,15 +27,15 @@ from easeoff.geometry import (
     ease_off,
     fit_pinion,
 )
+from easeoff.geometry.cutting.generating_surface import SurfacePoints
 from easeoff.geometry.cutting.named_settings import with_settings
-from easeoff.geometry.cutting.surface_points import SurfacePoints
 from easeoff.geometry.flanks.curvature import shape_operator
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.pair.ease_off import SKEW_STEP, EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import cross, dot
-from easeoff.verification.point_contact import PointContact, path_of_contact
+from easeoff.verification.conventional_analysis import PointContact, path_of_contact
 
 Array = NDArray[Any]
 ARC_SECOND = math.pi / 180 / 3600

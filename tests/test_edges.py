@@ -18,18 +18,17 @@ from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.free_end import MODES
-from easeoff.contact.lines.closest_approach import across_line, one_step
+from easeoff.contact.lines.closest_approach import OppositePoints, across_line, one_step, pinion_points
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from easeoff.contact.lines.mesh_edges import EDGES, EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.lines.opposite_points import OppositePoints, pinion_points
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, loaded_contact, loaded_splines, solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry
 from easeoff.study import CaseInMesh
 from easeoff.verification import FlanksInMesh, flanks_in_mesh
-from easeoff.verification.flank_contact.segment_gap import exact_gap
+from easeoff.verification.surface_cells import exact_gap
 
 PAIRS = {
     "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),

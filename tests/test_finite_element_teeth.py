@@ -37,7 +37,7 @@ from easeoff.geometry import GearPair, LatticeSize, ToothLattice, deviation_from
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.geometry.tooth.lattice_spacing import graded
+from easeoff.geometry.tooth.tooth_lattice import graded
 from easeoff.study import CaseInMesh
 from easeoff.study.report.notes.plausibility import plausibility
 from easeoff.study.report.summary.result_summary import result_summary

@@ -27,7 +27,7 @@ from easeoff.contact.compliance.finite_elements.bricks import (
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.substructures import Substructures, lattice_places, substructures
 from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
-from easeoff.verification.finite_element_bodies.serendipity_brick import serendipity_functions
+from easeoff.verification.toothed_sector import serendipity_functions
 
 Array = NDArray[Any]
 COARSE = LatticeSize(5, 3, 2, 1, 1, 2)

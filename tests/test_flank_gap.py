@@ -12,9 +12,8 @@ from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.verification import smallest_gap
 from easeoff.verification import smallest_gap as search
-from easeoff.verification.flank_gap import flank_gap
-from easeoff.verification.point_contact import path_of_contact
-from easeoff.verification.smallest_gap import smallest_envelope
+from easeoff.verification.conventional_analysis import path_of_contact
+from easeoff.verification.smallest_gap import flank_gap, smallest_envelope
 
 
 def test_no_gap_where_the_flanks_touch() -> None:

@@ -20,8 +20,7 @@ from easeoff.contact.compliance.shell_kinematics import (
     five_field,
 )
 from easeoff.verification import shell_root_stress
-from easeoff.verification.shell_root_stress import notch_factor, root_section_forces
-from easeoff.verification.thesis_shell import thesis_kinematics
+from easeoff.verification.shell_root_stress import notch_factor, root_section_forces, thesis_kinematics
 
 FloatArray = NDArray[np.float64]
 RADIAL = (0.0, 0.0, 1.0)

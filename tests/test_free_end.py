@@ -23,12 +23,11 @@ from easeoff.contact.compliance.free_end import (
     missing_approach,
     remaining_depth,
 )
-from easeoff.contact.lines.loaded_places import LoadedPlaces
-from easeoff.contact.lines.tooth_ends import tooth_ends
+from easeoff.contact.lines.mesh_lines import LoadedPlaces, tooth_ends
 from easeoff.contact.segments import DEPTHS, END_MIDDLES, end_loads_at
 from easeoff.geometry import LatticeSize, pair_geometry
-from easeoff.geometry.tooth.end_faces import end_faces
 from easeoff.geometry.tooth.tooth_lattice import tooth_lattice
+from easeoff.geometry.tooth.tooth_surface import end_faces
 from easeoff.verification import end_relief
 
 Array = NDArray[np.float64]

@@ -14,9 +14,8 @@ from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.friction.loaded_contacts import Axes, SurfaceVelocities, action_splines, axes_of, surface_velocities
 from easeoff.geometry import GearPair, Misalignment
-from easeoff.geometry.pair.datasets import ease_off_dataset
-from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
-from easeoff.geometry.pair.rolling import drift
+from easeoff.geometry.pair.ease_off import EaseOff, drift, exact_ease_off
+from easeoff.geometry.pair.gear_pair import ease_off_dataset
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
 Array = NDArray[Any]

@@ -14,10 +14,10 @@ from easeoff import InputError
 from easeoff.contact import STEEL, ContactProblem, HalfSpaceCompliance, Material, OperatorCompliance, certify, solve
 from easeoff.contact.compliance.half_space_cells import even_pressure_integral
 from easeoff.verification import problems
-from easeoff.verification.flank_contact.half_space import point_force_displacement, point_force_traction
-from easeoff.verification.flank_contact.surface_cells import SurfaceCells
-from easeoff.verification.flank_contact.surface_contact import half_space_compliance
+from easeoff.verification.flank_contact import half_space_compliance
+from easeoff.verification.flank_response import point_force_displacement, point_force_traction
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
+from easeoff.verification.surface_cells import SurfaceCells
 
 RNG = np.random.default_rng(4)
 INWARD = np.array([0.6, 0.0, 0.8])

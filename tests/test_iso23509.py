@@ -27,7 +27,7 @@ from easeoff.geometry.design.blank import (
     blank_design_from_symbols,
     dimensions_by_symbol,
 )
-from easeoff.geometry.design.iso23509.crown_gear import crown_gear
+from easeoff.geometry.design.iso23509.pitch_cones import crown_gear
 from easeoff.geometry.design.iso23509.symbols import is_angle
 from easeoff.study.report.contact_report.cycle_charts import _weighted_mean
 from easeoff.study.report.contact_report.implied_dimensions import ROWS, dimension_rows, implied_dimensions

@@ -19,13 +19,22 @@ from easeoff import InputError, analyze, read_case, read_result, write_result
 from easeoff.cases import Case, gear_pair, shipped_cases
 from easeoff.contact import AssemblyRounds, ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
-from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio
-from easeoff.contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
-from easeoff.contact.evaluation.flank_region import flank_share, grid_triangles, region_below
-from easeoff.contact.evaluation.marking_print import MarkingPrint, least_gap
-from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness
-from easeoff.contact.evaluation.pressure_place import LineEnd, nearest_border
-from easeoff.contact.evaluation.projection_plane import ProjectionPlane
+from easeoff.contact.evaluation.cycle_numbers import (
+    contact_time,
+    loaded_contact_ratio,
+    mesh_stiffness,
+    with_loaded_numbers,
+    with_unloaded_numbers,
+)
+from easeoff.contact.evaluation.marking_print import (
+    MarkingPrint,
+    ProjectionPlane,
+    flank_share,
+    grid_triangles,
+    least_gap,
+    region_below,
+)
+from easeoff.contact.evaluation.pressure_map import LineEnd, nearest_border
 from easeoff.contact.evaluation.tooth_passage import ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
 from easeoff.contact.lines.mesh_lines import roll_limits
@@ -35,7 +44,7 @@ from easeoff.study import CaseInMesh, key_numbers, write_pictures
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.summary.contact_tables import loaded_table, unloaded_table
 from easeoff.study.report.summary.result_summary import result_summary
-from easeoff.verification.flank_gap import flank_gap
+from easeoff.verification.smallest_gap import flank_gap
 
 Array = NDArray[np.float64]
 NEW = (

@@ -24,10 +24,9 @@ from easeoff.contact import (
     torque_path,
 )
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness
-from easeoff.contact.line_contact import line_contact_continuation
-from easeoff.contact.line_contact.line_contact_newton import LineContact
-from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.evaluation.cycle_numbers import mesh_stiffness
+from easeoff.contact.line_contact.line_contact_path import solved_at
+from easeoff.contact.line_contact.line_contact_solution import LineContact, solve_line_contact
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.geometry import pair_geometry
 from easeoff.verification import problems
@@ -122,14 +121,13 @@ def test_points_and_events_in_a_dataset() -> None:
 
 def test_path_ends_with_a_reason_where_no_solution_is_certified(monkeypatch: pytest.MonkeyPatch) -> None:
     bending, contact = line_of_contact()
-    plain = line_contact_continuation.solved_at
 
     def failing(bending: ContactProblem, contact: LineContact, torque: float, start: Array | None) -> ContactSolution:
         if torque > 2e5:
             return no_solution(bending.size, Status.SOLVER_FAILED, "native", message="as planted")
-        return plain(bending, contact, torque, start)
+        return solved_at(bending, contact, torque, start)
 
-    monkeypatch.setattr(line_contact_continuation, "solved_at", failing)
+    monkeypatch.setattr("easeoff.contact.line_contact.line_contact_path.solved_at", failing)
     path = line_contact_path(bending, contact, 1e4, 6e5)
     assert path.status is Status.NOT_CONVERGED
     assert "solver_failed; as planted" in path.message

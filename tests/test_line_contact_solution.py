@@ -12,8 +12,7 @@ from solver_choice import installed
 
 from easeoff import InputError, MissingSolverError
 from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, solve
-from easeoff.contact.line_contact.line_contact_newton import LineContact, NewtonIteration
-from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.line_contact.line_contact_solution import LineContact, NewtonIteration, solve_line_contact
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.verification import problems
 

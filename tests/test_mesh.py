@@ -16,7 +16,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import GearPair, tooth_angle, tooth_patches
 from easeoff.geometry.formats import write_mesh
-from easeoff.geometry.formats.patches import merged, oriented
+from easeoff.geometry.formats.step import merged, oriented
 from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 
 Array = NDArray[Any]

@@ -23,6 +23,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCom
 from easeoff.contact.compliance.unit_loads import Loads, UnitLoads
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.carrying_error import CarryingError
+from easeoff.contact.evaluation.cycle_numbers import mesh_stiffness, mesh_stiffnesses
 from easeoff.contact.evaluation.marking_print import (
     _GAP_FIELDS,
     GAIN_MINIMUM,
@@ -31,13 +32,11 @@ from easeoff.contact.evaluation.marking_print import (
     _Gaps,
     least_gap,
 )
-from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness, mesh_stiffnesses
 from easeoff.contact.lines.closest_approach import gap_beside, still_opens
 from easeoff.contact.lines.contact_lines import evenly_spaced
 from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.geometry import Misalignment, Modification, PairGeometry, deviation_from_formula, pair_geometry
-from easeoff.geometry.deviation.deviated_flank import deviated_pair
-from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
+from easeoff.geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.modification import modified_ease_off

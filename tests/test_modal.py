@@ -21,7 +21,7 @@ from easeoff import InputError
 from easeoff.contact import ContactProblem, ContactSolution, Material, Status, available_solvers, solve, solve_many
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
-from easeoff.contact.loaded_cases import LoadedCase
+from easeoff.contact.loaded import LoadedCase
 from easeoff.contact.problem.compliance_matrix import ModalCompliance
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import problem_batch

@@ -35,9 +35,9 @@ from easeoff.study.design.design_advice import (
 )
 from easeoff.study.report.vh_table import vh_table
 from easeoff.study.vh.vh_check import write_vh_check
-from easeoff.verification.yardsticks.flank_rows import flank_rows
-from easeoff.verification.yardsticks.row_meaning import closing
-from easeoff.verification.yardsticks.verification_row import VerificationRow
+from easeoff.verification.case_verification import closing
+from easeoff.verification.flank_rows import flank_rows
+from easeoff.verification.verification_row import VerificationRow
 
 
 @pytest.mark.parametrize("text", ["800,400,100", "800.0,100,400", "400, 100.0, 800"])

@@ -36,7 +36,7 @@ from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry,
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry.tooth.tooth_lattice import Web
 from easeoff.geometry.vectors import rotate_z
-from easeoff.verification.finite_element_bodies.toothed_sector import toothed_sector
+from easeoff.verification.toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 SMALL = LatticeSize(3, 2, 2, 1, 0, 1, 1)

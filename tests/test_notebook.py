@@ -22,7 +22,7 @@ from runs import small
 import easeoff
 from easeoff import InputError
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
-from easeoff.contact.evaluation.pressure_place import LineEnd
+from easeoff.contact.evaluation.pressure_map import LineEnd
 from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers

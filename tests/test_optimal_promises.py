@@ -16,7 +16,7 @@ from easeoff import Case, optimize
 from easeoff.cases import parse_case
 from easeoff.contact.solvers import Status
 from easeoff.geometry import Misalignment
-from easeoff.geometry.cutting.machine_resolution import MachineResolution
+from easeoff.geometry.cutting.named_settings import MachineResolution
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
 from easeoff.study.design.optimization.composite import Composite

@@ -20,19 +20,19 @@ import easeoff
 from easeoff import Case, GeometryError, InputError, optimize
 from easeoff.cases import gear_pair, parse_case, parse_design, write_case
 from easeoff.geometry import EaseOffTarget, Misalignment, fit_pinion
-from easeoff.geometry.cutting.machine_pose import machine_pose
-from easeoff.geometry.cutting.machine_resolution import MachineResolution
+from easeoff.geometry.cutting.machine import machine_pose
 from easeoff.geometry.cutting.named_settings import (
     BLADE_STEPS,
     CURVATURE_STEPS,
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
+    MachineResolution,
     get_setting,
     scale_of,
     with_settings,
 )
 from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.geometry.pair.pair_setting import PairSetting
+from easeoff.geometry.pair.near_pair import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.design.case_design import design_case
 from easeoff.study.design.optimization.aim import Aim, Judgement, Objective

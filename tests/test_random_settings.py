@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from easeoff import EaseoffError
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.geometry import Blade, Flank, FlankName, GearPair, GeneratingSurface, Member, Misalignment, pair_geometry
-from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.blade import Relief
 from easeoff.geometry.cutting.machine import MOVING_SETTINGS
-from easeoff.geometry.flanks.flank import NodeStatus
-from easeoff.geometry.flanks.flank_parts import on_parts
+from easeoff.geometry.flanks.flank import NodeStatus, on_parts
 from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate

@@ -16,7 +16,7 @@ from test_mirror import mirrored
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact.lines.contact_lines import curvature_and_skew
 from easeoff.contact.supports.mesh_wrench import MeshWrenches
-from easeoff.contact.supports.relative_motion import PARTS, RelativeMotion, moved
+from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion, moved
 from easeoff.geometry import (
     Blade,
     EaseOffTarget,
@@ -34,10 +34,19 @@ from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import cross, dot
 from easeoff.verification import relative_curvature
-from easeoff.verification.conventional_analysis import BothMethods, both_methods, line_differences, point_differences
-from easeoff.verification.directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
-from easeoff.verification.point_contact import path_of_contact
-from easeoff.verification.relative_curvature import relative_shape_operator, shape_operators, stationary_directions
+from easeoff.verification.conventional_analysis import (
+    BothMethods,
+    DirectionalCurvatures,
+    ShapeOperator,
+    both_methods,
+    directional_curvatures,
+    line_differences,
+    path_of_contact,
+    point_differences,
+    relative_shape_operator,
+    shape_operators,
+    stationary_directions,
+)
 
 ERRORS = Misalignment(0.1, -0.1, 0.05)
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")

@@ -23,19 +23,16 @@ from easeoff.geometry import (
     ease_off,
     formate_gear,
 )
-from easeoff.geometry.cutting.machine_pose import machine_pose
-from easeoff.geometry.cutting.machine_resolution import MachineResolution, step_of
-from easeoff.geometry.cutting.named_settings import get_setting
+from easeoff.geometry.cutting.machine import machine_pose
+from easeoff.geometry.cutting.named_settings import MachineResolution, get_setting, step_of
 from easeoff.geometry.design.basic_settings import generated_gear
-from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion
-from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.design.blank import mean_point_angles
+from easeoff.geometry.design.closest_fit import StandardSteps
+from easeoff.geometry.design.conjugate_pinion import crown_gear_pinion
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
+from easeoff.geometry.design.pinion_method import SettingLimits, SetUpMethod, at_limit, shared_settings
 from easeoff.geometry.design.root_line import root_gap
-from easeoff.geometry.design.set_up.mean_slot import MeanSlot
-from easeoff.geometry.design.set_up.pinion_method import SettingLimits, SetUpMethod, at_limit, shared_settings
-from easeoff.geometry.design.set_up.set_up_fit import set_up_residual, with_positive_tilt
-from easeoff.geometry.design.set_up.upright_machine import along_the_root
-from easeoff.geometry.design.standard_steps import StandardSteps
+from easeoff.geometry.design.set_up_fit import MeanSlot, along_the_root, set_up_residual, with_positive_tilt
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study import DesignReport, design_case
 

@@ -31,27 +31,25 @@ from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import body_coupling
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse
-from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes, cycle_slopes
-from easeoff.contact.evaluation.derivatives.rotation_slopes import unloaded_numbers
-from easeoff.contact.evaluation.derivatives.unloaded_slopes import UnloadedSlopes, unloaded_slopes
-from easeoff.contact.evaluation.load_spot import load_spot
+from easeoff.contact.evaluation.cycle_numbers import load_spot
+from easeoff.contact.evaluation.cycle_slopes import CycleSlopes, cycle_slopes
+from easeoff.contact.evaluation.segment_slopes import unloaded_numbers
+from easeoff.contact.evaluation.unloaded_slopes import UnloadedSlopes, unloaded_slopes
+from easeoff.contact.lines.closest_approach import PASSING_FIELDS
 from easeoff.contact.lines.mesh_lines import MeshLines
-from easeoff.contact.lines.opposite_points import PASSING_FIELDS
 from easeoff.contact.lines.turned_flanks import TurnedFlanks
-from easeoff.contact.load_capacity.tooth_root_stress import root_stress
-from easeoff.contact.loaded_cases import rotation_numbers
+from easeoff.contact.loaded import rotation_numbers
 from easeoff.contact.pair_errors import PairErrors
+from easeoff.contact.tooth_root_stress import root_stress
 from easeoff.core.errors import InputError
 from easeoff.friction import FrictionModel, friction
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.blade import Relief
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
-from easeoff.geometry.pair.field_slopes import field_slopes
-from easeoff.geometry.pair.gap_slopes import gear_gap_slopes, pinion_gap_slopes
+from easeoff.geometry.pair.field_slopes import field_slopes, gear_gap_slopes, pinion_gap_slopes
 from easeoff.geometry.pair.gear_pair import FlankName, GearPair, PairGeometry, tooth_angles
 from easeoff.geometry.pair.modification import TERM_POWERS, Modification, modified_ease_off
-from easeoff.geometry.pair.near_pair import PLACES, rate
-from easeoff.geometry.pair.pair_setting import ERROR_STEPS, PairSetting
+from easeoff.geometry.pair.near_pair import ERROR_STEPS, PLACES, PairSetting, rate
 from easeoff.geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
 from easeoff.study import CaseInMesh, derivatives
 from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values

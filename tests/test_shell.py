@@ -15,7 +15,7 @@ from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDime
 from easeoff.contact.compliance.shell_kinematics import DisplacementAssumption, five_field
 from easeoff.contact.compliance.shell_stiffness import TrialFunctions, stiffness_matrix
 from easeoff.contact.compliance.trial_polynomials import PolynomialFamily, legendre, rooted_polynomials
-from easeoff.verification.thesis_shell import monomials, thesis_kinematics
+from easeoff.verification.shell_root_stress import monomials, thesis_kinematics
 
 FloatArray = NDArray[np.float64]
 RADIAL = (0.0, 0.0, 1.0)

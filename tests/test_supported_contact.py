@@ -17,11 +17,19 @@ from easeoff.contact import ElasticModel, MeshCycle, available_solvers, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus, Update
 from easeoff.contact.supports.mesh_wrench import MeshWrenches
-from easeoff.contact.supports.relative_motion import PARTS, RelativeMotion
-from easeoff.contact.supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
+from easeoff.contact.supports.support import (
+    ORIGIN,
+    BearingReaction,
+    MemberAxis,
+    Support,
+    Supports,
+    member_axes,
+    shift_matrix,
+    shifted_wrench,
+)
 from easeoff.contact.supports.support_modes import SupportModes
 from easeoff.contact.supports.supported_contact import SupportedContact
-from easeoff.contact.supports.wrench import ORIGIN, shift_matrix, shifted_wrench
+from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion
 from easeoff.geometry import Assembly, FlankName, Misalignment, pair_geometry
 
 Array = NDArray[np.float64]

@@ -11,10 +11,11 @@ from test_supported_contact import FIRST_ORDER, cycle, found
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import Supports, identified_support
-from easeoff.contact.supports.relative_motion import RelativeMotion
-from easeoff.contact.supports.support import MemberAxis, Support, member_axes
-from easeoff.contact.supports.wrench import (
+from easeoff.contact.supports.support import (
     ORIGIN,
+    MemberAxis,
+    Support,
+    member_axes,
     shift_matrix,
     shifted_compliance,
     shifted_stiffness,
@@ -22,6 +23,7 @@ from easeoff.contact.supports.wrench import (
     shifted_wrench,
     unit_wrenches,
 )
+from easeoff.contact.supports.supported_pair import RelativeMotion
 from easeoff.core.errors import InputError
 
 Array = NDArray[np.float64]

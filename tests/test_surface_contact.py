@@ -11,16 +11,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from easeoff.contact import STEEL
-from easeoff.geometry.tooth.lattice_spacing import with_middles
+from easeoff.geometry.tooth.tooth_lattice import with_middles
 from easeoff.verification import FlankResponse
-from easeoff.verification.flank_contact.flank_response import cubic_shares
-from easeoff.verification.flank_contact.surface_cells import SurfaceCells
-from easeoff.verification.flank_contact.surface_compliance import surface_compliance
-from easeoff.verification.flank_contact.surface_contact import (
-    half_space_compliance,
-    solve_surface_contact,
-    surface_contact_compliance,
-)
+from easeoff.verification.flank_contact import half_space_compliance, solve_surface_contact, surface_contact_compliance
+from easeoff.verification.flank_response import cubic_shares, surface_compliance
+from easeoff.verification.surface_cells import SurfaceCells
 
 BOTH = (STEEL, STEEL)
 MODULUS = 0.5 * STEEL.plane_strain_modulus  # of the contact of two steel bodies

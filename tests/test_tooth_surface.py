@@ -14,7 +14,7 @@ from pairs import conjugate_pair
 from easeoff import GeometryError
 from easeoff.cases import case_text, gear_pair, parse_case, read_case
 from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, tooth_patches
-from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.cutting.machine import machine_pose
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.pair.tooth_body import ToothBody, tooth_body

@@ -17,7 +17,7 @@ from test_ease_off import contact_path
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle, lines_in_mesh, unloaded_contact
-from easeoff.contact.lines import touching_points, turned_pinion
+from easeoff.contact.lines import touching_points, turned_flanks
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import (
     POINTS_PER_LINE,
@@ -30,7 +30,7 @@ from easeoff.contact.lines.contact_lines import (
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points
 from easeoff.contact.lines.turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
-from easeoff.contact.mesh_harmonics import continuous_range, harmonics, peak_to_peak, rms
+from easeoff.contact.loaded import continuous_range, harmonics, peak_to_peak, rms
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.contact.unloaded import CONTACT_EDGES
 from easeoff.geometry import (
@@ -43,9 +43,8 @@ from easeoff.geometry import (
     newton,
     pair_geometry,
 )
-from easeoff.geometry.cutting.blade_sections import Relief
-from easeoff.geometry.deviation.deviated_flank import deviated_pair
-from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
+from easeoff.geometry.cutting.blade import Relief
+from easeoff.geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from easeoff.verification import smallest_gap
 from easeoff.verification.smallest_gap import smallest_envelope
 
@@ -569,7 +568,7 @@ def test_unloaded_contact_does_not_depend_on_the_size_of_blocks(monkeypatch: pyt
         return MeshCycle.of(geometry, mesh_positions=6, segments_per_line=5).unloaded()
 
     whole = unloaded()
-    for module in (newton, turned_pinion):
+    for module in (newton, turned_flanks):
         monkeypatch.setattr(module, "COLUMNS_PER_BLOCK", 7)
     xr.testing.assert_allclose(unloaded(), whole, rtol=1e-9, atol=1e-9)
 
@@ -594,8 +593,8 @@ def test_parameters_alone_are_those_of_the_circles_met(name: str) -> None:
     rotations = np.full(known.size, 0.02)
     motion = exact.motion
     place = np.array([[60.0], [90.0]]) + np.linspace(0.0, 5.0, known.size)
-    met = turned_pinion.circles_met(exact, motion.surface, parameters, rotations, place)
-    found = turned_pinion.nearer_parameters(motion, motion.surface, parameters, rotations, place)
+    met = turned_flanks.circles_met(exact, motion.surface, parameters, rotations, place)
+    found = turned_flanks.nearer_parameters(motion, motion.surface, parameters, rotations, place)
     np.testing.assert_allclose(found, met.parameters, rtol=1e-11, atol=1e-11)
 
 

@@ -33,8 +33,8 @@ from easeoff.geometry import (
     principal_curvatures,
 )
 from easeoff.geometry.cutting import generating_surface
-from easeoff.geometry.cutting.blade_sections import Relief
-from easeoff.geometry.cutting.meshing import straight_edge
+from easeoff.geometry.cutting.blade import Relief
+from easeoff.geometry.cutting.generating_surface import straight_edge
 from easeoff.geometry.flanks.flank import Flank, NodeStatus
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.study import key_numbers
@@ -45,22 +45,22 @@ from easeoff.verification import (
     VerificationRow,
     case_verification,
     envelope_condition,
+    loaded_rows,
+    unloaded_rows,
+    unsplit_rows,
     verify,
 )
+from easeoff.verification import flank_rows as flank_module
+from easeoff.verification.case_verification import meaning, row_lines
 from easeoff.verification.conventional_analysis import methods_compared, point_differences
-from easeoff.verification.cutter_motion import cutter_position
-from easeoff.verification.flank_contact.segment_gap import segment_gaps
-from easeoff.verification.flank_contact.surface_cells import SurfaceCells
-from easeoff.verification.yardsticks import flank_rows as flank_module
-from easeoff.verification.yardsticks import loaded_rows, unloaded_rows, unsplit_rows
-from easeoff.verification.yardsticks.convergence_rows import LIMITS, changes, convergence_rows, refinements
-from easeoff.verification.yardsticks.flank_rows import flank_rows
-from easeoff.verification.yardsticks.row_meaning import meaning
-from easeoff.verification.yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
-from easeoff.verification.yardsticks.unsplit_rows import UnsplitContact
-from easeoff.verification.yardsticks.verification_row import not_applicable
-from easeoff.verification.yardsticks.verification_table import row_lines
-from easeoff.verification.yardsticks.verified_pair import VerifiedPair
+from easeoff.verification.envelope_condition import cutter_position
+from easeoff.verification.flank_rows import flank_rows
+from easeoff.verification.loaded_rows import LIMITS, changes, convergence_rows, refinements
+from easeoff.verification.surface_cells import SurfaceCells, segment_gaps
+from easeoff.verification.unloaded_rows import conventional_rows, smallest_gap_rows
+from easeoff.verification.unsplit_rows import UnsplitContact
+from easeoff.verification.verification_row import not_applicable
+from easeoff.verification.verified_pair import VerifiedPair
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
 TORQUE = 250.0

@@ -16,7 +16,7 @@ from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import MeshCycle
 from easeoff.contact.evaluation.cycle_numbers import with_unloaded_numbers
-from easeoff.contact.evaluation.projection_plane import ProjectionPlane
+from easeoff.contact.evaluation.marking_print import ProjectionPlane
 from easeoff.geometry import Misalignment, PairGeometry, pair_geometry
 from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.study import vh_check

@@ -16,11 +16,11 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, write_case
 from easeoff.contact import MeshCycle
+from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.contact.lines.contact_lines import arc_length, contact_splines
 from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.contact.load_capacity.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.geometry import FlankName, Misalignment, deviation_from_formula, pair_geometry
-from easeoff.geometry.pair.rolling import rolling
+from easeoff.geometry.pair.ease_off import rolling
 from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
 from easeoff.study.deviations.deviation_source import flank_deviations

@@ -16,12 +16,11 @@ from runs import small
 from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import MeshCycle
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
-from easeoff.contact.evaluation.derivatives.cycle_slopes import CycleSlopes, cycle_values
-from easeoff.contact.loaded_cases import LoadedCase
+from easeoff.contact.evaluation.cycle_slopes import CycleSlopes, cycle_values
+from easeoff.contact.loaded import LoadedCase
 from easeoff.friction import FrictionModel, Operation
 from easeoff.geometry.pair.modification import Modification, modified_ease_off
-from easeoff.geometry.pair.near_pair import PLACES, rate
-from easeoff.geometry.pair.pair_setting import PairSetting
+from easeoff.geometry.pair.near_pair import PLACES, PairSetting, rate
 from easeoff.study import CaseInMesh
 from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
 

@@ -24,17 +24,17 @@ finite elements                   ``serendipity_functions``: the element of othe
 """
 
 from .case_verification import Verification, verify
+from .conventional_analysis import RelativeCurvature, relative_curvature
+from .correction_loop import CorrectionLoop, correction_loop
 from .envelope_condition import EnvelopeCondition, envelope_condition
-from .finite_element_bodies.end_relief import EndRelief, end_relief
-from .flank_contact.flank_contact import FlankContact, contact_of_flanks
-from .flank_contact.flank_response import FlankResponse, flank_response
-from .flank_contact.surface_cells import FlanksInMesh, flanks_in_mesh
-from .measuring.correction_loop import CorrectionLoop, correction_loop
+from .flank_contact import FlankContact, contact_of_flanks
+from .flank_response import FlankResponse, flank_response
 from .problem_classes import problems
-from .relative_curvature import RelativeCurvature, relative_curvature
 from .shell_root_stress import shell_root_stress
 from .smallest_gap import SmallestGap, smallest_gap
-from .yardsticks.verification_row import RowStatus, VerificationRow
+from .surface_cells import FlanksInMesh, flanks_in_mesh
+from .toothed_sector import EndRelief, end_relief
+from .verification_row import RowStatus, VerificationRow
 
 __all__ = [
     "CorrectionLoop",

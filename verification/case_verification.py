@@ -1,7 +1,14 @@
-"""Verification of a case: its pair put through the independent methods, one row a comparison."""
+"""Verification of a case: its pair put through the independent methods, one row a comparison.
+
+What a row outside its limit means, and what to do, in one line.
+
+Table of a verification as text, row by row: widths do not depend on the rows that come.
+"""
 
 from __future__ import annotations
 
+import math
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -18,15 +25,158 @@ from ..core.checks import instance, truth
 from ..core.errors import EaseoffError
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
-from .flank_contact.flank_contact import FlankContact
-from .yardsticks.convergence_rows import convergence_rows, refinements
-from .yardsticks.flank_rows import flank_rows
-from .yardsticks.loaded_rows import certificate_row, gap_row, solver_rows
-from .yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
-from .yardsticks.unsplit_rows import UnsplitContact, unsplit_rows
-from .yardsticks.verification_row import RowStatus, VerificationRow, not_applicable
-from .yardsticks.verification_table import head_lines, row_lines
-from .yardsticks.verified_pair import VerifiedPair
+from .flank_contact import FlankContact
+from .flank_rows import flank_rows
+from .loaded_rows import certificate_row, convergence_rows, gap_row, refinements, solver_rows
+from .unloaded_rows import conventional_rows, smallest_gap_rows
+from .unsplit_rows import UnsplitContact, unsplit_rows
+from .verification_row import RowStatus, VerificationRow, not_applicable
+from .verified_pair import VerifiedPair
+
+REPORT_IT = "report it with the case file"
+FINER_GRID = "try more lengthwise_nodes and profile_nodes"
+#: Beginnings of rows that compare contact lines one by one; the largest differences are near the ends of the path.
+LINE_ROWS = ("relative curvature", "direction of the contact line", "length of the contact line")
+#: By the beginning of a row's quantity. {0} stands for the difference, {1} for half of it, each with its unit.
+MEANINGS = {
+    "certificates": "at these positions there is no result; try another --solver, or less torque",
+    "flank position": f"the flank is off by {{0}} from what the settings cut; {REPORT_IT}",
+    "flank normal": f"the flank is off by {{0}} from what the settings cut; {REPORT_IT}",
+    "envelope condition": f"the flank is off by up to {{0}} from what the settings cut; {REPORT_IT}",
+    "principal curvatures": f"curvatures, and with them pressures, are off by this part; {REPORT_IT}",
+    "conventional analysis": "for these rotations the other method found no contact; look at the ease-off first",
+    "transmission error of a tooth pair": f"the unloaded transmission error may be off by {{0}}; {FINER_GRID}",
+    "path of contact": f"the path of contact may be off by {{0}}, transmission errors hardly; {FINER_GRID}",
+    "relative curvature": "pressures may be off by about half of it, {1}; transmission error and load shares are not "
+    "affected",
+    "direction of the contact line": f"the lines may be turned by {{0}}, pressures at their ends most; {FINER_GRID}",
+    "length of the contact line": f"lengths of the unloaded pattern may be off by {{0}}; {FINER_GRID}",
+    "unloaded transmission error": f"it may be off by {{0}} where an edge touches; {FINER_GRID}",
+    "loaded transmission error by its gaps": "it may be off by {0}; try more segments_per_line, see edges in the notes",
+    "solver": "the other solver, not the result, is off, as its answers are less exact: do not choose it for this pair",
+    "contact without the split": "the elastic model may be off by {0} in this number; compare compliance model 'fe'",
+    "transmission error": "the elastic model may be off by {0} in this number; compare compliance model 'fe'",
+    "load share of a tooth pair": "the elastic model may be off by {0} in this number; compare compliance model 'fe'",
+    "greatest line load": "line loads may be off by {0}, pressures by half of it; most where edges carry",
+    "grid of the flank": "numbers of this kind may be off by {0}; set more lengthwise_nodes and profile_nodes",
+    "segments of a line": "numbers of this kind may be off by {0}; set more segments_per_line under [contact]",
+    "mesh positions": "numbers of this kind may be off by {0}; set more mesh_positions under [contact]",
+    "fineness of the teeth": "numbers of this kind may be off by {0}; set a greater fineness under [compliance]",
+    "shell modes": "numbers of this kind may be off by {0}; set more modes under [compliance]",
+}
+
+
+def closing(outside: Sequence[VerificationRow]) -> str:
+    """What it means that these rows alone are outside their limits; empty if their own meanings say it.
+
+    Examples
+    --------
+    >>> row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
+    >>> closing([row])[:40]
+    'these are curvature and direction of con'
+    """
+    if not outside or not all(row.quantity.startswith(LINE_ROWS) for row in outside):
+        return ""
+    return (
+        "these are curvature and direction of contact lines, farthest off near the ends of the path: pressures may be "
+        "off there as told above, transmission error and load shares are not"
+    )
+
+
+def meaning(row: VerificationRow) -> str:
+    """What it means that a row is outside its limit; empty for one that is not.
+
+    Examples
+    --------
+    >>> row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
+    >>> meaning(row)
+    'pressures may be off by about half of it, 2.4 %; transmission error and load shares are not affected'
+    """
+    if row.status != RowStatus.OUTSIDE:
+        return ""
+    if math.isnan(row.difference):
+        return "the other method found no answer for this pair, so this is not checked"
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    whole, half = (f"{abs(value):.2g}{unit}" for value in (row.difference, 0.5 * row.difference))
+    found = max((start for start in MEANINGS if row.quantity.startswith(start)), key=len, default="")
+    return MEANINGS.get(found, "numbers of this kind may be off by {0}").format(whole, half)
+
+
+HEADS = ("quantity", "compared with", "difference", "limit", "unit", "within")
+WIDTHS = (36, 46, 10, 7, 4, 6)  # characters
+GAP = "  "
+WORDS = {RowStatus.WITHIN: "yes", RowStatus.OUTSIDE: "NO", RowStatus.NOT_APPLICABLE: "-"}
+
+
+def cells(row: VerificationRow) -> tuple[str, ...]:
+    """Cells of a row.
+
+    Examples
+    --------
+    >>> cells(VerificationRow("path", "another method", 1.0, 2.0, "um"))
+    ('path', 'another method', '1', '2', 'um', 'yes')
+    """
+    if not row.applicable:
+        return row.quantity, f"not applicable: {row.compared}", "", "", "", WORDS[row.status]
+    unit = "" if row.unit == "1" else row.unit
+    return (
+        row.quantity,
+        row.compared,
+        difference_text(row.difference, row.limit),
+        f"{row.limit:.2g}",
+        unit,
+        WORDS[row.status],
+    )
+
+
+def difference_text(difference: float, limit: float) -> str:
+    """A difference, to as many digits as tell it from its limit.
+
+    Examples
+    --------
+    >>> difference_text(0.1034, 0.1), difference_text(0.0834, 0.1)
+    ('0.103', '0.083')
+    """
+    text = f"{difference:.2g}"
+    for digits in range(3, 6):
+        if difference <= limit or float(text) > limit:
+            break
+        text = f"{difference:.{digits}g}"
+    return text
+
+
+def head_lines() -> str:
+    """Heads of the table, underlined.
+
+    Examples
+    --------
+    >>> head_lines().splitlines()[0].split()[-3:]
+    ['limit', 'unit', 'within']
+    """
+    return f"{_line(HEADS)}\n{GAP.join('-' * width for width in WIDTHS)}"
+
+
+def row_lines(row: VerificationRow) -> str:
+    """Lines of a row, with what it means if it is outside its limit.
+
+    Examples
+    --------
+    >>> print(row_lines(VerificationRow("mesh positions: shares", "32 against 64", 3.0, 2.0, "%")).splitlines()[1])
+      -> numbers of this kind may be off by 3 %; set more mesh_positions under [contact]
+    """
+    found = cells(row)
+    wrapped = [textwrap.wrap(cell, width) or [""] for cell, width in zip(found, WIDTHS, strict=True)]
+    height = max(map(len, wrapped))
+    lines = [_line([cell[at] if at < len(cell) else "" for cell in wrapped]) for at in range(height)]
+    if said := meaning(row):
+        width = sum(WIDTHS) + len(GAP) * (len(WIDTHS) - 1)
+        lines += textwrap.wrap(f"-> {said}", width, initial_indent=GAP, subsequent_indent=" " * 5)
+    return "\n".join(lines)
+
+
+def _line(texts: Sequence[str]) -> str:
+    return GAP.join(text.ljust(width) for text, width in zip(texts, WIDTHS, strict=True)).rstrip()
+
 
 Step = tuple[str, Callable[[], list[VerificationRow]]]
 Progress = Callable[[int, int, str], None]

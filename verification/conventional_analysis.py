@@ -4,6 +4,22 @@ Conventional analysis knows the flanks and nothing of ease-off or roll angle: fi
 both members' curvatures the line through it, as the major axis of an ellipse. The ellipse is of second order: by the
 flanks' symmetric third-order terms both direction and length of a true line differ from it in proportion to the
 separation at which the line ends.
+
+Curvature of a generated flank from two directions: an independent check of the fundamental forms.
+
+Along each of the two parameter curves the normal turns by the normal curvature in the tangent plane's one direction and
+by the geodesic torsion in the other (Kolivand 2009, Eq. 2.9 to 2.13). Two normal curvatures and one torsion make the
+shape operator; the other torsion has to agree.
+
+Conventional unloaded tooth contact analysis: an independent check of the ease-off method.
+
+At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two
+parameters of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
+
+Relative curvature of the two members at a point of contact: direction and length of the contact line.
+
+The second-order picture of conventional tooth contact analysis (Kolivand 2009, Eq. 2.15 to 2.18): next to the point of
+contact the gap is half the relative curvature times the distance squared, the contact line runs where it is smallest.
 """
 
 from __future__ import annotations
@@ -20,15 +36,445 @@ from ..contact.lines.contact_lines import contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
-from ..core.checks import frozen_arrays
-from ..geometry.flanks.seed_lattice import seed_lattice
+from ..core.checks import frozen_arrays, instance
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.flanks.curvature import Curvatures
+from ..geometry.flanks.flank import Flank, seed_lattice
+from ..geometry.newton import complex_steps
 from ..geometry.pair.conjugate_motion import ConjugateMotion
+from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
-from ..geometry.vectors import dot
-from .point_contact import PointContact, path_of_contact
-from .relative_curvature import RelativeCurvature, relative_curvature
+from ..geometry.vectors import column, cross, dot, rotate
 
 Array = NDArray[Any]
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class ShapeOperator:
+    """Shape operator of a surface at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
+
+    Curvatures are positive where the body is convex.
+
+    Parameters
+    ----------
+    first, second
+        Unit tangents (3, n); the second is the outward normal times the first.
+    along, across
+        Normal curvatures (n) along the first and the second tangent [1/mm].
+    torsion
+        Geodesic torsion along the first tangent (n) [1/mm].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x, y = np.eye(3)[:2, :, None]
+    >>> cylinder = ShapeOperator(x, y, along=np.array([0.0]), across=np.array([0.1]), torsion=np.zeros(1))
+    >>> cylinder.principal().curvature.ravel()
+    array([0.1, 0. ])
+    """
+
+    first: Array
+    second: Array
+    along: Array
+    across: Array
+    torsion: Array
+
+    def principal(self) -> Curvatures:
+        """Principal curvatures and first principal direction, in closed form."""
+        middle = 0.5 * (self.along + self.across)
+        half = 0.5 * (self.along - self.across)
+        radius = np.hypot(half, self.torsion)
+        angle = 0.5 * np.arctan2(self.torsion, half)
+        direction = np.cos(angle) * self.first + np.sin(angle) * self.second
+        return Curvatures(np.stack([middle + radius, middle - radius]), direction)
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class DirectionalCurvatures:
+    """Normal curvature and geodesic torsion along the two parameter curves, at n points.
+
+    Parameters
+    ----------
+    tangent
+        Unit tangents (2, 3, n) of the curves on which the first and the second parameter grows.
+    across
+        Outward normal times tangent (2, 3, n).
+    normal_curvature, geodesic_torsion
+        Components of the normal's change per mm along ``tangent`` and ``across`` (2, n) [1/mm].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> found = directional_curvatures(gear.surface, gear.parameters)
+    >>> bool(np.abs(found.torsion_residual()).max() < 1e-12)
+    True
+    """
+
+    tangent: Array
+    across: Array
+    normal_curvature: Array
+    geodesic_torsion: Array
+
+    def _turn(self) -> tuple[Array, Array]:
+        """Cosine and sine of the angle in the tangent plane from the first tangent to the second."""
+        return dot(self.tangent[0], self.tangent[1]), dot(self.across[0], self.tangent[1])
+
+    def shape_operator(self) -> ShapeOperator:
+        """The operator in the basis of the first tangent; it takes no notice of the second torsion."""
+        cosine, sine = self._turn()
+        (along, other), torsion = self.normal_curvature, self.geodesic_torsion[0]
+        across = (other - along * cosine**2 - 2.0 * torsion * sine * cosine) / sine**2
+        return ShapeOperator(self.tangent[0], self.across[0], along, across, torsion)
+
+    def torsion_residual(self) -> Array:
+        """Geodesic torsion along the second tangent, less the one that the shape operator says (n) [1/mm]."""
+        cosine, sine = self._turn()
+        operator = self.shape_operator()
+        said = (operator.across - operator.along) * sine * cosine + operator.torsion * (cosine**2 - sine**2)
+        return np.asarray(self.geodesic_torsion[1] - said)
+
+
+def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> DirectionalCurvatures:
+    """Normal curvatures and geodesic torsions along both parameter curves.
+
+    Kolivand 2009, Eq. 2.10 and 2.12: the change of the normal per mm is -(k t + tau v) for the inward normal, so
+    k t + tau v for the outward one; derivatives by complex step.
+
+    Parameters
+    ----------
+    surface
+        Generating surface of the flank.
+    parameters
+        Surface parameters (2, n), see ``GeneratingSurface.evaluate``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry, principal_curvatures
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> found = directional_curvatures(gear.surface, gear.parameters).shape_operator().principal()
+    >>> np.allclose(found.curvature, principal_curvatures(gear).curvature)
+    True
+    """
+
+    def position_and_normal(p: Array) -> Array:
+        position, normal, _ = surface.evaluate(p)
+        return np.concatenate([position, normal])
+
+    with np.errstate(all="ignore"):
+        value, derivatives = complex_steps(position_and_normal, parameters)
+        normal = value[3:]
+        tangents, acrosses, curvatures, torsions = [], [], [], []
+        for derivative in derivatives:
+            length = np.sqrt(dot(derivative[:3], derivative[:3]))
+            tangent, turning = derivative[:3] / length, derivative[3:] / length
+            across = cross(normal, tangent)
+            tangents.append(tangent)
+            acrosses.append(across)
+            curvatures.append(dot(turning, tangent))
+            torsions.append(dot(turning, across))
+    return DirectionalCurvatures(np.stack(tangents), np.stack(acrosses), np.stack(curvatures), np.stack(torsions))
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class PointContact:
+    """Contact points at the given pinion rotations (n); columns that did not converge are NaN.
+
+    Parameters
+    ----------
+    pinion_rotation
+        Rotation of the pinion in the drive sense [rad].
+    closing_angle
+        Gear rotation against the drive sense, beyond the ideal ratio, at which the flanks touch [rad]: the ease-off
+        method's transmission error plus its ``first_contact_rad``.
+    gear_parameters, pinion_parameters
+        Surface parameters (2, n).
+    gear_position, pinion_position
+        Contact point (3, n) in each member's own frame [mm].
+    converged
+        Where the equations are solved.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
+    >>> path.converged.tolist(), path.gear_position.shape
+    ([True, True, True], (3, 3))
+    """
+
+    pinion_rotation: Array
+    closing_angle: Array
+    gear_parameters: Array
+    pinion_parameters: Array
+    gear_position: Array
+    pinion_position: Array
+    converged: NDArray[np.bool_]
+
+
+def point_contact(
+    motion: ConjugateMotion,
+    gear_surface: GeneratingSurface,
+    pinion_rotation: Array,
+    gear_start: Array,
+    pinion_start: Array,
+    closing_start: Array,
+    *,
+    iterations: int = 30,
+) -> PointContact:
+    """Solve the five equations of contact at every pinion rotation.
+
+    Parameters
+    ----------
+    motion
+        Axes, senses and pinion surface.
+    gear_surface
+        The gear flank.
+    pinion_rotation
+        Pinion rotations (n) in the drive sense, counted as in ``motion`` [rad].
+    gear_start, pinion_start, closing_start
+        First guess of the surface parameters (2, n) each, and of the closing angle (n).
+    iterations
+        Newton iterations.
+
+    Returns
+    -------
+    PointContact
+        Contact points, NaN where not converged.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> exact = geometry.exact
+    >>> start = geometry.members.gear.parameters[:, 31:32], exact.pinion_parameters[:, 31:32], np.zeros(1)
+    >>> found = point_contact(exact.motion, geometry.members.gear.surface, np.array([exact.motion.center]), *start)
+    >>> bool(found.converged[0])
+    True
+    """
+    assembly = motion.assembly
+    # The five unknowns, and below them the given rotation.
+    values = np.concatenate([gear_start, pinion_start, closing_start[None], pinion_rotation[None]])
+
+    def mismatch(values: Array) -> Array:
+        p, n_p = motion.action_point(values[2:4], values[5])
+        g, n_g, _ = gear_surface.evaluate(values[:2])
+        turn = values[5] / assembly.ratio - values[4]
+        g = rotate(motion.gear_axis, turn, g) + column(assembly.gear_origin, g)
+        n_g = rotate(motion.gear_axis, turn, n_g)
+        return np.concatenate([p - g, n_p + n_g])
+
+    limit = np.concatenate([gear_surface.max_step, motion.surface.max_step, [0.05]])[:, None]
+    converged = np.zeros(pinion_rotation.shape, dtype=bool)
+    with np.errstate(all="ignore"):
+        for _ in range(iterations):
+            value, derivatives = complex_steps(mismatch, values)
+            # Two of the three normal equations are independent; least squares keeps the symmetry between them.
+            jacobian = np.array(derivatives[:5].transpose(2, 1, 0))
+            finite = np.all(np.isfinite(jacobian), axis=(1, 2))
+            jacobian[~finite] = 0.0
+            residual = np.where(finite, value, 0.0)
+            step = -(np.linalg.pinv(jacobian) @ residual.T[..., None])[..., 0].T
+            converged = finite & (np.max(np.abs(value), axis=0) < 1e-10)
+            step = step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
+            values[:5] += step
+            if np.all(converged | ~finite):
+                break
+        gear_position, _, _ = gear_surface.evaluate(values[:2])
+        pinion_position, _, _ = motion.surface.evaluate(values[2:4])
+    blank = np.where(converged, 1.0, np.nan)
+    return PointContact(
+        pinion_rotation,
+        values[4] * blank,
+        values[:2] * blank,
+        values[2:4] * blank,
+        gear_position * blank,
+        pinion_position * blank,
+        converged,
+    )
+
+
+def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
+    """Points of contact at the given pinion rotations, each started from the node that is nearest to touching.
+
+    Parameters
+    ----------
+    gear
+        The gear flank on its nodes.
+    ease_off
+        Ease-off at these nodes.
+    rotations
+        Pinion rotations (n) in the drive sense, from the middle of the pinion [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
+    >>> path.converged.tolist()
+    [True, True, True]
+    """
+    motion = ease_off.motion
+    inside = np.flatnonzero(ease_off.inside)
+    beyond = rotations[:, None] - ease_off.roll_angle[inside]
+    gap = ease_off.angle[inside] + 0.5 * ease_off.separation_curvature[inside] * beyond**2
+    node = inside[np.argmin(gap, axis=1)]
+    return point_contact(
+        motion,
+        gear.surface,
+        rotations + motion.center,
+        gear.parameters[:, node],
+        ease_off.pinion_parameters[:, node],
+        gap.min(axis=1),
+    )
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class RelativeCurvature:
+    """Second-order gap at n points of contact, vectors in the gear's frame.
+
+    Parameters
+    ----------
+    line, across
+        Unit tangents (3, n) along the contact line and at right angles to it.
+    along_line, across_line
+        Relative curvatures (n) in these directions [1/mm], positive where the flanks part.
+
+    Examples
+    --------
+    >>> x, y = np.eye(3)[:2, :, None]
+    >>> found = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
+    >>> found.equivalent_radius, found.half_length(5e-3)
+    (array([20.]), array([10.]))
+    """
+
+    line: Array
+    across: Array
+    along_line: Array
+    across_line: Array
+
+    @property
+    def equivalent_radius(self) -> Array:
+        """Radius (n) [mm] of the cylinder that stands for the line contact."""
+        return np.asarray(1.0 / np.abs(self.across_line))
+
+    def half_length(self, separation: float) -> Array:
+        """Half the length (n) [mm] of the contact line whose ends are ``separation`` [mm] apart.
+
+        Half of L = sqrt(8 separation / |relative curvature|), the major axis of the contact ellipse.
+        """
+        return np.asarray(np.sqrt(2.0 * separation / np.abs(self.along_line)))
+
+
+def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array:
+    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis.
+
+    Each operator counts its own body convex, so that the sum is the difference S_gear - S_pinion for one common normal.
+
+    Parameters
+    ----------
+    gear, pinion
+        Both in one frame, their normals opposite.
+    """
+    # Columns: the gear's tangents in the pinion's basis.
+    turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
+    own, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
+    return np.asarray(own + np.einsum("kan,kln,lbn->abn", turn, other, turn))
+
+
+def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -> RelativeCurvature:
+    """Directions of stationary relative curvature from both members' principal curvatures, in closed form.
+
+    Kolivand 2009, Eq. 2.15 to 2.18, with angles counted about the gear's normal, theta from the first principal
+    direction of the pinion and sigma from the gear's to the pinion's. The smaller one is the contact line.
+
+    Parameters
+    ----------
+    gear, pinion
+        Principal curvatures, convex positive for either body, and directions in one frame.
+    normal
+        Outward normal of the gear (3, n).
+    """
+    first, second = pinion.direction, cross(normal, pinion.direction)
+    sigma = np.arctan2(dot(cross(gear.direction, pinion.direction), normal), dot(gear.direction, pinion.direction))
+    # Seen with the gear's normal the pinion's curvatures change sign.
+    of_gear, of_pinion = gear.curvature, -pinion.curvature
+    gear_range, pinion_range = of_gear[0] - of_gear[1], of_pinion[0] - of_pinion[1]
+    theta = 0.5 * np.arctan2(gear_range * np.sin(2 * sigma), pinion_range - gear_range * np.cos(2 * sigma))
+
+    def relative(angle: Array) -> Array:
+        k_pinion = of_pinion[0] * np.cos(angle) ** 2 + of_pinion[1] * np.sin(angle) ** 2
+        k_gear = of_gear[0] * np.cos(angle + sigma) ** 2 + of_gear[1] * np.sin(angle + sigma) ** 2
+        return np.asarray(k_gear - k_pinion)
+
+    other = theta + 0.5 * np.pi
+    theta = np.where(np.abs(relative(theta)) <= np.abs(relative(other)), theta, other)
+    line = np.cos(theta) * first + np.sin(theta) * second
+    return RelativeCurvature(line, cross(normal, line), relative(theta), relative(theta + 0.5 * np.pi))
+
+
+def in_gear_frame(motion: ConjugateMotion, contact: PointContact, vector: Array) -> Array:
+    """Directions (3, n) of the pinion's frame, at the points of contact, in the gear's frame."""
+    in_space = rotate(
+        motion.pinion_axis, contact.pinion_rotation, np.tensordot(motion.assembly.pinion_frame, vector, 1)
+    )
+    turn = contact.pinion_rotation / motion.assembly.ratio - contact.closing_angle
+    return rotate(motion.gear_axis, -turn, in_space)
+
+
+def shape_operators(
+    motion: ConjugateMotion, gear_surface: GeneratingSurface, contact: PointContact
+) -> tuple[ShapeOperator, ShapeOperator]:
+    """Shape operators of gear and pinion at points of contact, both in the gear's frame."""
+    gear = directional_curvatures(gear_surface, contact.gear_parameters).shape_operator()
+    pinion = directional_curvatures(motion.surface, contact.pinion_parameters).shape_operator()
+    first, second = (in_gear_frame(motion, contact, v) for v in (pinion.first, pinion.second))
+    return gear, ShapeOperator(first, second, pinion.along, pinion.across, pinion.torsion)
+
+
+def relative_curvature(
+    motion: ConjugateMotion, gear_surface: GeneratingSurface, contact: PointContact
+) -> RelativeCurvature:
+    """Contact-line direction and relative curvatures at points of contact, in the gear's frame.
+
+    Parameters
+    ----------
+    motion
+        Axes, senses and pinion surface.
+    gear_surface
+        The gear flank.
+    contact
+        Points from ``point_contact.path_of_contact``; where they did not converge the result is NaN.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.verification.conventional_analysis import path_of_contact
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.zeros(1))
+    >>> found = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
+    >>> bool(0.0 < found.along_line[0] < found.across_line[0])
+    True
+    """
+    instance("motion", motion, ConjugateMotion)
+    instance("gear_surface", gear_surface, GeneratingSurface)
+    instance("contact", contact, PointContact)
+    gear, pinion = shape_operators(motion, gear_surface, contact)
+    return stationary_directions(gear.principal(), pinion.principal(), cross(gear.first, gear.second))
+
+
 EDGE_MARGIN = 0.02  # fraction of face and profile; nearer to an edge the contact leaves the clipped contact line
 BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 

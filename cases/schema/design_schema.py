@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from ...geometry.cutting.named_settings import scale_of
-from ...geometry.design.set_up.pinion_method import PinionMethod
+from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable

@@ -11,24 +11,196 @@ F. Convergence is quadratic.
 The result is handed back as the linear contact problem with compliance B + diag(secant) at the solution. Since secant
 times force is the deflection, its residuals are those of the nonlinear problem, to the bit: the ordinary certificate
 proves the nonlinear answer.
+
+Newton's method for the load-dependent contact problem: the steps, and the line search that makes them safe.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import fields
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..problem.answer import vector_of, with_certificate
+from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
+from ..problem.scaling import Scaling
 from ..solvers import ContactSolution, SolverChoice, Status, require_solver, solve
+from ..solvers.native import answers
 from ..solvers.registry import start_force
 from ..solvers.solution import judged, no_solution
-from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
+from ..solvers.solver_limits import Limits, StepBudget
 
 Array = NDArray[np.float64]
+
+#: Linear problems solved before giving up; four to six are usual.
+MAX_ITERATIONS = 50
+#: Residual, relative to the scale of the gaps, at which the iteration is at rounding level.
+ROUNDING_RESIDUAL = 4e-15
+#: The iteration ends after so many steps without progress, once the residual is below this.
+MAX_STALLED_STEPS, STALLED_RESIDUAL = 2, 1e-6
+#: A slope of the energy below this, relative to its terms, is rounding.
+ROUNDING_SLOPE = 1e-14
+#: Shortest step of the damped iteration.
+SHORTEST_STEP = 2.0**-20
+
+
+@runtime_checkable
+class LineContact(Protocol):
+    """Local deflection of the segments as a function of their forces (n) [N]; each method returns an (n) array."""
+
+    def deflection(self, force: Array) -> Array:
+        """Return delta [mm]."""
+        ...
+
+    def secant(self, force: Array) -> Array:
+        """Return delta / F [mm/N], finite also at zero force."""
+        ...
+
+    def tangent(self, force: Array) -> Array:
+        """Return d delta / dF [mm/N], positive."""
+        ...
+
+
+class NativeStep:
+    """Solves the scaled subproblems with the native methods, from the active set of the last one."""
+
+    polished = False
+
+    def __init__(self, linear: ContactProblem, bending: ContactProblem, settings: dict[str, Any]) -> None:
+        names = [field.name for field in fields(Limits) if field.name in settings]
+        limits = Limits(**{name: settings[name] for name in names})
+        self._scaling, self._bending = linear.scaling, bending
+        self._settings = {name: value for name, value in settings.items() if name not in names}
+        self._budget = None if limits.none else StepBudget(limits)
+        self.tolerance = limits.exact_tolerance
+        self.method = self.reason = ""
+
+    def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+        """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
+        compliance = self._bending.compliance_matrix.with_added(tangent)
+        data = (separation, self._bending.lever_arm, self._bending.torque, compliance)
+        problem = self._scaling.scale(*data, clip=False)
+        for method, answer in answers(problem, active, self._settings, self._budget):
+            self.method = method
+            return answer.force * self._scaling.force, self._scaling.unscale_elastic_rotation(answer.rotation)
+        met = None if self._budget is None else self._budget.met
+        return Status.NOT_CONVERGED if met is None else met
+
+
+class BackendStep:
+    """Solves the subproblems with a backend, each one certified."""
+
+    def __init__(self, bending: ContactProblem, solver: SolverChoice, polish: bool, settings: dict[str, Any]) -> None:
+        self._bending, self._solver, self._polish, self._settings = bending, solver, polish, settings
+        self.tolerance = EXACT_TOLERANCE
+        self.polished = polish
+        self.method = self.reason = ""
+
+    def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+        """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
+        problem = self._bending.with_added_compliance(tangent, separation)
+        solution = solve(problem, self._solver, polish=self._polish, **self._settings)
+        if not solution.certified:
+            self.reason = f": {solution.message}"
+            return solution.status
+        self.method = solution.method
+        if not solution.polished:
+            self.polished = False
+            self.tolerance = max(self.tolerance, solution.tolerance)
+        return solution.force, solution.rotation
+
+
+class NewtonIteration:
+    """Newton's method with a line search; holds the best point met."""
+
+    def __init__(
+        self, bending: ContactProblem, scaling: Scaling, line_contact: LineContact, step: NativeStep | BackendStep
+    ) -> None:
+        self._bending, self._scaling, self._line_contact, self.step = bending, scaling, line_contact, step
+        self._separation = bending.separation_at_first_contact
+        self.count = 0
+        self.message = ""
+        self.force = np.zeros(bending.size)
+        self.rotation = 0.0  # beyond first contact
+        self.residual = np.inf
+
+    def run(self, start: Array | None, linear: ContactProblem) -> Status | None:
+        """Iterate until the residual is rounding or falls no further; return a status if a linear problem fails."""
+        if start is None:
+            # One problem with the secant compliance at the mean load gives a feasible start, near the solution.
+            secant = self._line_contact.secant(np.full(linear.size, float(linear.scaling.force)))
+            outcome = self._solve(secant, self._separation, linear.scaling.estimated_active)
+            if isinstance(outcome, Status):
+                return outcome
+            force, rotation = outcome
+            self._note(force, rotation)
+            feasible = True
+        else:
+            force, feasible = start, False
+        stalled = 0
+        while self.count < MAX_ITERATIONS and self.residual > ROUNDING_RESIDUAL:
+            deflection, tangent = self._line_contact.deflection(force), self._line_contact.tangent(force)
+            outcome = self._solve(tangent, self._separation + (deflection - tangent * force), force > 0.0)
+            if isinstance(outcome, Status):
+                return outcome
+            target, rotation = outcome
+            length = self._step_length(force, target - force, rotation) if feasible else 1.0
+            force = target if length == 1.0 else np.maximum(force + length * (target - force), 0.0)
+            feasible = True
+            stalled = 0 if self._note(force, rotation) else stalled + 1
+            if stalled >= MAX_STALLED_STEPS and self.residual < STALLED_RESIDUAL:
+                break  # nothing is left but the accuracy of the solver
+        return None
+
+    def _solve(self, local: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+        if not (np.isfinite(local).all() and np.isfinite(separation).all() and local.min() >= 0.0):
+            self.message = "line contact gives no finite positive compliance"
+            return Status.INVALID_DATA
+        self.count += 1
+        outcome = self.step(local, separation, active)
+        if isinstance(outcome, Status):
+            self.message = f"linear problem {self.count} failed{self.step.reason}"
+        return outcome
+
+    def _note(self, force: Array, rotation: float) -> bool:
+        """Keep the point if it is the best so far."""
+        gap = self._bending.deflection(force) + self._line_contact.deflection(force) + self._separation
+        gap -= rotation * self._bending.lever_arm
+        residual = float(np.abs(np.minimum(force / self._scaling.force, gap / self._scaling.gap)).max())
+        if not residual < self.residual:
+            return False
+        self.force, self.rotation, self.residual = force, rotation, residual
+        return True
+
+    def _step_length(self, force: Array, direction: Array, rotation: float) -> float:
+        """Return 1, or a half, a quarter ... of it: the longest along which the energy surely falls.
+
+        The slope of a convex energy never decreases, so over a step a its change is at most a/2 (slope(a/2) +
+        slope(a)).
+        """
+        # Along the direction the torque is constant, so r theta may be taken off the gradient: that removes the
+        # rounding of r'direction, which would drown the slope near the solution.
+        gradient = self._bending.deflection(force) + self._separation - rotation * self._bending.lever_arm
+        level, curvature = float(direction @ gradient), float(direction @ self._bending.deflection(direction))
+
+        def slope(length: float) -> float:
+            local = self._line_contact.deflection(force + length * direction)
+            return level + length * curvature + float(direction @ local)
+
+        rounding = ROUNDING_SLOPE * abs(rotation) * float(np.abs(direction) @ np.abs(self._bending.lever_arm))
+        length, at_end = 1.0, slope(1.0)
+        while at_end > rounding and length > SHORTEST_STEP:
+            middle = slope(0.5 * length)
+            if middle + at_end <= 0.0:
+                break
+            length, at_end = 0.5 * length, middle
+        return length
+
+
 Compliance = Array | tuple[Array, Array]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .closest_approach import SEARCH_RADIUS_LIMIT, AcrossLine, across_line
+from .closest_approach import EXTRAPOLATION_LIMIT, SEARCH_RADIUS_LIMIT, AcrossLine, OppositePoints, across_line
 from .contact_lines import (
     LENGTH_RATIO_LIMIT,
     POINTS_PER_LINE,
@@ -27,7 +27,6 @@ from .contact_lines import (
 from .flank_splines import FlankSplines
 from .mesh_edges import EDGES
 from .mesh_lines import MeshLines
-from .opposite_points import EXTRAPOLATION_LIMIT, OppositePoints
 
 Array = NDArray[Any]
 

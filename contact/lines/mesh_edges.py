@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
-from .closest_approach import AcrossLine, across_line
+from .closest_approach import AcrossLine, OppositePoints, across_line, conjugate_points, points_below, solved
 from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
-from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
 Around = TypeVar("Around", bound="EdgeElements | _TouchingParts | AcrossLine | OppositePoints")

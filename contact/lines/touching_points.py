@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import PairGeometry
-from .closest_approach import gap_beside, still_opens
-from .opposite_points import PASSING_FIELDS, PINION_FRACTIONS
+from .closest_approach import PASSING_FIELDS, PINION_FRACTIONS, gap_beside, still_opens
 from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 
 Array = NDArray[Any]

@@ -7,6 +7,16 @@ coordinate follow from the pinion's normal. Less the azimuth of the gear flank t
 An ease-off that was put in by hand or updated for deviations has no surface of its own. What it changes of the ease-off
 is added to the gap, and what it changes of the roll angle is taken off the rotation: beside its own contact lines the
 gap opens as that of the generated flanks does. That is right to the first order of the change.
+
+How far the cut of one flank part lies from where it ends: at its blade section's ends, or where another cuts deeper.
+
+A blade with a toprem or flankrem cuts every part of the flank with a section of its own. Where sections join at a
+protruding kink both cut the same points, and the deeper cut remains (``geometry/flanks/flank.py``).
+
+Where circles about the gear axis meet the turned pinion flank, with derivatives by the circle.
+
+The azimuth of a meeting follows from one step of Newton's method on the generated surface; its derivatives by the axial
+and the radial coordinate of the circle follow from the pinion's normal.
 """
 
 from __future__ import annotations
@@ -20,16 +30,203 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.ordered_values import ordered
-from ...geometry.cutting.generating_surface import GeneratingSurface
-from ...geometry.flanks.flank import Flank, solve_parts
-from ...geometry.flanks.flank_parts import pick
-from ...geometry.newton import COLUMNS_PER_BLOCK
+from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
+from ...geometry.flanks.flank import Flank, pick, seed_lattice, solve_parts
+from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, determinant
+from ...geometry.pair.conjugate_motion import ConjugateMotion
+from ...geometry.pair.ease_off import EaseOff
 from ...geometry.pair.gear_pair import Member, PairGeometry
-from .flank_cuts import FlankCuts
+from ...geometry.vectors import column, cos_sin, turn_z
 from .flank_splines import BENDS, VALUE_AND_SLOPES, FlankSplines, fit
-from .turned_pinion import CirclesMet, circles_met, nearer_parameters
 
 Array = NDArray[Any]
+
+KINK_LIMIT = 1e-5  # [rad per fraction of the flank]; below it two cuts join smoothly, and their sections' ends decide
+
+
+@dataclass(frozen=True)
+class FlankCuts:
+    """What every part (p) of a flank cuts at points (n), with derivatives by the fractions.
+
+    Parameters
+    ----------
+    depth, depth_slope
+        How much metal the part removes, as a rotation of the member that opens the gap (p, n), and its derivatives
+        (p, 2, n) [rad].
+    coordinate, coordinate_slope
+        Coordinate along the blade as a fraction of the flank's depth (p, n), and its derivatives (p, 2, n).
+    begin, end
+        Ends (p) of the sections in that coordinate; the lowest part begins where the edge radius of the blade ends.
+    known
+        Where the part has a point (p, n).
+    """
+
+    depth: Array
+    depth_slope: Array
+    coordinate: Array
+    coordinate_slope: Array
+    begin: Array
+    end: Array
+    known: NDArray[np.bool_]
+
+    def margins(self, part: NDArray[np.int8]) -> tuple[Array, Array]:
+        """How far inside its bounds the cut of one part (n) lies, as fractions (3, n), and the derivatives (3, 2, n).
+
+        From the beginning of its section, from the end of it, and from where another part cuts deeper.
+        """
+        columns = np.arange(part.size)
+        depth, depth_slope = self.depth[part, columns], self.depth_slope[part, :, columns].T
+        coordinate, slope = self.coordinate[part, columns], self.coordinate_slope[part, :, columns].T
+        cut, cut_slope = np.full(part.size, np.inf), np.zeros((2, part.size))
+        for other in range(self.begin.size if self.begin.size > 1 else 0):
+            away, away_slope = self._beyond(other)
+            with np.errstate(all="ignore"):
+                # Both as distances on the flank: from where the other section ends, and from where it cuts as deep.
+                steepness = np.linalg.norm(depth_slope - self.depth_slope[other], axis=0)
+                kinked = steepness > KINK_LIMIT
+                scale = np.where(kinked, np.linalg.norm(away_slope, axis=0) / steepness, 0.0)
+                deeper = scale * (depth - self.depth[other])
+                kinked &= deeper > away
+            away = np.where(kinked, deeper, away)
+            away_slope = np.where(kinked, scale * (depth_slope - self.depth_slope[other]), away_slope)
+            nearer = (part != other) & self.known[other] & (away < cut)
+            cut, cut_slope = np.where(nearer, away, cut), np.where(nearer, away_slope, cut_slope)
+        own = [coordinate - self.begin[part], self.end[part] - coordinate, cut]
+        return np.stack(own), np.stack([slope, -slope, cut_slope])
+
+    def _beyond(self, part: int) -> tuple[Array, Array]:
+        """How far points (n) lie beyond the nearer end of a part's section, and the derivatives (2, n)."""
+        coordinate, slope = self.coordinate[part], self.coordinate_slope[part]
+        below = self.begin[part] - coordinate if part > 0 else np.full(coordinate.size, -np.inf)
+        above = coordinate - self.end[part]
+        return np.maximum(below, above), np.where(below > above, -slope, slope)
+
+
+@dataclass(frozen=True)
+class CirclesMet:
+    """Where circles (n) about the gear axis meet the pinion flank; derivatives by axial and radial coordinate.
+
+    Parameters
+    ----------
+    azimuth
+        In the drive sense of the gear, the gear turned by the ratio [rad].
+    slope, bend
+        Its derivatives (2, n) and (2, 2, n) [rad/mm, rad/mm^2].
+    ahead
+        Its derivative by the pinion rotation (n).
+    bounds, bound_slopes
+        Lengthwise and profile fraction, and coordinate along the blade [mm] (3, n), and their derivatives (3, 2, n).
+    parameters, following
+        Surface parameters (2, n) and their derivatives (2, 2, n).
+    miss
+        Distance (n) over which all this is extrapolated [mm]; infinite where the pinion is undercut.
+    """
+
+    azimuth: Array
+    slope: Array
+    bend: Array
+    ahead: Array
+    bounds: Array
+    bound_slopes: Array
+    parameters: Array
+    following: Array
+    miss: Array
+
+
+def circles_met(
+    exact: EaseOff, surface: GeneratingSurface, parameters: Array, rotations: Array, place: Array
+) -> CirclesMet:
+    """Where circles meet one part of the pinion flank.
+
+    Parameters
+    ----------
+    exact
+        Ease-off of the pair, with its motion and the pinion's blank.
+    surface
+        The flank part.
+    parameters
+        Its parameters (2, n) near the meeting.
+    rotations
+        Pinion rotations (n) [rad].
+    place
+        Axial and radial coordinates (2, n) of the circles [mm].
+    """
+    if rotations.size > COLUMNS_PER_BLOCK:  # of which each has a rotation of its own
+        parts = _blocks(rotations.size)
+        blocks = [circles_met(exact, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
+        names = [one.name for one in fields(CirclesMet)]
+        return CirclesMet(*(np.concatenate([getattr(met, name) for met in blocks], axis=-1) for name in names))
+    motion, section = exact.motion, exact.pinion_section
+    turned = rotations + motion.center
+
+    def seen(p: Array) -> Array:
+        own, own_normal, coordinate = surface.evaluate(p)
+        (x, y, z), normal = _in_space(motion, np.tile(turned, len(parameters)), own, own_normal)
+        radial = np.sqrt(x**2 + y**2)
+        # Along the surface the azimuth changes so that the step is at right angles to the normal.
+        share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
+        by_radial = share * (x * normal[0] + y * normal[1]) / radial
+        bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
+        return np.array([x, y, z, radial, share * normal[2], by_radial, *bounds, coordinate, *normal])
+
+    with np.errstate(all="ignore"):
+        value, (first, second) = complex_steps(seen, parameters)
+        inverse = np.array([[second[3], -second[2]], [-first[3], first[2]]]) / determinant(first[2:4], second[2:4])
+        away = place - value[2:4]
+        slopes = first[4:9, None] * inverse[0] + second[4:9, None] * inverse[1]
+        bend, bound_slopes = slopes[:2], slopes[2:]
+        position, normal = value[:3], value[9:]
+        cut = area_ratio(first[:3], second[:3], normal) * seed_lattice(surface, section).orientation > 0.0
+        azimuth = motion.pinion_sense * np.arctan2(value[1], value[0]) + turned / motion.assembly.ratio
+        return CirclesMet(
+            azimuth=azimuth + np.sum((value[4:6] + 0.5 * _along(bend, away)) * away, axis=0),
+            slope=value[4:6] + _along(bend, away),
+            bend=bend,
+            ahead=-motion.closing_velocity(position + column(motion.assembly.gear_origin, position), normal),
+            bounds=value[6:9] + _along(bound_slopes, away),
+            bound_slopes=bound_slopes,
+            parameters=parameters + _along(inverse, away),
+            following=inverse,
+            miss=np.where(cut, np.max(np.abs(away), axis=0), np.inf),
+        )
+
+
+def nearer_parameters(
+    motion: ConjugateMotion, surface: GeneratingSurface, parameters: Array, rotations: Array, place: Array
+) -> Array:
+    """Of ``circles_met`` the parameters (2, n) alone."""
+    if rotations.size > COLUMNS_PER_BLOCK:
+        parts = _blocks(rotations.size)
+        blocks = [nearer_parameters(motion, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
+        return np.concatenate(blocks, axis=-1)
+    turned = rotations + motion.center
+
+    def seen(p: Array) -> Array:
+        ((x, y, z),) = _in_space(motion, np.tile(turned, len(parameters)), surface.evaluate(p)[0])
+        return np.array([z, np.sqrt(x**2 + y**2)])
+
+    with np.errstate(all="ignore"):
+        value, (first, second) = complex_steps(seen, parameters)
+        return parameters + cramers_rule(first, second, place - value)
+
+
+def _blocks(count: int) -> list[slice]:
+    return [slice(start, start + COLUMNS_PER_BLOCK) for start in range(0, count, COLUMNS_PER_BLOCK)]
+
+
+def _in_space(motion: ConjugateMotion, turned: Array, *vectors: Array) -> tuple[Array, ...]:
+    """Pinion points (3, n) from the origin of the gear, and normals (3, n) if given, after the pinion has turned."""
+    assembly = motion.assembly
+    cosine, sine = cos_sin(motion.pinion_sense * turned)
+    found = [np.tensordot(assembly.pinion_frame, turn_z(cosine, sine, vector), axes=1) for vector in vectors]
+    found[0] += column(assembly.pinion_origin - assembly.gear_origin, found[0])
+    return tuple(found)
+
+
+def _along(slopes: Array, way: Array) -> Array:
+    """Changes (k, n) over a way (2, n) of quantities with derivatives (k, 2, n)."""
+    return np.asarray(slopes[:, 0] * way[0] + slopes[:, 1] * way[1])
+
 
 MISS_LIMIT = 0.1  # [mm]; a pinion part whose point is farther from where it is looked for has none
 SAME_EASE_OFF_LIMIT = 1e-12  # [rad]; a change of the ease-off by less is that of a zero alone

@@ -14,7 +14,7 @@ from ...core.stored_status import StoredStatus
 if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import PairGeometry
     from ..lines.mesh_lines import MeshLines
-    from ..loaded_cases import LoadedCase
+    from ..loaded import LoadedCase
     from ..segments import CycleSegments, Segments
     from .mesh_wrench import MeshWrenches
     from .support import Supports

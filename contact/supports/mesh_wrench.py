@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
 from ...core.ordered_values import ordered
-from ...geometry.pair.datasets import first_contact
-from ...geometry.pair.gear_pair import PairGeometry
+from ...geometry.pair.gear_pair import PairGeometry, first_contact
 from ..lines.flank_splines import FlankSplines, fit
-from .wrench import unit_wrenches
+from .support import unit_wrenches
 
 Array = NDArray[Any]
 

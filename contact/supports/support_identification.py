@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.checks import array, frozen_arrays, instance, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
-from .relative_motion import RelativeMotion
-from .support import Support, Supports
-from .wrench import ORIGIN
+from .support import ORIGIN, Support, Supports
+from .supported_pair import RelativeMotion
 
 Array = NDArray[np.float64]
 ROTATION_LENGTH = 100.0  # [mm]; an error of Sigma counts as the displacement at this length

@@ -1,22 +1,172 @@
-"""Loaded contact of a pair on its supports, with the motion of its members under load."""
+"""Loaded contact of a pair on its supports, with the motion of its members under load.
+
+Results of a pair on supports: misalignment under load, mesh force, bearing loads, shares of the rotation.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.attributes import labelled
 from ...core.checks import frozen_arrays
-from ..loaded_cases import LoadedCase, loaded_dataset, rotation_numbers
-from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound
-from .relative_motion import PARTS
-from .support_datasets import misalignment_dataset, supports_dataset
-from .supported_pair import SupportedPair, cycle_mean
+from ...geometry.pair.assembly import Assembly
+from ...geometry.pair.gear_pair import MEMBERS
+from ..loaded import LoadedCase, loaded_dataset, rotation_numbers
+from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus
+from .support import ORIGIN, shifted_wrench
+from .supported_pair import PARTS, SupportedPair, cycle_mean
 
 Array = NDArray[np.float64]
+CYCLE = ("torque", "mesh_position")
+SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")
+
+
+def misalignment_dataset(misalignment: Array, torques: Array) -> xr.Dataset:
+    """The group ``misalignment`` of a result.
+
+    Parameters
+    ----------
+    misalignment
+        E, P, G [mm] and Sigma [rad] under load (t, k, 4).
+    torques
+        Torques at the pinion (t) [N m].
+
+    Examples
+    --------
+    >>> misalignment_dataset(np.zeros((1, 2, 4)), np.array([100.0]))["shaft_angle"].attrs["units"]
+    'rad'
+    """
+    data = {name: (CYCLE, misalignment[..., number]) for number, name in enumerate(PARTS[:4])}
+    return labelled(xr.Dataset(data, coords=_coords(torques, misalignment.shape[1])))
+
+
+def supports_dataset(
+    assembly: Assembly,
+    torques: Array,
+    rounds: Sequence[FoundRound],
+    cases: Sequence[LoadedCase],
+    support_rotation: Array,
+) -> xr.Dataset:
+    """The group ``supports`` of a result.
+
+    Parameters
+    ----------
+    assembly
+        The assembly without load.
+    torques
+        Torques at the pinion (t) [N m].
+    rounds
+        Last rounds.
+    cases
+        Every solved case, its torque numbered among all.
+    support_rotation
+        Rotation of the gear by the supports (t) [rad], on average over the mesh cycle.
+    """
+    places = {number: (one, row) for one in rounds for row, number in enumerate(one.torques)}
+    by_torque = [places[number] for number in range(torques.size)]
+    parts, wrench, rotation = (
+        np.stack([getattr(one.found, name)[row] for one, row in by_torque]) for name in ("parts", "wrench", "rotation")
+    )
+    shares = _shares(rotation, cases, assembly.ratio * torques)
+    data: dict[str, Any] = {
+        "transmission_error": (CYCLE, 1e6 * (rotation - support_rotation[:, None])),
+        "whole_rotation": (CYCLE, 1e6 * rotation),
+        "support_rotation": ("torque", 1e6 * support_rotation),
+        "pinion_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("pinion_rotation")]),
+        "gear_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("gear_rotation")]),
+        **{name: (CYCLE, 1e6 * share) for name, share in zip(SHARES, shares, strict=True)},
+        **_mesh_forces([one.found for one, _ in by_torque], wrench),
+        **_bearing_loads([one.found for one, _ in by_torque], wrench),
+        "rounds": ("torque", [one.count for one, _ in by_torque]),
+        "last_change": ("torque", [one.change for one, _ in by_torque]),
+        "rounds_status": (
+            "torque",
+            np.array([one.status for one, _ in by_torque], dtype=np.int8),
+            RoundsStatus.flag_attributes(),
+        ),
+    }
+    coords: dict[str, Any] = {**_coords(torques, wrench.shape[1]), "member": list(MEMBERS), "space": list("xyz")}
+    names = _bearing_names(rounds[0].found)
+    if names:
+        coords["bearing"] = names
+    reasons = {f"{torques[number]:g} N m: {one.reason}" for number, (one, _) in places.items() if one.reason}
+    attributes = {"rounds_not_ended": "; ".join(sorted(reasons))} if reasons else {}
+    return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
+
+
+def _coords(torques: Array, positions: int) -> dict[str, Any]:
+    return {"torque": torques, "mesh_position": np.arange(positions) / positions}
+
+
+def _mesh_forces(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
+    """Force and moment of the mesh on each member about its reference, for wrenches (t, k, 6) about the origin."""
+    supports = found[0].supports[0]
+    references = np.array([supports.pinion.reference, supports.gear.reference])
+    both = [sign * shifted_wrench(wrench, ORIGIN, point) for sign, point in zip((1.0, -1.0), references, strict=True)]
+    on_members = np.stack(both)
+    dims = ("member", *CYCLE, "space")
+    return {
+        "mesh_force": (dims, on_members[..., :3]),
+        "mesh_moment": (dims, 1e-3 * on_members[..., 3:]),
+        "reference": (("member", "space"), references),
+    }
+
+
+def _bearing_names(found: Round) -> list[str]:
+    """Names of the bearings of pinion and gear."""
+    supports = found.supports[0]
+    members = zip(MEMBERS, (supports.pinion, supports.gear), strict=True)
+    return [f"{member} {bearing.name}" for member, support in members for bearing in support.bearings]
+
+
+def _bearing_loads(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
+    """Force on every bearing, and its moment about the bearing's centre, for wrenches (t, k, 6) about the origin."""
+    names = _bearing_names(found[0])
+    if not names:
+        return {}
+    loads = np.full((len(names), *wrench.shape), np.nan)
+    for torque, one in enumerate(found):
+        for position, supports in enumerate(one.supports):
+            row = 0
+            for sign, support in ((1.0, supports.pinion), (-1.0, supports.gear)):
+                own = sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference)
+                for bearing in support.bearings:
+                    loads[row, torque, position] = bearing.load(own)
+                    row += 1
+    members = (found[0].supports[0].pinion, found[0].supports[0].gear)
+    points = np.array([bearing.point for support in members for bearing in support.bearings])
+    dims = ("bearing", *CYCLE, "space")
+    return {
+        "bearing_force": (dims, loads[..., :3]),
+        "bearing_moment": (dims, 1e-3 * loads[..., 3:]),
+        "bearing_position": (("bearing", "space"), points),
+    }
+
+
+def _shares(rotation: Array, cases: Sequence[LoadedCase], torques: Array) -> list[Array]:
+    """Parts of the rotation (t, k) [rad] by what gives way, and by the ease-off, for torques at the gear (t) [N m].
+
+    The forces' work on what gives way, over the torque: F'CF/T. What is left is that on the ease-off, F'S/T.
+    """
+    shares = [np.full(rotation.shape, np.nan) for _ in range(3)]
+    for case in cases:
+        if not case.solution.certified:
+            continue
+        here, force, place = case.segments, case.solution.force, (case.torque, case.mesh_position)
+        bending = float(np.sum((force @ here.bending.factor) ** 2))
+        local = float(force @ here.line_contact.deflection(force))
+        wrench = here.mesh_wrench(force)
+        motion = 0.0 if here.held is None else float(here.held.twist(wrench) @ wrench)
+        for share, work in zip(shares, (bending, local, motion), strict=True):
+            share[place] = work / (1e3 * torques[case.torque])
+    return [*shares, rotation - sum(shares)]
 
 
 @frozen_arrays

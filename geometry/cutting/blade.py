@@ -1,8 +1,16 @@
-"""The cutter blade: position of its edge on the cutter, and the sections of the edge."""
+"""The cutter blade: position of its edge on the cutter, and the sections of the edge.
+
+The edge of a blade as a chain of straight lines and circular arcs: edge radius, toprem, profile, flankrem.
+
+The plane of the blade has the coordinates ``outward``, counted from the point radius towards the metal that is cut, and
+``height``, counted from the tip plane towards the shank. Along the edge runs one coordinate: millimetres from the end
+of the edge radius upwards, and from -1 (tip land) to 0 within the edge radius, whatever its size.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -10,7 +18,208 @@ import numpy as np
 
 from ...core.checks import check_fields
 from ...core.errors import InputError
-from .blade_sections import BladeSection, Relief, SectionName, blade_sections
+
+SectionName = Literal["edge", "toprem", "profile", "flankrem"]
+
+
+@dataclass(frozen=True)
+class Relief:
+    """Toprem or flankrem: a relief at one end of the blade's profile.
+
+    Parameters
+    ----------
+    height
+        Height of its beginning above the tip plane [mm].
+    angle
+        Kink at the beginning [rad]. A toprem's pressure angle is smaller by it, a flankrem's larger: positive removes
+        metal at the flank's root or tip.
+    radius
+        Radius of an arc whose centre lies on the side of the metal, so that it removes more the further it goes [mm];
+        straight when ``None``.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> toprem = Relief(height=1.5, angle=radians(2.0))
+    >>> print(toprem.radius)
+    None
+    """
+
+    height: float
+    angle: float = 0.0
+    radius: float | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class BladeSection:
+    """A straight or circular part of a blade's edge.
+
+    Parameters
+    ----------
+    name
+        Name of the part.
+    begin, end
+        Coordinate of its ends along the edge; the last section has no end.
+    outward, height
+        Coordinates of its beginning in the plane of the blade [mm].
+    angle
+        Angle between edge and cutter axis at the beginning [rad].
+    rate
+        Change of that angle per coordinate.
+    radius
+        Radius of the arc [mm], positive with the centre on the side of the metal; ``None`` for a straight line.
+
+    Examples
+    --------
+    >>> flank = BladeSection("flank", begin=0.0, end=10.0, outward=0.0, height=2.0, angle=0.0)
+    >>> flank.middle, flank.point(5.0), flank.at_height(4.0)
+    (5.0, (0.0, 7.0), 2.0)
+    """
+
+    name: SectionName
+    begin: float
+    end: float
+    outward: float
+    height: float
+    angle: float
+    rate: float = 0.0
+    radius: float | None = None
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """Centre of the arc (outward, height) [mm]."""
+        radius = self.radius or 0.0
+        return self.outward + radius * math.cos(self.angle), self.height - radius * math.sin(self.angle)
+
+    @property
+    def middle(self) -> float:
+        """Coordinate of the middle; of the beginning of a section without end."""
+        return self.begin if math.isinf(self.end) else 0.5 * (self.begin + self.end)
+
+    def angle_at(self, coordinate: float) -> float:
+        """Angle between edge and cutter axis [rad]."""
+        return self.angle + self.rate * (coordinate - self.begin)
+
+    def point(self, coordinate: float) -> tuple[float, float]:
+        """Point (outward, height) [mm] at a coordinate."""
+        along = coordinate - self.begin
+        if self.radius is None:
+            return self.outward + along * math.sin(self.angle), self.height + along * math.cos(self.angle)
+        # Along the chord: exact for an arc of any radius, with no difference of large numbers.
+        half = 0.5 * self.rate * along
+        chord = 2.0 * self.radius * math.sin(half)
+        return self.outward + chord * math.sin(self.angle + half), self.height + chord * math.cos(self.angle + half)
+
+    def at_height(self, height: float) -> float:
+        """Coordinate at a height above the tip plane.
+
+        Raises
+        ------
+        InputError
+            If the arc does not reach this height.
+        """
+        if self.radius is None:
+            return self.begin + (height - self.height) / math.cos(self.angle)
+        sine = (height - self.center[1]) / self.radius
+        if not abs(sine) < 1.0:
+            raise InputError(
+                f"the {self.name} of the blade, an arc of radius {abs(self.radius):g} mm, does not reach the height "
+                f"{height:g} mm above the tip plane: check its radius and the heights of the reliefs"
+            )
+        return self.begin + (math.asin(sine) - self.angle) / self.rate
+
+
+def _part(
+    name: SectionName, point: tuple[float, float], angle: float, radius: float | None, begin: float = 0.0
+) -> BladeSection:
+    """A section through a point; the coordinate counts from there, both ways."""
+    rate = 0.0 if radius is None else 1.0 / radius
+    return BladeSection(name, begin, math.inf, point[0], point[1], angle, rate, radius)
+
+
+def blade_sections(
+    pressure_angle: float,
+    *,
+    spheric_radius: float | None,
+    reference_height: float,
+    edge_radius: float,
+    toprem: Relief | None,
+    flankrem: Relief | None,
+) -> dict[SectionName, BladeSection]:
+    """Sections of a blade's edge from the tip land upwards, joined end to end.
+
+    The profile touches the line of the pressure angle through the blade point at the reference height. Reliefs begin on
+    the profile, with a kink if they have an angle; the edge radius touches what lies above it and the tip plane.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit onto one another.
+    """
+    reference = (reference_height * math.tan(pressure_angle), reference_height)
+    profile = _part("profile", reference, pressure_angle, spheric_radius)
+    lowest, start = profile, 0.0
+    if toprem is not None:
+        start = profile.at_height(toprem.height)
+        lowest = _part("toprem", profile.point(start), profile.angle_at(start) - toprem.angle, toprem.radius)
+    foot = _edge_joint(lowest, edge_radius)
+    sections: dict[SectionName, BladeSection] = {"edge": _edge(lowest, foot, edge_radius)}
+    begin = 0.0
+    if toprem is None:
+        start = foot
+    else:
+        begin = -foot
+        if not begin > 0.0:
+            raise InputError(
+                f"toprem_depth = {toprem.height:g} mm: the edge radius {edge_radius:g} mm reaches above it; make the "
+                "edge radius smaller or let the toprem begin higher"
+            )
+        sections["toprem"] = _cut(lowest, foot, 0.0, begin)
+    if flankrem is None:
+        return sections | {"profile": _cut(profile, start, begin, math.inf)}
+    top = profile.at_height(flankrem.height)
+    if not top > start:
+        raise InputError(
+            f"flankrem_depth = {flankrem.height:g} mm: must be above the edge radius and the toprem, which reach "
+            f"{profile.point(start)[1]:g} mm above the tip plane"
+        )
+    sections["profile"] = _cut(profile, start, begin, begin + top - start)
+    point, angle = profile.point(top), profile.angle_at(top) + flankrem.angle
+    return sections | {"flankrem": _part("flankrem", point, angle, flankrem.radius, begin + top - start)}
+
+
+def _cut(part: BladeSection, start: float, begin: float, end: float) -> BladeSection:
+    """The part from its coordinate ``start`` on, with the coordinate counted from ``begin`` there."""
+    outward, height = part.point(start)
+    return replace(part, begin=begin, end=end, outward=outward, height=height, angle=part.angle_at(start))
+
+
+def _edge_joint(part: BladeSection, radius: float) -> float:
+    """Coordinate on the lowest part where an edge radius touches it; the arc also touches the tip plane.
+
+    At the joint the height is ``radius (1 - sin angle)``.
+    """
+    if part.radius is None:
+        return part.at_height(radius * (1.0 - math.sin(part.angle)))
+    sine = (radius - part.center[1]) / (part.radius + radius) if part.radius + radius else math.inf
+    if not abs(sine) < 1.0:
+        raise InputError(
+            f"tool_edge_radius = {radius:g} mm: no such arc touches the blade's {part.name}, an arc of "
+            f"{abs(part.radius):g} mm"
+        )
+    return part.begin + (math.asin(sine) - part.angle) / part.rate
+
+
+def _edge(lowest: BladeSection, foot: float, radius: float) -> BladeSection:
+    """The edge radius, from the tip land up to the lowest part."""
+    outward, height = lowest.point(foot)
+    angle = lowest.angle_at(foot)
+    tip = (outward - radius * math.cos(angle), height - radius * (1.0 - math.sin(angle)))
+    return BladeSection("edge", -1.0, 0.0, *tip, math.pi / 2, angle - math.pi / 2, -radius)
+
 
 BladeSide = Literal["outside", "inside"]
 

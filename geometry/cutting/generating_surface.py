@@ -3,27 +3,159 @@
 A generated flank has the two parameters (cutter angle, cradle rotation); the blade coordinate follows from the
 equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
 angle, blade coordinate). Every section of the blade has its own surface.
+
+The equation of meshing: the point of the blade that touches a generated flank (Kolivand 2009, Eq. 2.8).
+
+The edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane there. A velocity
+by a rotation is given as (spin, shift): velocity = spin x point + shift.
+
+Points of a generating surface with their tangents, and the search for those with given coordinates.
+
+Cutting a point is the costly part of every flank: here it is done once a point, with its derivatives, which tell
+everything that depends on the place of the surface in space.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import check_fields
-from ..newton import complex_steps
+from ...core.checks import check_fields, frozen_arrays
+from ..newton import NewtonResult, complex_steps, solve_by
 from ..vectors import cos_sin, cross, dot
-from .blade import Blade
-from .blade_sections import BladeSection, SectionName
-from .machine import IncrementSense, MachineSettings
-from .machine_pose import MachinePose, machine_pose
-from .meshing import Velocity, circular_edge, on_arc, straight_edge
+from .blade import Blade, BladeSection, SectionName
+from .machine import IncrementSense, MachinePose, MachineSettings, machine_pose
 
 Array = NDArray[Any]
+Velocity = tuple[Array, Array]
+
+ITERATION_LIMIT = 12  # from a start within a few degrees; five are usual
+FLAT_TURN_LIMIT = 0.2  # [rad] an arc and its tangent are near enough up to here
+
+
+def _of(velocity: Velocity, point: Array) -> Array:
+    return cross(velocity[0], point) + velocity[1]
+
+
+def straight_edge(origin: Array, edge: Array, by_cutter: Velocity, by_cradle: Velocity) -> Array:
+    """Distance from the origin along a straight edge (n) [mm], in closed form.
+
+    Both velocities are linear in the distance, so the condition is quadratic. Its other root is far away: for a
+    face-milling cutter it is always the apex of the cone.
+
+    Parameters
+    ----------
+    origin, edge
+        A point [mm] and the unit vector of the edge (3, n).
+    by_cutter, by_cradle
+        Velocities of its points.
+    """
+    at_origin = [_of(velocity, origin) for velocity in (by_cutter, by_cradle)]
+    along = [cross(spin, edge) for spin, _ in (by_cutter, by_cradle)]
+    constant = dot(edge, cross(at_origin[0], at_origin[1]))
+    linear = dot(edge, cross(along[0], at_origin[1]) + cross(at_origin[0], along[1]))
+    quadratic = dot(edge, cross(along[0], along[1]))
+    root = np.sqrt(linear * linear - 4.0 * constant * quadratic)
+    return np.asarray(-2.0 * constant / (linear + np.sign(linear.real) * root))
+
+
+def on_arc(
+    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, turn: Array
+) -> tuple[Array, Array]:
+    """Point [mm] and direction (3, n) of a circular edge, ``turn`` (n) [rad] of its direction away from the middle.
+
+    The point lies on the chord, whose direction is that of the edge half way: exact for a radius of any size.
+    """
+    outward, upward = plane
+    _, half_sine = cos_sin(0.5 * turn)
+    cosine, sine = cos_sin(middle_angle + 0.5 * turn)
+    chord = sine * outward + cosine * upward
+    end_cosine, end_sine = cos_sin(middle_angle + turn)
+    return middle + 2.0 * radius * half_sine * chord, end_sine * outward + end_cosine * upward
+
+
+def circular_edge(
+    middle: Array,
+    radius: float,
+    plane: tuple[Array, Array],
+    by_cutter: Velocity,
+    by_cradle: Velocity,
+    middle_angle: float,
+) -> Array:
+    """Turn (n) [rad] of a circular edge's direction from its middle to the touched point.
+
+    Closed form for a face-milling cutter, whose points all move along one direction. In face hobbing that is the start
+    of a Newton iteration.
+
+    Parameters
+    ----------
+    middle
+        Middle of the arc (3, n) [mm].
+    radius
+        Radius [mm], positive with the centre on the side of the metal; it may be zero.
+    plane
+        Unit vectors outward and towards the shank (3, n).
+    by_cutter, by_cradle
+        Velocities of the blade's points.
+    middle_angle
+        Angle between edge and cutter axis in the middle of the arc [rad]: the nearest solution is taken.
+    """
+
+    def real(values: Array) -> Array:
+        return np.asarray(values.real)
+
+    arc = (real(middle), radius, (real(plane[0]), real(plane[1])), middle_angle)
+    velocities = [(real(spin), real(shift)) for spin, shift in (by_cutter, by_cradle)]
+    turn = _start(*arc, velocities)
+    for _ in range(ITERATION_LIMIT):
+        step = _newton_step(*arc, velocities, turn)
+        turn = turn + step
+        if not np.any(np.abs(step) > 1e-14):
+            break
+    # One more step in the possibly complex data carries the derivatives.
+    return np.asarray(turn + _newton_step(middle, radius, plane, middle_angle, [by_cutter, by_cradle], turn))
+
+
+def _start(
+    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, velocities: list[Velocity]
+) -> Array:
+    """Solution with the cutting velocity of the middle of the arc; for a flat arc, that of its tangent there."""
+    outward, upward = plane
+    sine, cosine = np.sin(middle_angle), np.cos(middle_angle)
+    center = middle + radius * (cosine * outward - sine * upward)
+    cutting, rolling = _of(velocities[0], middle), _of(velocities[1], center)
+    angle = np.arctan2(-dot(rolling, cross(upward, cutting)), dot(rolling, cross(outward, cutting)))
+    turn = np.mod(angle - middle_angle + np.pi / 2, np.pi) - np.pi / 2
+    if radius != 0.0:
+        along_tangent = straight_edge(middle, sine * outward + cosine * upward, *velocities) / radius
+        turn = np.where(np.abs(along_tangent) < FLAT_TURN_LIMIT, along_tangent, turn)
+    return np.asarray(turn)
+
+
+def _newton_step(
+    middle: Array,
+    radius: float,
+    plane: tuple[Array, Array],
+    middle_angle: float,
+    velocities: list[Velocity],
+    turn: Array,
+) -> Array:
+    point, edge = on_arc(middle, radius, plane, middle_angle, turn)
+    cosine, sine = cos_sin(middle_angle + turn)
+    inward = sine * plane[1] - cosine * plane[0]
+    cutting, rolling = (_of(velocity, point) for velocity in velocities)
+    plane_normal = cross(cutting, rolling)
+    value = dot(edge, plane_normal)
+    changes = cross(cross(velocities[0][0], edge), rolling) + cross(cutting, cross(velocities[1][0], edge))
+    slope = radius * dot(edge, changes) - dot(inward, plane_normal)
+    return np.asarray(-value / slope)
+
+
 Hand = Literal["left", "right"]
 
 
@@ -230,3 +362,132 @@ class GeneratingSurface:
 
         value, (first, second) = complex_steps(position_and_normal, parameters)
         return area_ratio(first, second, value[3:])
+
+
+Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
+LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its tangents are followed linearly
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class SurfacePoints:
+    """Points of a generating surface (n) in the member's frame.
+
+    Parameters
+    ----------
+    parameters
+        Surface parameters (2, n).
+    values
+        Position [mm], outward normal and blade coordinate [mm], in this order (7, n).
+    slopes
+        Their derivatives by both parameters (2, 7, n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> surface = gear_pair(read_case("fm-11x41")).gear.loaded
+    >>> points = SurfacePoints.of(surface, np.array([[1.0], [5.0]]))
+    >>> bool((points.position == surface.evaluate(points.parameters)[0]).all())
+    True
+    """
+
+    parameters: Array
+    values: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, surface: GeneratingSurface, parameters: Array) -> SurfacePoints:
+        """Points at given parameters (2, n)."""
+
+        def all_values(p: Array) -> Array:
+            position, normal, coordinate = surface.evaluate(p)
+            return np.concatenate([position, normal, coordinate[None]])
+
+        return cls(parameters, *complex_steps(all_values, parameters))
+
+    @property
+    def position(self) -> Array:
+        """Positions (3, n) [mm]."""
+        return self.values[:3]
+
+    @property
+    def normal(self) -> Array:
+        """Outward unit normals (3, n)."""
+        return self.values[3:6]
+
+    @property
+    def coordinate(self) -> Array:
+        """Blade coordinate (n) [mm]."""
+        return np.asarray(self.values[6])
+
+    @property
+    def orientation(self) -> Array:
+        """Signed area ratio (n), as ``GeneratingSurface.orientation``."""
+        return area_ratio(self.slopes[0], self.slopes[1], self.normal)
+
+    def at(self, chosen: Any) -> SurfacePoints:
+        """Some of the points."""
+        return SurfacePoints(self.parameters[:, chosen], self.values[:, chosen], self.slopes[..., chosen])
+
+    def moved(self, step: Array) -> SurfacePoints:
+        """The points after so short a step of the parameters (2, n) that it is linear."""
+        return SurfacePoints(
+            self.parameters + step, self.values + step[0] * self.slopes[0] + step[1] * self.slopes[1], self.slopes
+        )
+
+    def with_others(self, chosen: Any, others: SurfacePoints) -> SurfacePoints:
+        """The points with others in place of some of them."""
+        arrays = np.array(self.parameters), np.array(self.values), np.array(self.slopes)
+        for own, other in zip(arrays, (others.parameters, others.values, others.slopes), strict=True):
+            own[..., chosen] = other
+        return SurfacePoints(*arrays)
+
+
+def axial_and_radial(points: SurfacePoints) -> tuple[Array, Array]:
+    """Axial and radial coordinates (2, n) [mm] about the member's axis, and their derivatives (2, 2, n)."""
+    x, y, z = points.position
+    radial = np.sqrt(x**2 + y**2)
+    along, outward = points.slopes[:, 2], (x * points.slopes[:, 0] + y * points.slopes[:, 1]) / radial
+    return np.stack([z, radial]), np.stack([along, outward], axis=1)
+
+
+def points_at(
+    locate: Locate, surface: GeneratingSurface, start: SurfacePoints, target: Array
+) -> tuple[SurfacePoints, NewtonResult]:
+    """Points with given coordinates, by Newton's method.
+
+    Parameters
+    ----------
+    locate
+        Two coordinates of points (2, n), and their derivatives by both parameters (2, 2, n).
+    surface
+        The surface.
+    start
+        First guess (n).
+    target
+        Coordinates (2, n).
+
+    Returns
+    -------
+    tuple
+        The points, and how the search ended.
+    """
+    held, known = start, True
+
+    def derivatives(here: Array, active: NDArray[np.int64]) -> tuple[Array, Array]:
+        nonlocal held, known
+        if known:
+            known = False
+            return locate(held)
+        points = SurfacePoints.of(surface, here)
+        held = points if active.size == target.shape[1] else held.with_others(active, points)
+        return locate(points)
+
+    with np.errstate(all="ignore"):
+        found = solve_by(derivatives, start.parameters, target, surface.max_step)
+        step = found.parameters - held.parameters
+        far = np.flatnonzero(~np.all(np.abs(step) < LINEAR_STEP * surface.max_step[:, None], axis=0))
+        held = held.moved(step)
+        if far.size:
+            held = held.with_others(far, SurfacePoints.of(surface, found.parameters[:, far]))
+    return held, found

@@ -5,11 +5,19 @@ Everything here describes a *right-hand* member; a left-hand one is its mirror i
 Machine frame: z along the cradle axis, towards the blank; x along the root line when sliding base, machine centre to
 crossing point and work offset are zero. Member frame: z along the member's own axis, from the crossing point to the
 heel; the tooth lies near the x axis.
+
+Position and motion of cutter and work at a cradle rotation, with every setting free to move.
+
+Any setting may be a polynomial in the cradle increment: helical motion moves the sliding base, vertical motion the work
+offset, and so on. Everything is seen from a frame that turns with the cradle, x towards the cutter centre; there the
+velocity of a blade point relative to the work is a spin and a shift, whatever moves. The chain from the cutter to the
+member being cut is that of Kolivand 2009, Eq. 2.7.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +25,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, check_fields, one_of, shown
 from ...core.errors import InputError
+from ..vectors import cos_sin, cross, turn_z
 
 Array = NDArray[Any]
 MOVING_SETTINGS = (
@@ -149,3 +158,157 @@ def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: Increm
         rotation = rotation - coefficient * increment**power
         derivative = derivative - power * coefficient * increment ** (power - 1)
     return sense * ratio * rotation, ratio * derivative
+
+
+@dataclass(frozen=True, eq=False)
+class MachinePose:
+    """The machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).
+
+    One is made in every step of an iteration, and none is handed on: its arrays are not locked.
+
+    Parameters
+    ----------
+    frame
+        Axes of the cutter, x and y before the cutter turns, z towards the blank.
+    center
+        Centre of the blade tip plane [mm].
+    axis, origin
+        Work axis and crossing point [mm].
+    spin, shift
+        Velocity of a blade point p relative to the work, by the cradle rotation: spin x p + shift.
+    cradle, work
+        Angle of the cradle, and rotation of the work by the roll [rad].
+    cradle_turn, root_turn
+        Cosine and sine of the angle of the cradle and of the machine root angle.
+    """
+
+    frame: tuple[Array, Array, Array]
+    center: Array
+    axis: Array
+    origin: Array
+    spin: Array
+    shift: Array
+    cradle: Array
+    work: Array
+    cradle_turn: tuple[Array, Array]
+    root_turn: tuple[Array, Array]
+
+    def to_member(self, vector: Array, indexing: Array, *, point: bool) -> Array:
+        """Turn a position [mm] or direction (3, n) from the cradle's frame into the frame of the member being cut.
+
+        Parameters
+        ----------
+        vector
+            Position or direction.
+        indexing
+            Rotation of the work beyond the roll (n) [rad].
+        point
+            Whether the vector is a position.
+        """
+        return self._to_member(vector - self.origin if point else vector, cos_sin(-self.work - indexing))
+
+    def both_to_member(self, position: Array, direction: Array, indexing: Array) -> tuple[Array, Array]:
+        """``to_member`` of a position and a direction."""
+        turn = cos_sin(-self.work - indexing)
+        return self._to_member(position - self.origin, turn), self._to_member(direction, turn)
+
+    def _to_member(self, vector: Array, turn: tuple[Array, Array]) -> Array:
+        x, y, z = turn_z(*self.cradle_turn, vector)
+        cosine, sine = self.root_turn
+        return turn_z(*turn, (sine * x - cosine * z, y, cosine * x + sine * z))
+
+
+def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) -> tuple[Array, Array]:
+    """Value of a setting (n) and its derivative by the cradle rotation."""
+    coefficients = dict(settings.motions).get(name, ()) if settings.motions else ()
+    value = np.full(increment.shape, getattr(settings, name), dtype=increment.dtype)
+    derivative = np.zeros_like(value)
+    for order, coefficient in enumerate(coefficients, start=1):
+        value = value + coefficient * increment**order
+        derivative = derivative + sense * order * coefficient * increment ** (order - 1)
+    return value, derivative
+
+
+def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: IncrementSense) -> MachinePose:
+    """The machine at given cradle rotations.
+
+    Parameters
+    ----------
+    settings
+        Machine settings, with their motions.
+    cradle_rotation
+        Rotations of the cradle about the machine z axis (n) [rad].
+    sense
+        Sense of the cradle increment, see ``machine.IncrementSense``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> surface = pair.gear.loaded
+    >>> machine_pose(surface.settings, np.zeros(1), surface.sense).origin.shape
+    (3, 1)
+    """
+    # Without motions one column stands for all n rotations.
+    moves = bool(settings.motions)
+    machine = _machine_at(settings, sense * cradle_rotation, sense) if moves else _still_machine(settings)
+    value, rate, frame, center, along, crossing_point, root_turn = machine
+    zero = np.zeros_like(center[0])
+    cradle = settings.cradle_angle + cradle_rotation
+    work, ratio = work_rotation(settings, cradle_rotation, sense)
+    turn = cos_sin(cradle)
+    back = turn[0], -turn[1]
+    axis, origin = turn_z(*back, tuple(along)), turn_z(*back, tuple(crossing_point))
+    spin, shift = -ratio * axis, ratio * cross(axis, origin)
+    spin[2] = spin[2] + 1.0
+    if settings.motions:
+        cos_g, sin_g = root_turn
+        distance = value["machine_center_to_crossing_point"]
+        turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
+        tilting = rate["machine_root_angle"]
+        moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * np.stack([-sin_g, zero, cos_g])
+        moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
+        pivot = turn_z(*back, (zero, tilting, zero))
+        spin = spin + turning + pivot
+        shift = shift - cross(turning, center) - cross(pivot, origin) - turn_z(*back, tuple(moving))
+        shift[0] = shift[0] + rate["radial_distance"]
+    return MachinePose(frame, center, axis, origin, spin, shift, cradle, work, turn, root_turn)
+
+
+_Machine = tuple[
+    dict[str, Array], dict[str, Array], tuple[Array, Array, Array], Array, Array, Array, tuple[Array, Array]
+]
+
+
+def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _Machine:
+    """The machine at cradle increments (n), not turned with the cradle.
+
+    Returns
+    -------
+    tuple
+        Settings and their derivatives (n) by the cradle rotation, axes of the cutter and its centre, direction of the
+        work axis and crossing point, cosine and sine of the machine root angle.
+    """
+    value: dict[str, Array] = {}
+    rate: dict[str, Array] = {}
+    for name in MOVING_SETTINGS:
+        value[name], rate[name] = _moving(settings, name, increment, sense)
+    zero = np.zeros_like(increment)
+    cos_j, sin_j = cos_sin(value["cutter_swivel"])
+    cos_i, sin_i = cos_sin(value["cutter_tilt"])
+    frame = (
+        np.stack([cos_j, -sin_j, zero]),
+        np.stack([sin_j * cos_i, cos_j * cos_i, sin_i]),
+        np.stack([-sin_j * sin_i, -cos_j * sin_i, cos_i]),
+    )
+    center = np.stack([value["radial_distance"], zero, zero])
+    cos_g, sin_g = cos_sin(value["machine_root_angle"])
+    along = np.stack([cos_g, zero, sin_g])
+    crossing_point = value["machine_center_to_crossing_point"] * along
+    crossing_point = crossing_point + np.stack([zero, value["work_offset"], value["sliding_base"]])
+    return value, rate, frame, center, along, crossing_point, (cos_g, sin_g)
+
+
+@lru_cache(maxsize=64)
+def _still_machine(settings: MachineSettings) -> _Machine:
+    return _machine_at(settings, np.zeros(1), 1)

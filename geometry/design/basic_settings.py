@@ -16,10 +16,9 @@ from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
 from ..cutting.machine import MachineSettings
 from ..flanks.blank_section import BlankSection
-from .blank import BlankDimensions
+from .blank import BlankDimensions, mean_point_angles
+from .closest_fit import StandardSteps
 from .iso23509.blank_dimensions import MemberBlank
-from .mean_point import mean_point_angles
-from .standard_steps import StandardSteps
 
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]

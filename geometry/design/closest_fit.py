@@ -1,23 +1,173 @@
-"""The fit that comes nearest to a target ease-off, one flank at a time, on a machine that knows no limits."""
+"""The fit that comes nearest to a target ease-off, one flank at a time, on a machine that knows no limits.
+
+How near a fit has to come to its target ease-off: good, usable or refused.
+
+Standard steps of the cutters: blade angles, point widths and edge radii as a tool room stocks and grinds them.
+
+They are taken before the machine settings are fitted, so that these make up for them.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 
 import numpy as np
 
+from ...core.checks import number
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import get_setting, with_settings
-from ..pair.gear_pair import GearPair
-from ..tooth.blade_tip import tip_gap
-from .fit_quality import residual_limits
+from ..cutting.named_settings import get_setting, step_count, with_settings
+from ..pair.gear_pair import FlankName, GearPair
+from ..tooth.tooth_surface import tip_gap
+from .pinion_method import ADVICE
 from .root_line import root_gap
-from .standard_steps import StandardSteps
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost
+
+SMALL_RESIDUAL = 0.001  # [mm]; a smaller residual is good for any target
+GOOD_SHARE = 0.1  # of the target's range; a smaller residual is good
+USABLE_RESIDUAL = 0.010  # [mm]; a smaller residual is never refused
+USABLE_SHARE = 0.5  # of the target's range; a larger residual is refused
+BLANK_ADVICE = "change the blanks: cutter_radius, depth_taper, spiral angle, or more teeth against undercut"
+
+
+def residual_limits(target: EaseOffTarget) -> tuple[float, float]:
+    """Largest residuals of a good fit and of one that can be used at all [mm], by the target's range.
+
+    Examples
+    --------
+    >>> [round(limit, 6) for limit in residual_limits(EaseOffTarget(lengthwise_crowning=0.05))]
+    [0.005, 0.025]
+    """
+    size = target_range(target)
+    return max(SMALL_RESIDUAL, GOOD_SHARE * size), max(USABLE_RESIDUAL, USABLE_SHARE * size)
+
+
+def target_range(target: EaseOffTarget) -> float:
+    """Range of a target over the gear flank [mm]."""
+    t, h = np.meshgrid(np.linspace(0.0, 1.0, 15), np.linspace(0.0, 1.0, 11), indexing="ij")
+    return float(np.ptp(target(t, h)))
+
+
+def require_usable(
+    side: FlankName, residual: float, target: EaseOffTarget, advice: str = ADVICE["closest_fit"]
+) -> None:
+    """Refuse a fit that misses its target by more than the second of ``residual_limits``.
+
+    Parameters
+    ----------
+    side
+        Which side.
+    residual
+        Its largest residual [mm].
+    target
+        The wanted ease-off.
+    advice
+        What else to try.
+
+    Raises
+    ------
+    GeometryError
+        If the fit is far off.
+    """
+    limit = residual_limits(target)[1]
+    if not residual <= limit:
+        raise GeometryError(
+            f"{side}: no pinion near the target ease-off was found: the best one misses it by up to "
+            f"{1e3 * residual:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
+            f"{1e3 * limit:.1f} um would do; {advice}, ask for less crowning and bias, or {BLANK_ADVICE}"
+        )
+
+
+SMALL_MODULE, SMALL_SHARE = 1.0, 0.1  # [mm]; below it the steps are a tenth
+
+
+@dataclass(frozen=True)
+class StandardSteps:
+    """Steps of the cutters; zero leaves a value as it was computed.
+
+    Parameters
+    ----------
+    blade_angle
+        Of the pressure angle of a blade [rad].
+    point_width
+        Of the point width of a cutter; the radius of a blade's tip has half of it [mm].
+    edge_radius
+        Of the edge radius of a blade, which is rounded down [mm].
+
+    Raises
+    ------
+    InputError
+        If a step is negative.
+
+    Examples
+    --------
+    >>> steps = StandardSteps(blade_angle=math.radians(0.5), point_width=0.1, edge_radius=0.05)
+    >>> round(steps.edge(0.93), 9), round(math.degrees(steps.angle(math.radians(18.83))), 9)
+    (0.9, 19.0)
+    """
+
+    blade_angle: float = 0.0
+    point_width: float = 0.0
+    edge_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            number(f"step of {field.name}", getattr(self, field.name), least=0.0)
+
+    def of_module(self, module: float) -> StandardSteps:
+        """The steps for teeth of a mean normal module [mm]: a tenth below one millimetre."""
+        if module >= SMALL_MODULE:
+            return self
+        return StandardSteps(*(SMALL_SHARE * getattr(self, field.name) for field in fields(self)))
+
+    def angle(self, value: float) -> float:
+        """The nearest blade angle [rad]."""
+        return _nearest(value, self.blade_angle)
+
+    def width(self, value: float) -> float:
+        """The nearest point width [mm]; one step at least."""
+        return max(_nearest(value, self.point_width), self.point_width)
+
+    def edge(self, value: float) -> float:
+        """The next smaller edge radius [mm]; the value itself below one step."""
+        step = self.edge_radius
+        return value if step == 0.0 or value < step else round(math.floor(value / step + 1e-9) * step, 9)
+
+    def blade(
+        self,
+        surface: GeneratingSurface,
+        *,
+        with_radius: bool,
+        allowed: Callable[[str], tuple[float, float]] = lambda _: (-math.inf, math.inf),
+    ) -> dict[str, float]:
+        """Settings of a flank's blade at their steps, by name; empty where nothing has one.
+
+        Parameters
+        ----------
+        surface
+            The flank.
+        with_radius
+            Whether the radius of the blade's tip has steps too.
+        allowed
+            Least and greatest value of a setting by name; one without a step between them stays as it is.
+        """
+        found = {}
+        if self.blade_angle:
+            angle = get_setting(surface, "pressure_angle")
+            found["pressure_angle"] = _nearest(angle, self.blade_angle, *allowed("pressure_angle"))
+        if with_radius and self.point_width:
+            radius = get_setting(surface, "point_radius")
+            found["point_radius"] = _nearest(radius, 0.5 * self.point_width, *allowed("point_radius"))
+        return found
+
+
+def _nearest(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:
+    count = step_count(value, step, low, high) if step else None
+    return value if count is None else count * step
+
 
 RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which another fit is tried
 FOLD_MARGIN = 0.2  # of the conjugate gear's area; nodes nearer to a fold are no part of a fit from the crown gear

@@ -4,6 +4,13 @@ Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of r
 cutter is the gear's own blade, taken from the other side and, face-hobbed, turning in the same time. The cradle then
 plays the gear, and the pinion is its envelope: the ease-off is zero everywhere. Machine root angle near zero and a
 large cutter tilt are the marks of this set-up.
+
+The pinion that the generating gear of a generated gear cuts from the other side, as settings of a cradle machine.
+
+The cradle of the gear's machine plays a crown gear that rolls on the gear. Let the same crown gear roll on the pinion,
+at the tooth ratio, and let its flank be cut from the other side. Where the axes intersect and the crown gear rolls on
+the pitch cone, all three bodies turn about one instantaneous axis, and gear and pinion are exactly conjugate (Litvin &
+Fuentes 2004, Gear Geometry and Applied Theory, chapter 21). With an offset they are so near the pitch point only.
 """
 
 from __future__ import annotations
@@ -18,9 +25,10 @@ from ...core.checks import instance, number
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
-from ..cutting.machine import MachineSettings
-from ..cutting.machine_pose import machine_pose
+from ..cutting.machine import MachineSettings, machine_pose
 from ..pair.assembly import Assembly
+from ..vectors import rotate_z
+from .blank import BlankDimensions
 
 Array = NDArray[np.float64]
 
@@ -126,3 +134,119 @@ def other_side(blade: Blade, height: float) -> Blade:
         reference_height=touching if blade.spheric_radius is not None else 0.0,
         edge_radius=blade.edge_radius,
     )
+
+
+TILT_ROUNDING = 1e-9  # [rad]; a smaller tilt is none
+
+
+def crown_gear_pinion(
+    gear: GeneratingSurface, assembly: Assembly, blade_height: float, pitch_point_azimuth: float = 0.0
+) -> GeneratingSurface:
+    """Machine settings of the pinion flank cut by the crown gear that generates a gear flank.
+
+    Parameters
+    ----------
+    gear
+        Generating surface of the gear flank; generated.
+    assembly
+        The pair; its misalignment is not used.
+    blade_height
+        Distance between the blade tips of the two cutters along the cutter axis [mm]: where the pinion's root is to be.
+    pitch_point_azimuth
+        Of the pitch point about the gear axis [rad], see ``pitch_point_azimuth``; zero without an offset.
+
+    Returns
+    -------
+    GeneratingSurface
+        The pinion flank.
+
+    Raises
+    ------
+    GeometryError
+        If the gear is Formate, the cone ends before ``blade_height``, or the crown gear's axis is the pinion's.
+
+    Examples
+    --------
+    Pinion and gear of a spiral bevel pair with one crown gear, which rolls on the pitch cone, have no ease-off:
+
+    >>> from dataclasses import replace
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import ease_off
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> pitch_angle = math.atan(pair.assembly.ratio)
+    >>> rolled = {"ratio_of_roll": 1.0 / math.sin(pitch_angle), "machine_root_angle": pitch_angle}
+    >>> settings = replace(pair.gear.loaded.settings, **rolled, sliding_base=-1.5)
+    >>> gear = replace(pair.gear, loaded=replace(pair.gear.loaded, settings=settings))
+    >>> pinion = replace(pair.pinion, loaded=crown_gear_pinion(gear.loaded, pair.assembly, blade_height=3.0))
+    >>> found = ease_off(replace(pair, pinion=pinion, gear=gear), (5, 5))
+    >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
+    True
+    """
+    settings = gear.settings
+    if settings.ratio_of_roll is None:
+        raise GeometryError("the gear is Formate: no crown gear generates it, take conjugate_pinion")
+    still = np.zeros(1)
+    pose = machine_pose(settings, still, gear.sense)
+    turn = np.full(1, pitch_point_azimuth)
+
+    def in_space(vector: object, *, point: bool = False) -> np.ndarray:
+        """A vector in the cradle's frame as the nominal pair has it, seen from a right-hand gear."""
+        column = np.reshape(np.asarray(vector, dtype=float), (3, 1))
+        return np.asarray(rotate_z(turn, pose.to_member(column, still, point=point)))[:, 0]
+
+    cutter_axis = in_space(pose.frame[2])
+    tip_center = in_space(pose.center, point=True) - blade_height * cutter_axis
+    machine_center = in_space((0.0, 0.0, 0.0), point=True)
+
+    # The pinion's machine: its cradle axis is the same, reversed; a left-hand pinion is described by its mirror image.
+    z = -in_space((0.0, 0.0, 1.0))
+    work_axis = np.array([math.sin(assembly.shaft_angle), 0.0, math.cos(assembly.shaft_angle)])
+    sine = float(work_axis @ z)
+    cosine = math.sqrt(max(0.0, 1.0 - sine**2))
+    if cosine < 1e-6:
+        raise GeometryError("the axis of the crown gear is the pinion's: it cannot generate the pinion")
+    x = (work_axis - sine * z) / cosine
+    axes = np.stack([x, -np.cross(z, x), z])
+    tip = axes @ (tip_center - machine_center)
+    crossing_point = axes @ (np.array([0.0, assembly.hypoid_offset, 0.0]) - machine_center)
+    towards_pinion = axes @ -cutter_axis
+    cradle_angle = math.atan2(tip[1], tip[0])
+    center = float(crossing_point[0]) / cosine
+    tilt = math.atan2(math.hypot(towards_pinion[0], towards_pinion[1]), towards_pinion[2])
+    if tilt < TILT_ROUNDING:
+        tilt, swivel = 0.0, 0.0
+    else:
+        swivel = cradle_angle - math.atan2(towards_pinion[0], -towards_pinion[1])
+    pinion_settings = MachineSettings(
+        radial_distance=math.hypot(tip[0], tip[1]),
+        cradle_angle=cradle_angle,
+        machine_root_angle=math.asin(min(1.0, max(-1.0, sine))),
+        work_offset=float(crossing_point[1]),
+        sliding_base=float(crossing_point[2] - tip[2]) - center * sine,
+        machine_center_to_crossing_point=center,
+        cutter_tilt=tilt,
+        cutter_swivel=swivel,
+        ratio_of_roll=settings.ratio_of_roll * assembly.ratio,
+        indexing_ratio=settings.indexing_ratio * assembly.ratio,
+    )
+    hand: Hand = "left" if gear.hand == "right" else "right"
+    return replace(gear, blade=other_side(gear.blade, blade_height), settings=pinion_settings, hand=hand, sense=-1)
+
+
+def pitch_point_azimuth(blank: BlankDimensions, hypoid_offset: float) -> float:
+    """Azimuth of the pitch point about the gear axis [rad], towards the pinion's offset.
+
+    The common normal of the pitch cones stands at the pitch angle to either axis.
+
+    Parameters
+    ----------
+    blank
+        Dimensions of the pair.
+    hypoid_offset
+        Offset [mm], with its sign.
+    """
+    if hypoid_offset == 0.0:
+        return 0.0
+    pinion, gear, shaft = blank.pinion.pitch_angle, blank.gear.pitch_angle, blank.shaft_angle
+    cosine = (math.sin(pinion) + math.cos(shaft) * math.sin(gear)) / (math.sin(shaft) * math.cos(gear))
+    return math.copysign(math.acos(min(1.0, max(-1.0, cosine))), hypoid_offset)

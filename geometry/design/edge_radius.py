@@ -12,12 +12,10 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..pair.gear_pair import MEMBERS, GearPair
 from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
-from .agma929.edge_radius_limit import EdgeRadiusLimits
-from .agma929.measured_proportions import measured_proportions
-from .agma929.slot_width import SlotWidths
-from .agma929.tooth_line import ToothLine
 from .blank import BlankDimensions
-from .standard_steps import StandardSteps
+from .closest_fit import StandardSteps
+from .slot_width import EdgeRadiusLimits, SlotWidths, ToothLine
+from .tooth_proportions import measured_proportions
 
 ToothCheck = Callable[[GearPair, MemberName], None]
 
@@ -44,9 +42,9 @@ def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[
     Examples
     --------
     >>> from easeoff.cases import designed_blanks, read_design
-    >>> from easeoff.geometry.design.agma929.slot_width import SlotWidths
-    >>> from easeoff.geometry.design.agma929.tooth_line import ToothLine
-    >>> from easeoff.geometry.design.agma929.tooth_proportions import ToothProportions
+    >>> from easeoff.geometry.design.slot_width import SlotWidths
+    >>> from easeoff.geometry.design.slot_width import ToothLine
+    >>> from easeoff.geometry.design.tooth_proportions import ToothProportions
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> limits = EdgeRadiusLimits(SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))))

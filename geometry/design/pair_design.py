@@ -15,15 +15,10 @@ from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
 from ..pair.tooth_body import middle_angle
 from ..pair.tooth_thickness import mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
-from .agma929.edge_radius_limit import EdgeRadiusLimits
-from .agma929.slot_width import SlotWidths
-from .agma929.tooth_line import ToothLine
-from .agma929.tooth_proportions import ToothProportions
 from .basic_settings import NO_STEPS, Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
-from .closest_fit import best_fit
-from .conjugate_pinion import conjugate_pinion
-from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
+from .closest_fit import BLANK_ADVICE, StandardSteps, best_fit, require_usable
+from .conjugate_pinion import conjugate_pinion, crown_gear_pinion, pitch_point_azimuth
 from .edge_radius import (
     ToothCheck,
     allowed_edge_radius,
@@ -32,12 +27,11 @@ from .edge_radius import (
     rounded,
     usual_edge_radii,
 )
-from .fit_quality import BLANK_ADVICE, require_usable
-from .set_up.pinion_method import ADVICE, PinionMethod, SettingLimits
-from .set_up.set_up_fit import best_set_up
-from .set_up.upright_machine import along_the_root
-from .standard_steps import StandardSteps
+from .pinion_method import ADVICE, PinionMethod, SettingLimits
+from .set_up_fit import along_the_root, best_set_up
+from .slot_width import EdgeRadiusLimits, SlotWidths, ToothLine
 from .synthesis import EaseOffTarget, Synthesis
+from .tooth_proportions import ToothProportions
 
 BOTH_MEMBERS: tuple[MemberName, MemberName] = ("pinion", "gear")
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")

@@ -15,7 +15,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
 from ..pair.ease_off import exact_ease_off
 from ..pair.gear_pair import GearPair, grid
-from ..tooth.blade_tip import tip_gap
+from ..tooth.tooth_surface import tip_gap
 from .ease_off_residual import ROOT_WEIGHT, EaseOffResidual
 from .root_line import RootLine
 

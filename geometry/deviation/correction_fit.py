@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.machine_resolution import setting_step
-from ..cutting.named_settings import get_setting, scale_of, with_settings
+from ..cutting.named_settings import get_setting, scale_of, setting_step, with_settings
 from ..design.root_line import RootLine
 from ..tooth.tooth_flanks import side
+from .deviated_flank import RecutFlank
 from .machine_set_up import BLADE_SETTINGS
-from .recut_flank import RecutFlank
 
 Array = NDArray[Any]
 

@@ -25,10 +25,9 @@ from ..cutting.named_settings import get_setting, with_settings
 from ..pair.gear_pair import Member, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
 from .correction_fit import LooseCombination, SetUpFit, rotations
-from .deviation import Deviation
+from .deviated_flank import RecutFlank
+from .deviation import Deviation, zeroed
 from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
-from .measurement import zeroed
-from .recut_flank import RecutFlank
 
 Array = NDArray[Any]
 

@@ -3,22 +3,42 @@
 A point of the designed flank moves along its normal by the deviation. The normal leans against the deviation's slope:
 with the tangents **r**_k, the deviation d and its derivatives d_k, the new normal is along **n** - **w**, where **w**
 lies in the tangent plane and **w** . (**r**_k + d **n**_k) = d_k. That is exact, not to first order.
+
+A flank cut anew with other settings, and how far it departs from the designed one at measuring points.
+
+The ease-off of deviated flanks as an update of the designed one (Kolivand 2009, chapter 4, Eq. 4.5a corrected).
+
+A deviation d along the normal moves the point where the flank meets a circle about the member's axis by the angle
+d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
+with u the circumferential direction and L the distance from the axis, which is low by (u . n)^2. With the condition
+of conjugate contact, R (a_p x r) . n = (a_g x r) . n, the normal gap changes by just the sum of both deviations.
+
+The roll angle of a point of the gear is where its gap is smallest. At a fixed point of the gear the gap of the designed
+flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that point moves on with q, so its deviation takes off
+D(q) = d / lever, and the smallest gap moves to Q + D'(Q) / c. Kolivand 2009, Eq. 4.6 has the change d / ((a_p x r) . n)
+instead: right for a flank turned as a whole, but without the slope of the deviation, which is the larger part.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.attributes import labelled
+from ...core.checks import frozen_arrays, instance, number, two_whole
+from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
-from ..newton import cramers_rule
-from ..pair.gear_pair import GearPair, Member
-from ..vectors import dot
-from .deviation import Deviation
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, solve_flank
+from ..newton import cramers_rule, solve
+from ..pair.gear_pair import GearPair, Member, PairGeometry, first_contact
+from ..vectors import dot, rotate_z
+from .deviation import DEVIATION_LIMIT, Deviation, normal_distance
 
 Array = NDArray[Any]
 RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a relative error of 1e-10
@@ -100,3 +120,253 @@ def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Devi
     True
     """
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class RecutFlank:
+    """The designed flank at measuring points, from where flanks of other settings are found.
+
+    Parameters
+    ----------
+    surface
+        The designed surface.
+    section
+        Blank of the member.
+    target
+        Axial and radial coordinates of the points (2, n) [mm].
+    flank
+        The designed flank there.
+    """
+
+    surface: GeneratingSurface
+    section: BlankSection
+    target: Array
+    flank: Flank
+
+    @classmethod
+    def of(cls, member: Member, axial: Array, radial: Array) -> RecutFlank:
+        """The loaded flank of a member at points (...) [mm].
+
+        Raises
+        ------
+        GeometryError
+            If a point lies off the designed flank.
+        """
+        surface, target = member.loaded.designed, np.stack([np.ravel(axial), np.ravel(radial)])
+        flank = solve_flank(surface, member.section, *target)
+        if not np.all(np.isfinite(flank.position)):
+            raise GeometryError("measured points lie off the designed flank: check the measuring grid")
+        return cls(surface, member.section, target, flank)
+
+    def at(self, chosen: NDArray[np.bool_]) -> RecutFlank:
+        """The same flank at some of the points (n)."""
+        flank = self.flank
+        own = {
+            field.name: getattr(flank, field.name)[..., chosen] for field in fields(Flank) if field.name != "surface"
+        }
+        return replace(self, target=self.target[:, chosen], flank=replace(flank, **own))
+
+    @cached_property
+    def lever(self) -> Array:
+        """Deviation of the points by a rotation of the tooth about its axis (n) [mm/rad]."""
+        (x, y, _), (along_x, along_y, _) = self.flank.position, self.flank.normal
+        return np.asarray(x * along_y - y * along_x)
+
+    @cached_property
+    def _parts(self) -> tuple[tuple[GeneratingSurface, NDArray[np.bool_]], ...]:
+        """Parts of the flank that have points, and which ones (n)."""
+        owned = [(part, self.flank.part == number) for number, part in enumerate(self.surface.flank_parts)]
+        return tuple((part, own) for part, own in owned if np.any(own))
+
+    @cached_property
+    def _orientation(self) -> Array:
+        """Signs of the side of the surface that is the flank (n): on the other one it is undercut."""
+        sign = np.empty(self.lever.shape)
+        for part, own in self._parts:
+            sign[own] = np.sign(part.orientation(self.flank.parameters[:, own]))
+        return sign
+
+    def turn(self, surface: GeneratingSurface) -> float:
+        """Rotation that brings a flank of another surface near the designed one [rad].
+
+        From points with the same axial and radial coordinates, each weighted by what a rotation changes of its
+        deviation. NaN if there are none.
+        """
+        around = np.full(self.lever.shape, np.nan)
+        for part, own in self._parts:
+            moved = surface.on(part.part)
+            found = solve(moved.axial_and_radial, self.flank.parameters[:, own], self.target[:, own], moved.max_step)
+            position = moved.evaluate(found.parameters)[0]
+            around[own] = np.where(found.converged, np.arctan2(position[1], position[0]), np.nan)
+        ahead = around - np.arctan2(self.flank.position[1], self.flank.position[0])
+        ahead = np.mod(ahead + np.pi, 2.0 * np.pi) - np.pi
+        weight = np.where(np.isfinite(ahead), self.lever**2, 0.0)
+        return float(np.nansum(ahead * weight) / weight.sum()) if np.any(weight) else np.nan
+
+    def distance(self, surface: GeneratingSurface, turn: float | None = None) -> Array:
+        """Distance from the points along their normals to another surface, turned back: the deviation that it is.
+
+        Parameters
+        ----------
+        surface
+            The other surface.
+        turn
+            Rotation that is taken off [rad]; the one of ``turn`` if left out.
+
+        Returns
+        -------
+        Array
+            Distance (n) [mm], positive where the other surface has more metal. NaN where the normal misses it, meets it
+            where it is undercut, or only further away than ``DEVIATION_LIMIT``.
+        """
+        ahead = np.full(self.lever.shape, self.turn(surface) if turn is None else turn)
+        position, normal = rotate_z(ahead, self.flank.position), rotate_z(ahead, self.flank.normal)
+        found = np.full(ahead.shape, np.nan)
+        for part, own in self._parts:
+            start = self.flank.parameters[:, own]
+            distance, points = normal_distance(surface.on(part.part), position[:, own], normal[:, own], start)
+            usable = (points.orientation * self._orientation[own] > 0.0) & (np.abs(distance) <= DEVIATION_LIMIT)
+            found[own] = np.where(usable, distance, np.nan)
+        return found
+
+    def displacement(self, surface: GeneratingSurface) -> Array:
+        """Distance (n) [mm] as ``distance``, not turned back, to first order in the change of the settings.
+
+        A point that the same place of the blade cuts at the same cradle rotation moves along the surface, too, which is
+        of second order for the distance.
+        """
+        moved = np.empty(self.lever.shape)
+        for part, own in self._parts:
+            position = surface.on(part.part).evaluate(self.flank.parameters[:, own])[0]
+            moved[own] = dot(position - self.flank.position[:, own], self.flank.normal[:, own])
+        return moved
+
+
+def departure(
+    member: Member, surface: GeneratingSurface, nodes: tuple[int, int] = (9, 5), margin: float = 0.1
+) -> Deviation:
+    """Deviation that a machine with other settings makes, as it is measured: zero in the middle of the flank.
+
+    Parameters
+    ----------
+    member
+        The member as designed, seen from the flank.
+    surface
+        The loaded flank with other settings.
+    nodes
+        Columns and rows of the measuring grid.
+    margin
+        Fraction of the flank that the grid keeps clear of its edges.
+
+    Raises
+    ------
+    GeometryError
+        If the settings cut no flank near a point of the grid.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.cutting.named_settings import with_settings
+    >>> gear = gear_pair(read_case("fm-11x41")).gear
+    >>> wrong = with_settings(gear.loaded, {"radial_distance": gear.loaded.settings.radial_distance + 0.1})
+    >>> departure(gear, wrong).value.shape
+    (9, 5)
+    """
+    instance("member", member, Member)
+    instance("surface", surface, GeneratingSurface)
+    ends = number("margin", margin, least=0.0, below=0.5)
+    fractions = (np.linspace(ends, 1.0 - ends, count) for count in two_whole("nodes", nodes, 2))
+    axial, radial = member.section.points(*np.meshgrid(*fractions, indexing="ij"))
+    real = surface.designed
+    # The measuring machine turns the tooth until its flank passes through the reference point.
+    turn = RecutFlank.of(member, *member.section.points(np.array([0.5]), np.array([0.5]))).turn(real)
+    value = RecutFlank.of(member, axial, radial).distance(real, turn).reshape(axial.shape)
+    if not np.all(np.isfinite(value)):
+        raise GeometryError(
+            f"these settings cut no flank within {DEVIATION_LIMIT:g} mm of some of the measuring points"
+        )
+    return Deviation(member.section, axial, radial, value)
+
+
+GRID = ("lengthwise", "profile")
+
+
+def deviated_ease_off(
+    geometry: PairGeometry,
+    *,
+    pinion: Deviation | None = None,
+    gear: Deviation | None = None,
+) -> xr.Dataset:
+    """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
+
+    Good to the first order, but for one part: the pinion's deviation is divided by the lever arm of the gear's normal,
+    which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
+    see ``deviated_flank``.
+
+    Parameters
+    ----------
+    geometry
+        The designed pair, from ``pair_geometry``.
+    pinion, gear
+        Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
+
+    Returns
+    -------
+    xr.Dataset
+        The same variables, of the deviated flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
+        effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, pair_geometry
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> updated = deviated_ease_off(pair_geometry(pair, (7, 5)), gear=deviation)
+    >>> [round(float(v), 3) + 0.0 for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel
+    [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
+    """
+    ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
+    fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
+    lever = fields["lever_arm"]
+    t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
+    pinion_t, pinion_h = (ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID)
+    on_gear, beyond_gear = _sampled(gear, t, h)
+    on_pinion, beyond_pinion = _sampled(pinion, pinion_t, pinion_h)
+    roll = fields["roll_angle"]
+    if pinion is not None:
+        roll = roll + _later(geometry, pinion).reshape(t.shape)
+    by_gear, by_pinion = 1.0 / lever, ratio / lever  # rotation of a member per deviation of its flank [rad/mm]
+    change = -(on_pinion * by_pinion / ratio + on_gear * by_gear)
+    angle = fields["ease_off_angle"] + change
+    inside = ease_off["inside"].transpose(*GRID).values.astype(bool)
+    # The difference of two zeros, so that without deviation nothing changes in the last digit.
+    shift = first_contact(angle, inside) - first_contact(fields["ease_off_angle"], inside)
+    return labelled(
+        ease_off.assign(
+            ease_off_angle=(GRID, angle - shift),
+            ease_off=(GRID, ease_off["ease_off"].transpose(*GRID).values + 1e3 * (change - shift) * lever),
+            roll_angle=(GRID, roll),
+            pinion_deviation=(GRID, 1e3 * on_pinion),
+            gear_deviation=(GRID, 1e3 * on_gear),
+            ease_off_change=(GRID, 1e3 * change * lever),
+            extrapolated=(GRID, (beyond_pinion | beyond_gear).astype(np.int8)),
+        ).assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + shift)
+    )
+
+
+def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Deviation [mm] at fractions (nt, nh), and where it is taken beyond its outermost nodes."""
+    if deviation is None:
+        return np.zeros(lengthwise.shape), np.zeros(lengthwise.shape, dtype=bool)
+    return deviation.at(lengthwise, profile), deviation.extrapolated(lengthwise, profile)
+
+
+def _later(geometry: PairGeometry, deviation: Deviation) -> Array:
+    """Change of the roll angle of the gear's nodes (n) by the pinion's deviation [rad]."""
+    exact, moving = geometry.exact, geometry.drift
+    position, lever = exact.pinion_position, exact.lever_arm
+    value, slope = deviation.interpolant(position[2], np.hypot(position[0], position[1]))
+    rate = (slope[0] * moving.axial + slope[1] * moving.radial) / lever - value * moving.lever_arm / lever**2
+    return np.asarray(rate / exact.separation_curvature)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import check_fields, instance
 from ...core.errors import InputError
-from ..design.mean_point import angles_of_normal
+from ..design.blank import angles_of_normal
 from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from .deviation import Deviation

@@ -12,8 +12,7 @@ from ...core.checks import frozen_arrays, instance
 from ..cutting.generating_surface import GeneratingSurface
 from ..newton import complex_steps
 from ..vectors import dot
-from .flank import Flank
-from .flank_parts import on_parts
+from .flank import Flank, on_parts
 
 Array = NDArray[Any]
 

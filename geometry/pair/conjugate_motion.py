@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.surface_points import SurfacePoints
+from ..cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..vectors import column, cos_sin, cross, dot, rotate, rotate_z
 from .assembly import Assembly
 

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.checks import instance, number, one_of, whole
-from .datasets import first_contact
+from .gear_pair import first_contact
 
 Array = NDArray[Any]
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cutting.surface_points import SurfacePoints
-from ..flanks.flank import Flank, NodeStatus, solve_flank
-from ..flanks.flank_parts import pick
+from ..cutting.generating_surface import SurfacePoints
+from ..flanks.flank import Flank, NodeStatus, pick, solve_flank
 from .ease_off import conjugate_motion, exact_ease_off
 from .gear_pair import GearPair
 

@@ -18,7 +18,7 @@ from ...core.errors import GeometryError
 from ..flanks.flank import Flank, solve_flank
 from .assembly import Misalignment
 from .gear_pair import GearPair, Member, spiral_cosine, thickness_per_angle, tooth_angles
-from .pair_setting import PairSetting
+from .near_pair import PairSetting
 from .tooth_body import middle_angle, opposite_surface
 
 Array = NDArray[Any]

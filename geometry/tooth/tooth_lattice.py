@@ -14,26 +14,422 @@ between the root and a line at an even depth below it:
 Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
 there. The neighbouring teeth are left out: the body that all share is another lattice, of one pitch, from mid slot to
 mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
+
+The lattice of bricks in a tooth and its body, and the numbering of its nodes.
+
+Spacing of the bricks of a tooth's lattice: along the face, up the flank and through the tooth.
+
+The gear body under one tooth and beyond its ends, in the sections of the tooth's lattice.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import instance, positive, two_whole
-from ...core.errors import GeometryError
+from ...core.checks import frozen_arrays, instance, positive, two_whole, whole
+from ...core.errors import GeometryError, InputError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
-from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, Web, body_nodes, overhang, usual_depth
-from .lattice_numbering import LatticeSize, ToothLattice, numbered
-from .lattice_spacing import LatticeSpacing, graded
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class LatticeSize:
+    """Number of bricks in each direction.
+
+    Parameters
+    ----------
+    lengthwise
+        Along the face.
+    upward
+        From the middle of the fillet to the tip.
+    through
+        From one side of the tooth to the other.
+    slot
+        From the middle of the slot to the middle of the fillet, on either side.
+    beside
+        In the pitch beyond the slot, on either side; zero to let the lattice end in mid slot.
+    deep
+        From the root to the bottom of the body.
+    overhang
+        Of the body beyond either end of the tooth; zero to let it end there.
+
+    Examples
+    --------
+    >>> LatticeSize(lengthwise=6).finer(0.5)
+    LatticeSize(lengthwise=3, upward=2, through=2, slot=1, beside=1, deep=2, overhang=1)
+    """
+
+    lengthwise: int = 14
+    upward: int = 5
+    through: int = 4
+    slot: int = 2
+    beside: int = 2
+    deep: int = 3
+    overhang: int = 2
+
+    def __post_init__(self) -> None:
+        for name, bricks in vars(self).items():
+            whole(name, bricks, 0 if name in ("beside", "overhang") else 1)
+
+    def finer(self, factor: float) -> LatticeSize:
+        """The same lattice with ``factor`` times as many bricks in every direction."""
+        return LatticeSize(
+            *(max(round(factor * n), 1) for n in (self.lengthwise, self.upward, self.through, self.slot)),
+            *(max(round(factor * n), 1) for n in (self.beside, self.deep, self.overhang)),
+        )
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class ToothLattice:
+    """Nodes and bricks of one tooth on its body, in the member's frame.
+
+    The nodes of the tooth and of the body under it are found by three numbers: lengthwise, through the tooth from the
+    loaded side, and up from the bottom of the body.
+
+    Parameters
+    ----------
+    nodes
+        Points (n, 3) [mm].
+    cells
+        Nodes (m, 3, 3, 3) of every brick.
+    column
+        Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
+    root_row
+        Third index in ``column`` where the tooth begins.
+    held
+        Nodes at the bottom and at both sides of the body.
+    flank_normal
+        Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
+    lengthwise
+        Lengthwise fractions (2 l + 1) of the sections.
+    profile
+        Profile fractions (2 l + 1, 2 u + 1) of the nodes ``flank`` on the blank; negative in the fillet.
+    slot
+        Nodes (2, 2 l + 1, 2 s + 1) of the slots' floors on the loaded and the opposite side, towards the tooth.
+    through, upward
+        Fractions (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the
+        tip.
+    body_bricks
+        Number of bricks of the body; they come first.
+    body
+        Nodes (2 (l + 2 o) + 1, c, 2 d + 1) of the body: from toe to heel with the o bricks of the overhang at either
+        end, across it from the loaded side, and up from its bottom.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import tooth_lattice
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> lattice = tooth_lattice(pair, "gear", LatticeSize(4, 2, 2, 1, 1, 1, 0))
+    >>> lattice.cells.shape, lattice.flank.shape
+    ((40, 3, 3, 3), (9, 5))
+    """
+
+    nodes: Array
+    cells: NDArray[np.int64]
+    column: NDArray[np.int64]
+    root_row: int
+    held: NDArray[np.int64]
+    flank_normal: Array
+    lengthwise: Array
+    profile: Array
+    slot: NDArray[np.int64]
+    through: Array
+    upward: Array
+    body_bricks: int
+    body: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 0, 0), dtype=np.int64))
+
+    @property
+    def flank(self) -> NDArray[np.int64]:
+        """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
+        return self.column[:, 0, self.root_row :]
+
+    @property
+    def sides(self) -> NDArray[np.int64]:
+        """Nodes (2, 2 (l + 2 o) + 1, 2 d + 1) at the sides of the body, the loaded one first."""
+        return np.stack([self.body[:, 0], self.body[:, -1]])
+
+
+def numbered(
+    nodes: Array,
+    ends: list[Array],
+    size: LatticeSize,
+    body: tuple[int, int],
+    normal: Array,
+    fractions: tuple[Array, Array, Array],
+    profile: Array,
+) -> ToothLattice:
+    """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
+    columns, rows = body
+    t, through, up = fractions
+    in_body = np.arange(columns * rows).reshape(columns, rows)
+    first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
+    above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)
+    under = in_body[first:last]
+    in_column = np.concatenate([under, above.T], axis=1)
+    tooth = np.arange(t.size) * nodes.shape[1]
+    counts = [len(end) for end in ends]
+    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(sum(counts)) * in_body.size, counts[:1])
+    whole = np.concatenate([toe[::-1], tooth, heel])
+    in_the_body = layers(whole, in_body)
+    cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
+    held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
+    floors = np.stack(
+        [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
+    )
+    flat = np.concatenate([nodes.reshape(-1, 3), *(end.reshape(-1, 3) for end in ends)])
+    # Left-handed or right-handed, as the tooth's hand has it: all bricks are to have positive volume.
+    axes = [flat[cells[0][index]] - flat[cells[0][0, 0, 0]] for index in ((2, 0, 0), (0, 2, 0), (0, 0, 2))]
+    if np.linalg.det(np.stack(axes)) < 0.0:
+        cells = cells[:, ::-1]
+    return ToothLattice(
+        flat,
+        np.ascontiguousarray(cells),
+        tooth[:, None, None] + in_column,
+        rows - 1,
+        (whole[:, None] + held).ravel(),
+        normal,
+        t,
+        profile,
+        np.moveaxis(tooth[:, None, None] + floors, 1, 0),
+        through,
+        up,
+        len(in_the_body),
+        whole[:, None, None] + in_body,
+    )
+
+
+def layers(sections: NDArray[np.int64], plane: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Nodes (m, 3, 3, 3) of bricks between sections that begin at given nodes, on the cells of a plane lattice."""
+    threes = np.lib.stride_tricks.sliding_window_view(sections, 3)[::2]
+    return np.asarray((threes[:, None, :, None, None] + cells_of(plane)[:, None]).reshape(-1, 3, 3, 3))
+
+
+def cells_of(lattice: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Nodes (m, 3, 3) of the plane cells of a lattice (2 a + 1, 2 b + 1)."""
+    windows = np.lib.stride_tricks.sliding_window_view(lattice, (3, 3))[::2, ::2]
+    return np.asarray(windows.reshape(-1, 3, 3))
+
+
+EDGE_THICKNESS_RATIO = 0.12  # of the outer bricks through the tooth to the inner ones, for the root stress
+
+
+def graded(count: int, ratio: float, steady: int = 3) -> Array:
+    """Fractions (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
+    sizes = ratio ** np.minimum(np.arange(count), steady)
+    ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
+    return with_middles(ends)
+
+
+def with_middles(ends: Array) -> Array:
+    """The ends (n + 1) of intervals and their middles between (2 n + 1)."""
+    fractions = np.empty(2 * ends.size - 1)
+    fractions[::2] = ends
+    fractions[1::2] = 0.5 * (ends[1:] + ends[:-1])
+    return fractions
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class LatticeSpacing:
+    """Ends and middles of the bricks of a tooth, from 0 to 1: an odd number of increasing fractions each.
+
+    Parameters
+    ----------
+    lengthwise
+        Lengthwise fractions.
+    upward
+        Of the length of a side from the middle of the fillet to the tip.
+    through
+        Of the thickness, from the loaded side.
+
+    Examples
+    --------
+    >>> from easeoff.geometry import LatticeSize
+    >>> LatticeSpacing.of_size(LatticeSize(lengthwise=2)).lengthwise
+    array([0.  , 0.25, 0.5 , 0.75, 1.  ])
+    """
+
+    lengthwise: Array
+    upward: Array
+    through: Array
+
+    @classmethod
+    def of_size(cls, size: LatticeSize) -> LatticeSpacing:
+        """Even along the face, smaller bricks near the fillet, thin ones at both sides."""
+        return cls(graded(size.lengthwise, 1.0), graded(size.upward, 1.5), _both_ends(size.through))
+
+
+def _both_ends(count: int) -> Array:
+    """Fractions (2 count + 1) from side to side, with thinner bricks at both."""
+    if count < 3:
+        return graded(count, 1.0)
+    sizes = np.minimum(np.arange(count), np.arange(count)[::-1])
+    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, EDGE_THICKNESS_RATIO, 1.0))])
+    return with_middles(ends / ends[-1])
+
+
+COLUMN_SPREAD = 0.25  # widening of the columns under the tooth, over the depth
+SPREAD_LIMIT = 0.3  # of the way from there to the side of the body
+DEPTH_PER_HEIGHT = 1.2  # default depth of the body over the height of the tooth
+WEB_FALL_MINIMUM = 0.5  # of the web's radius per mm: flatter cones than of 30 degrees lead to no bore
+WEB_SLOPE_LENGTH = 0.25  # over which the rim passes into the web, over the overhang at the toe
+WEB_BRICK_LENGTH = 0.7  # of a brick of the web, over that overhang
+DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
+
+
+@dataclass(frozen=True)
+class Web:
+    """Web that carries the rim below the teeth, from its toe end inwards along the root cone to a bore.
+
+    Parameters
+    ----------
+    bore_diameter
+        Where the web ends [mm].
+    thickness
+        Of the web [mm], at right angles to the root cone, flush with the bottom of the rim; ``None`` for that of the
+        rim.
+
+    Examples
+    --------
+    >>> Web(bore_diameter=80.0).thickness is None
+    True
+    """
+
+    bore_diameter: float
+    thickness: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("bore_diameter", self.bore_diameter, "mm")
+        if self.thickness is not None:
+            positive("web_thickness", self.thickness, "mm")
+
+
+@dataclass(frozen=True)
+class LatticeSections:
+    """Plane coordinates (across, up) [mm] in the sections (nt), zero in mid tooth, negative on the loaded side."""
+
+    blank: BlankSection
+    lengthwise: Array
+    turn: float
+    middle: Array
+    depth: Array
+
+    def plane(self, points: Array) -> Array:
+        """Coordinates (2, nt, ...) of points (3, nt, ...)."""
+        radius = np.hypot(points[0], points[1])
+        _, height = self.blank.fractions(points[2], radius)
+        shape = (-1, *([1] * (points.ndim - 2)))
+        angle = self.turn * (np.arctan2(points[1], points[0]) - self.middle.reshape(shape))
+        angle = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
+        return np.stack([radius * angle, height * self.depth.reshape(shape)])
+
+    def points(self, plane: Array) -> Array:
+        """Points (3, nt, ...) of coordinates (2, nt, ...)."""
+        shape = (-1, *([1] * (plane.ndim - 2)))
+        axial, radius = self.radial(plane[1])
+        angle = self.middle.reshape(shape) + self.turn * plane[0] / radius
+        return np.stack([radius * np.cos(angle), radius * np.sin(angle), axial])
+
+    def radial(self, up: Array) -> Array:
+        """Axial and radial coordinates (2, nt, ...) at heights (nt, ...)."""
+        shape = (-1, *([1] * (up.ndim - 1)))
+        return self.blank.points(self.lengthwise.reshape(shape), up / self.depth.reshape(shape))
+
+
+def usual_depth(blank: BlankSection) -> float:
+    """Default depth of the body [mm]: 1.2 times the tooth's height at mid face.
+
+    That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
+    """
+    root, tip = (np.array(blank.points(np.array(0.5), np.array(h))) for h in (0.0, 1.0))
+    return DEPTH_PER_HEIGHT * (float(np.linalg.norm(tip - root)) + blank.clearance)
+
+
+def body_nodes(sections: LatticeSections, top: Array, corner: int, through: Array, depth: float, rise: Array) -> Array:
+    """Nodes (2, nt, columns, rows) of the body, from its bottom to the root."""
+    floor = top[1].min(axis=1)
+    here, below = (sections.radial(up)[1] for up in (floor, floor - 1.0))
+    falling = np.maximum(here - below, 1e-9)  # of the radius per mm of depth
+    bottom = floor - np.minimum(depth, DEPTH_SHARE_LIMIT * here / falling)
+    angle = top[0] / sections.radial(top[1])[1]
+    last = top.shape[2] - 1 - corner
+    room = np.minimum(angle[:, corner] - angle[:, 0], angle[:, -1] - angle[:, last])
+    spread = np.minimum(COLUMN_SPREAD * (floor - bottom) / here, SPREAD_LIMIT * room)
+    left, right = angle[:, corner] - spread, angle[:, last] + spread
+    lower = angle.copy()
+    lower[:, corner : last + 1] = left[:, None] + (right - left)[:, None] * through
+    for edge, ends, new in ((0, slice(0, corner + 1), left), (-1, slice(last, None), right)):
+        old = angle[:, corner if edge == 0 else last]
+        share = (angle[:, ends] - angle[:, [edge]]) / (old - angle[:, edge])[:, None]
+        lower[:, ends] = angle[:, [edge]] + share * (new - angle[:, edge])[:, None]
+    radius = sections.radial(bottom)[1]
+    base = np.stack([radius[:, None] * lower, np.broadcast_to(bottom[:, None], lower.shape)])
+    return np.asarray((1.0 - rise) * top[..., None] + rise * base[..., None])
+
+
+def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web: Web | None = None) -> Array:
+    """Nodes (n, columns rows, 3) of the body beyond one end of the tooth, at distances (n) [mm] along the root.
+
+    With a web, more follow from there to its bore.
+    """
+    if away.size == 0:
+        return np.empty((0, body[0, 0].size, 3))
+    roots = np.asarray(sections.blank.points(np.array([0.0, 1.0]), np.zeros(2)))
+    length = float(np.linalg.norm(roots[:, 1] - roots[:, 0]))
+    next_to = -2 if end else 1
+    step = abs(sections.lengthwise[end] - sections.lengthwise[next_to])
+    slope = (sections.middle[end] - sections.middle[next_to]) / step * np.minimum(away, away[-1]) / length
+    up = np.broadcast_to(body[1, end], (away.size, *body[1, end].shape))
+    if web is not None:
+        further = _web_distances(sections, float(body[1, end, 0, 0]), float(away[-1]), length, web)
+        floor, rise = body[1, end, :, :1], body[1, end] - body[1, end, :, :1]
+        slimmer = floor + rise / rise[:, -1:] * (web.thickness or float(rise[:, -1].min()))
+        up = np.concatenate([up, np.broadcast_to(slimmer, (further.size, *slimmer.shape))])
+        # The node in the middle of the first brick of the web, half way from the rim to the web.
+        up[away.size] = 0.5 * (up[away.size - 1] + slimmer)
+        away, slope = np.concatenate([away, further]), np.append(slope, np.full(further.size, slope[-1]))
+    t = sections.lengthwise[end] + (away if end else -away) / length
+    middle = sections.middle[end] + slope
+    root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
+    beyond = LatticeSections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
+    up = up.reshape(t.size, -1)
+    angle = body[0, end] / sections.radial(body[1])[1][end]
+    plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
+    return np.moveaxis(beyond.points(plane), 0, -1)
+
+
+def _web_distances(sections: LatticeSections, floor: float, start: float, length: float, web: Web) -> Array:
+    """Distances (n) [mm] along the root of the sections of a web, from the rim to where its bottom is at its bore."""
+
+    def radius(away: float) -> float:
+        t = np.array([sections.lengthwise[0] - away / length])
+        root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
+        one = LatticeSections(sections.blank, t, sections.turn, np.zeros(1), np.hypot(*(tip - root)))
+        return float(one.radial(np.array([floor]))[1][0])
+
+    wanted, at_rim, falling = 0.5 * web.bore_diameter, radius(start), radius(start) - radius(start + 1.0)
+    if not (wanted < at_rim and falling > WEB_FALL_MINIMUM):
+        raise InputError(
+            f"bore_diameter = {web.bore_diameter:g} mm: must be less than that of the rim's bottom at the toe, "
+            f"{2.0 * at_rim:.4g} mm, on a member whose root cone leads there; hold its back instead"
+        )
+    reach = (at_rim - wanted) / falling
+    first = min(WEB_SLOPE_LENGTH * start, reach / 3.0)
+    count = max(round((reach - first) / (start * WEB_BRICK_LENGTH)), 2)
+    rest = first + (reach - first) * np.arange(1, 2 * count + 1) / (2 * count)
+    return np.asarray(start + np.concatenate([[0.5 * first, first], rest]))
+
 
 __all__ = [
     "DEPTH_PER_HEIGHT",
@@ -45,7 +441,6 @@ __all__ = [
     "usual_depth",
 ]
 
-Array = NDArray[Any]
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank
 # Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.

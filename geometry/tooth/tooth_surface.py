@@ -3,11 +3,21 @@
 A flank ends where the blade's edge radius begins to cut; from there the edge radius cuts the fillet down to the root.
 Lines of equal lengthwise fraction run from the root land over fillet, flank and top land, so that all patches share
 their borders.
+
+Height of a blade's tip above the root cone at the bottom of the slot that it cuts.
+
+How deep the mate's tip reaches: the least height above the root at which the flanks of a pair touch.
+
+Toe and heel faces of a tooth: how they stand to its loaded flank, and how high they are.
+
+The ends of spiral teeth are blunt or sharp wedges.
+
+Widths of the lands between generated flanks: at the tip of a tooth, and at the bottom of its slot.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -20,10 +30,11 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth, solve_flank
 from ..newton import solve
-from ..pair.gear_pair import GearPair
+from ..pair.ease_off import exact_ease_off
+from ..pair.gear_pair import GearPair, Member
 from ..pair.tooth_body import Z_AXIS
 from ..vectors import cross, rotate
-from .tooth_flanks import Side, named_member, placed_flanks, side, tooth_angle
+from .tooth_flanks import PlacedFlank, Side, named_member, placed_flanks, side, tooth_angle
 
 Array = NDArray[Any]
 
@@ -370,3 +381,233 @@ def tooth_patches(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
         patches[f"{name}_root_land"] = land[:, order]
     patches["top_land"] = tooth.top_land
     return {name: np.ascontiguousarray(np.moveaxis(points, 0, -1)) for name, points in patches.items()}
+
+
+SIDE_NODES = 5  # up the flank, of which the lower end is used
+TOE_MIDDLE_HEEL = np.array([0.0, 0.5, 1.0])
+
+
+def tip_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
+    """Height of a blade's tip above the root cone at toe, middle and heel (3) [mm].
+
+    Negative where it cuts deeper, NaN where the flank is undercut or missing.
+
+    Parameters
+    ----------
+    surface
+        Generating surface of the flank.
+    section
+        The blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> bool(np.all(np.abs(tip_gap(gear.loaded, gear.section)) < 1e-3))
+    True
+    """
+    try:
+        side = tooth_side(surface.designed, section, tuple(TOE_MIDDLE_HEEL.tolist()), SIDE_NODES, FILLET_NODES)
+    except GeometryError:
+        return np.full(TOE_MIDDLE_HEEL.size, np.nan)
+    lowest = side.fillet[:, :, 0]
+    return section.height_above_root(lowest[2], np.hypot(lowest[0], lowest[1]))
+
+
+PROFILE_NODES = 21
+
+
+def contact_heights(pair: GearPair, lengthwise: Array) -> tuple[Array, Array]:
+    """Least heights of contact above the root cones of pinion and gear, and where along the face.
+
+    Parameters
+    ----------
+    pair
+        The gear pair, seen from the side in contact.
+    lengthwise
+        Fractions of the gear from toe to heel (n).
+
+    Returns
+    -------
+    tuple
+        Heights (2, n) [mm], on the pinion where the gear's tip touches, on the gear where the pinion's does; NaN where
+        the tip finds no flank of its mate, or the pinion's tip none within that of the gear. Lengthwise fractions of
+        these places on pinion and gear (2, n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> heights, _ = contact_heights(gear_pair(read_case("nasa-12x36")), np.array([0.5]))
+    >>> bool(np.all(heights > 0.0))
+    True
+    """
+    profile = np.linspace(0.0, 1.0, PROFILE_NODES)
+    gear, section = pair.gear.flank(lengthwise, profile), pair.pinion.section
+    found = exact_ease_off(gear, pair.pinion.loaded, section, pair.assembly)
+    shape = (lengthwise.size, PROFILE_NODES)
+    position = found.pinion_position.reshape(3, *shape)
+    radius = np.hypot(position[0], position[1])
+    on_pinion = section.height_above_root(position[2], radius)[:, -1]
+    along, above = section.fractions(position[2].ravel(), radius.ravel())
+    height = pair.gear.section.height_above_root(gear.position[2], np.hypot(gear.position[0], gear.position[1]))
+    on_gear = [_at_tip(*each) for each in zip(above.reshape(shape), height.reshape(shape), strict=True)]
+    return np.stack([on_pinion, np.array(on_gear)]), np.stack([along.reshape(shape)[:, -1], lengthwise])
+
+
+def _at_tip(fraction: Array, height: Array) -> float:
+    """Height on the gear at which the conjugate point is the tip of the pinion, whose fraction falls towards it."""
+    known = np.isfinite(fraction) & np.isfinite(height)
+    fraction, height = fraction[known], height[known]
+    if fraction.size < 2 or not fraction.min() < 1.0 < fraction.max():
+        return float("nan")
+    order = np.argsort(fraction)
+    return float(np.interp(1.0, fraction[order], height[order]))
+
+
+@dataclass(frozen=True)
+class EndFace:
+    """One end of a tooth.
+
+    Parameters
+    ----------
+    slant
+        Angle of the face against the normal of the flank [rad], positive where the tooth is a sharp wedge.
+    height
+        From root to tip [mm].
+    """
+
+    slant: float
+    height: float
+
+
+def end_faces(member: Member) -> tuple[EndFace, EndFace]:
+    """Toe and heel; the slants are those in the middle of the height.
+
+    Parameters
+    ----------
+    member
+        The member.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> [(round(float(np.degrees(end.slant))), round(end.height, 1)) for end in end_faces(pair.pinion)]
+    [(-30, 5.7), (39, 8.2)]
+    """
+    corners = member.section.corners
+    found = member.flank(np.array([0.0, 1.0]), np.array([0.5]))
+    up = corners[:, 1] - corners[:, 0]
+    heights = np.linalg.norm(up, axis=1)
+    face = np.stack([up[:, 1], -up[:, 0]], axis=1) / heights[:, None]  # (axial, radial)
+    outward = np.array([[-1.0], [1.0]]) * (corners[1] - corners[0]).mean(axis=0)
+    face *= np.sign(np.sum(face * outward, axis=1, keepdims=True))
+    radial = found.position[:2] / np.hypot(*found.position[:2])
+    agreeing = face[:, 0] * found.normal[2] + face[:, 1] * np.sum(radial * found.normal[:2], axis=0)
+    toe, heel = (
+        EndFace(float(slant), float(height)) for slant, height in zip(-np.arcsin(agreeing), heights, strict=True)
+    )
+    return toe, heel
+
+
+LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is taken
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class LandWidths:
+    """Lands of one member (n) [mm]; NaN where a flank is undercut or missing.
+
+    Parameters
+    ----------
+    top_land
+        Width on the face cone at right angles to the tooth line; negative if the tooth ends in an edge below it.
+    slot
+        Width at the bottom of the slot, between the tips of the blades as if they had no edge radius.
+    root_line
+        Height of the tips' paths above the root cone on the loaded and on the other side (2, n); negative where they
+        cut deeper.
+    """
+
+    top_land: Array
+    slot: Array
+    root_line: Array
+
+
+def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
+    """Top land and slot of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    member
+        ``"pinion"`` or ``"gear"``.
+    lengthwise
+        Fractions from toe to heel (n).
+
+    Raises
+    ------
+    InputError
+        If the member has another name.
+    GeometryError
+        If a cutter meets no tooth of the blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> widths = land_widths(gear_pair(read_case("nasa-12x36")), "gear", np.array([0.0, 0.5, 1.0]))
+    >>> widths.top_land.shape, widths.root_line.shape
+    ((3,), (2, 3))
+    """
+    which = named_member(pair, member)
+    front, back = placed_flanks(which, tooth_angle(pair, member)).values()
+    section = which.section
+    fractions = (lengthwise + LENGTHWISE_STEP * np.array([[-1.0], [0.0], [1.0]])).ravel()
+    axial, radial = section.points(fractions, np.ones_like(fractions))
+    tips = [side.at(axial, radial) for side in (front, back)]
+    turn = into_tooth(tips[0].position, tips[0].normal)
+    tooth, around = _width(tips[0].position, tips[1].position, turn)
+    feet, beside = zip(*(_tip_path(side, fractions) for side in (front, back)), strict=True)
+    bottom, whole = _width(feet[0], feet[1], turn)
+    pitch = 2.0 * np.pi / which.teeth
+    middle = slice(lengthwise.size, 2 * lengthwise.size)
+    heights = [section.height_above_root(foot[2], np.hypot(foot[0], foot[1]))[middle] for foot in feet]
+    return LandWidths(tooth * around, (pitch - bottom) * whole + beside[0] + beside[1], np.stack(heights))
+
+
+def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
+    """Points (3, 3 n) [mm] that the tip of a blade cuts, and how far from its corner along the tip (n) [mm].
+
+    The tip is that of a blade without edge radius. Where this one, longer along the flank, cuts no whole flank, it is
+    the deepest point of the edge radius, beside the corner, which gives the slot to a tenth of that radius; NaN where
+    that cuts none either.
+    """
+    blade, places = side.surface.blade, fractions.reshape(3, -1)
+    points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])
+    for number in range(places.shape[1]):
+        for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
+            surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
+            try:
+                found = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
+            except GeometryError:
+                continue
+            points[:, :, number] = found.turned(side.rotation).fillet[:, :, 0]
+            beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
+            break
+    return points.reshape(3, -1), beside
+
+
+def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:
+    """Angle from one edge to the other into the tooth (n) [rad], and normal width per angle (n) [mm/rad].
+
+    The edges (3, 3 n) [mm] are given a little before, at and a little behind each place.
+    """
+    azimuth = [np.arctan2(each[1], each[0]) for each in (front, back)]
+    angle = np.mod(turn * (azimuth[1] - azimuth[0]) + np.pi, 2.0 * np.pi) - np.pi
+    middle = (azimuth[0] + 0.5 * turn * angle).reshape(3, -1)
+    radius = 0.5 * (np.hypot(front[0], front[1]) + np.hypot(back[0], back[1])).reshape(3, -1)
+    axial = 0.5 * (front[2] + back[2]).reshape(3, -1)
+    around = 2.0 * radius[1] * np.sin(0.5 * (middle[2] - middle[0]))
+    along = np.hypot(axial[2] - axial[0], radius[2] - radius[0])
+    return np.asarray(angle.reshape(3, -1)[1]), np.asarray(radius[1] * along / np.hypot(along, around))

@@ -14,9 +14,9 @@ from ...cases.analysis_size import AnalysisSize
 from ...cases.schema.case_schema import Case
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
-from ...contact.load_capacity.tooth_root_stress import root_stress
-from ...contact.loaded_cases import LoadedCase
+from ...contact.loaded import LoadedCase
 from ...contact.solvers import SolverChoice, require_solver
+from ...contact.tooth_root_stress import root_stress
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread

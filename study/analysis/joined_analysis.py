@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.loaded_cases import LoadedCase
+from ...contact.loaded import LoadedCase
 from ...core.attributes import labelled
 from ...geometry.pair.assembly import Misalignment
 

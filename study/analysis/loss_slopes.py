@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.evaluation.derivatives.cycle_slopes import CycleSlopes
+from ...contact.evaluation.cycle_slopes import CycleSlopes
 from ...contact.mesh_cycle import MeshCycle
 from ...core.attributes import labelled
 
@@ -53,7 +53,7 @@ def loss_slopes(
     --------
     >>> from easeoff.cases import read_case
     >>> from easeoff.friction import FrictionModel, Operation
-    >>> from easeoff.geometry.pair.pair_setting import PairSetting
+    >>> from easeoff.geometry.pair.near_pair import PairSetting
     >>> from easeoff.study import CaseInMesh
     >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")

@@ -12,7 +12,7 @@ from ...core.suggestion import suggestion
 from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import TERM_POWERS
-from ...geometry.pair.pair_setting import PairSetting, is_angle
+from ...geometry.pair.near_pair import PairSetting, is_angle
 
 #: Keys of the cutter in a case file, and the settings of the blade that they are.
 CUTTER_KEYS = {

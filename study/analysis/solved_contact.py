@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from ...contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
-from ...contact.evaluation.derivatives.cycle_slopes import CycleSlopes, cycle_values
-from ...contact.evaluation.derivatives.unloaded_slopes import unloaded_slopes
-from ...contact.loaded_cases import LoadedCase
+from ...contact.evaluation.cycle_slopes import CycleSlopes, cycle_values
+from ...contact.evaluation.unloaded_slopes import unloaded_slopes
+from ...contact.loaded import LoadedCase
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.checks import shown, truth

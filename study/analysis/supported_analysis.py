@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...cases.deflections import Deflections, misalignment_at
 from ...cases.schema.case_schema import Case
-from ...contact.loaded_cases import LoadedCase
+from ...contact.loaded import LoadedCase
 from ...contact.mesh_cycle import MeshCycle
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Misalignment
@@ -174,7 +174,7 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     held = case_supports(case)
     if held is None:
         return state
-    from ...contact.supports.relative_motion import PARTS
+    from ...contact.supports.supported_pair import PARTS
 
     rows = {0.0: list(vars(misalignment_at(state.misalignment, 0.0, state.flank)).values())}
     for places, own in state.assemblies(load):

@@ -26,7 +26,7 @@ from .terminal.word_completion import case_names
 if TYPE_CHECKING:
     from ...cases.deflections import Deflections
     from ...geometry.pair.assembly import Misalignment
-    from ...verification.yardsticks.verification_row import VerificationRow
+    from ...verification.verification_row import VerificationRow
 
 
 @click.command(cls=Command)
@@ -75,9 +75,8 @@ def verify(
     """
     from ...core.writing.netcdf_output import write_netcdf
     from ...core.writing.output_file import check_writable
+    from ...verification.case_verification import closing, head_lines, row_lines
     from ...verification.case_verification import verify as run_verification
-    from ...verification.yardsticks.row_meaning import closing
-    from ...verification.yardsticks.verification_table import head_lines, row_lines
 
     if output is not None:
         check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")

@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from ...cases.conversion import blank_design, ease_off_target, setting_limits
 from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
-from ...contact.evaluation.flank_region import flank_share
+from ...contact.evaluation.marking_print import flank_share
 from ...core.errors import GeometryError
-from ...geometry.design.agma929.tooth_proportions import ToothProportions
 from ...geometry.design.blank import BlankDimensions
+from ...geometry.design.closest_fit import require_usable, residual_limits, target_range
 from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE
-from ...geometry.design.fit_quality import require_usable, residual_limits, target_range
 from ...geometry.design.pair_design import (
     SIDES,
     PairDesign,
 )
-from ...geometry.design.set_up.pinion_method import ADVICE, at_limit
+from ...geometry.design.pinion_method import ADVICE, at_limit
+from ...geometry.design.tooth_proportions import ToothProportions
 from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid

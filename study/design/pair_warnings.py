@@ -13,9 +13,9 @@ from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...core.errors import GeometryError, InputError
-from ...geometry.design.agma929.measured_proportions import measured_proportions
 from ...geometry.design.edge_radius import require_whole_tooth
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES
+from ...geometry.design.tooth_proportions import measured_proportions
 from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.gear_pair import MEMBERS, GearPair, Member, bodies
 from ...geometry.pair.tip_mates import unmet_tips

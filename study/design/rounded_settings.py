@@ -13,7 +13,7 @@ from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...core.checks import array, instance
 from ...core.errors import GeometryError
-from ...geometry.cutting.machine_resolution import (
+from ...geometry.cutting.named_settings import (
     USUAL_RESOLUTION,
     MachineResolution,
     nearest_multiple,

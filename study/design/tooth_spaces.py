@@ -12,16 +12,11 @@ from numpy.typing import NDArray
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ...geometry.cutting.generating_surface import GeneratingSurface
-from ...geometry.design.agma929.edge_radius_limit import EdgeRadiusLimits
-from ...geometry.design.agma929.slot_width import BLADE_OVERLAP, SlotWidths
-from ...geometry.design.agma929.tooth_line import ToothLine
-from ...geometry.design.agma929.tooth_proportions import FILLET_MUTILATION, ToothProportions
-from ...geometry.design.agma929.top_land import TopLands
+from ...geometry.design.slot_width import BLADE_OVERLAP, EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
-from ...geometry.tooth.contact_height import contact_heights
-from ...geometry.tooth.land_width import LandWidths, land_widths
-from ...geometry.tooth.tooth_surface import tooth_side
+from ...geometry.tooth.tooth_surface import LandWidths, contact_heights, land_widths, tooth_side
 
 Array = NDArray[Any]
 
@@ -128,7 +123,7 @@ def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry.design.agma929.measured_proportions import measured_proportions
+    >>> from easeoff.geometry.design.tooth_proportions import measured_proportions
     >>> drive, coast = (gear_pair(read_case("nasa-12x36"), side) for side in ("drive", "coast"))
     >>> spaces = tooth_spaces(drive, coast, measured_proportions(drive))
     >>> list(spaces.warnings())

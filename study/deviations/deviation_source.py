@@ -17,9 +17,8 @@ from ...core.attributes import units_of
 from ...core.checks import instance, one_of
 from ...core.errors import GeometryError, InputError
 from ...core.printable import printable, shortened
-from ...geometry.deviation.deviated_flank import deviated_pair
+from ...geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from ...geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
-from ...geometry.deviation.ease_off_update import deviated_ease_off
 from ...geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT
 from ...geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
 from ...geometry.formats.measuring_points import opened as open_netcdf

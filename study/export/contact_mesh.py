@@ -18,7 +18,7 @@ from ...core.errors import InputError
 from ...core.ordered_values import ordered
 from ...core.processes.memory import require_memory
 from ...core.writing.output_file import check_writable, whole_file
-from ...geometry.formats.mesh_file import vtu_file
+from ...geometry.formats.mesh import vtu_file
 from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches

@@ -18,24 +18,17 @@ from numpy.typing import NDArray
 from ...cases.analysis_size import AnalysisSize
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
+from ...contact.archard_wear import Engagement, engagement, integral, on_flank, rolling_splines, touched
 from ...contact.lines.flank_splines import FlankSplines
-from ...contact.load_capacity.archard_wear import (
-    Engagement,
-    engagement,
-    integral,
-    on_flank,
-    rolling_splines,
-    touched,
-)
 from ...contact.mesh_cycle import MeshCycle
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.checks import instance
 from ...core.errors import GeometryError
+from ...geometry.deviation.deviated_flank import deviated_ease_off
 from ...geometry.deviation.deviation import Deviation, Method
-from ...geometry.deviation.ease_off_update import deviated_ease_off
+from ...geometry.pair.ease_off import rolling
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
-from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
 from ..analysis.shown_progress import shows_progress, told
 from ..analysis.supported_analysis import in_assembly_under_load

@@ -15,8 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ...contact.evaluation.carrying_error import CarryingError
-from ...contact.evaluation.flank_region import FlankRegion
-from ...contact.evaluation.marking_print import MarkingPrint
+from ...contact.evaluation.marking_print import FlankRegion, MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.solvers import Status
 from .page import (

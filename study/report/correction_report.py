@@ -9,12 +9,11 @@ from dataclasses import asdict
 import numpy as np
 from tabulate import tabulate
 
-from ...geometry.cutting.machine_resolution import setting_step
-from ...geometry.cutting.named_settings import get_setting
+from ...geometry.cutting.named_settings import get_setting, setting_step
 from ...geometry.deviation.correction_fit import EFFECT_LIMIT
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ...geometry.deviation.deviation import zeroed
 from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
-from ...geometry.deviation.measurement import zeroed
 from ...geometry.pair.gear_pair import MEMBERS
 from ..deviations.case_correction import CaseCorrection
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from ...contact.evaluation.flank_region import flank_share
+from ...contact.evaluation.marking_print import flank_share
 from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
 from ...core.attributes import labelled

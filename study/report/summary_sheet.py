@@ -15,7 +15,7 @@ from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings
 from ...cases.schema.usual_names import motion_name, usual_name
 from ...core.checks import instance
-from ...geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ...geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
 from ...geometry.pair.gear_pair import FlankName
 from ..design.pair_warnings import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key

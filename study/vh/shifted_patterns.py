@@ -10,9 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.evaluation.marking_print import PRINT_GRID
-from ...contact.evaluation.projection_plane import ProjectionPlane
-from ...contact.evaluation.unloaded_pattern import UnloadedPattern
+from ...contact.evaluation.marking_print import PRINT_GRID, ProjectionPlane, UnloadedPattern
 from ...core.errors import GeometryError
 from ..case_in_mesh import CaseInMesh
 from .vh_search import REASONS, Found, PatternStatus

@@ -14,7 +14,6 @@ from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....core.processes.memory import require_memory
 from ....geometry.pair.gear_pair import GearPair
-from ....geometry.tooth.end_faces import end_faces
 from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
     DEPTH_PER_HEIGHT,
@@ -25,6 +24,7 @@ from ....geometry.tooth.tooth_lattice import (
     tooth_lattice,
     usual_depth,
 )
+from ....geometry.tooth.tooth_surface import end_faces
 from ..material import Material
 from .array_store import Shapes, kept, key_of
 from .bricks import require_right_way_round

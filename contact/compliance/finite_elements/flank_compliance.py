@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.checks import frozen_arrays
-from ....geometry.tooth.end_faces import EndFace
 from ....geometry.tooth.tooth_lattice import ToothLattice
+from ....geometry.tooth.tooth_surface import EndFace
 from .bricks import quadratic
 from .elastic_body import functionals
 

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry.pair.gear_pair import GearPair
-from ....geometry.tooth.lattice_spacing import graded
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
-from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, Web, tooth_lattice
+from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, Web, graded, tooth_lattice
 from ....geometry.vectors import rotate_z
 from ..material import Material
 from .elastic_body import elastic_body, functionals

@@ -14,7 +14,7 @@ import easeoff
 from easeoff import GeometryError
 from easeoff.cases import gear_pair
 from easeoff.geometry import Deviation, GearPair, pair_geometry
-from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
+from easeoff.geometry.deviation.deviated_flank import deviated_ease_off
 from easeoff.study import WearLaw, wear
 from easeoff.study.deviations.deviation_source import deviated_geometry, flank_deviations
 

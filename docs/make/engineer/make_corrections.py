@@ -10,7 +10,7 @@ from folders import GUIDES, IMAGES
 
 from easeoff import plot
 from easeoff.verification import CorrectionLoop, correction_loop
-from easeoff.verification.measuring.correction_loop import CORRECTION_LOOPS, greatest, loop_case
+from easeoff.verification.correction_loop import CORRECTION_LOOPS, greatest, loop_case
 
 PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"

@@ -23,7 +23,7 @@ import easeoff
 from easeoff.study.cli import main as easeoff_command
 from easeoff.study.report.key_numbers import key_numbers
 from easeoff.verification import RowStatus
-from easeoff.verification.yardsticks.verification_table import difference_text
+from easeoff.verification.case_verification import difference_text
 
 PICTURES = IMAGES / "designs"
 #: Pages with the stem of their files' names; the results follow as ``STEM-NAME.nc``.

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from easeoff.cases import case_text, gear_pair, parse_case
 from easeoff.geometry import BlankSection, GearPair, tooth_patches
-from easeoff.geometry.formats.patches import oriented, rotations
+from easeoff.geometry.formats.step import oriented, rotations
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry.vectors import rotate, rotate_z
-from easeoff.verification.point_contact import path_of_contact
+from easeoff.verification.conventional_analysis import path_of_contact
 
 Array = NDArray[Any]
 

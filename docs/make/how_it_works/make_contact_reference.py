@@ -47,7 +47,7 @@ from easeoff.verification import (
     flank_response,
     flanks_in_mesh,
 )
-from easeoff.verification.flank_contact.line_stations import line_stations, response_size
+from easeoff.verification.flank_contact import line_stations, response_size
 
 IMAGE = IMAGES / "finite_elements" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions

@@ -20,7 +20,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, ContactProblem, ContactSolution, HalfSpaceCompliance, solve
 from easeoff.geometry import pair_geometry
 from easeoff.verification import relative_curvature
-from easeoff.verification.point_contact import path_of_contact
+from easeoff.verification.conventional_analysis import path_of_contact
 
 Array = NDArray[np.float64]
 

@@ -1,8 +1,22 @@
-"""The dimensions of a blank, as a frozen record with the names of the field instead of symbols."""
+"""The dimensions of a blank, as a frozen record with the names of the field instead of symbols.
+
+The dimensions of one member, from its cones and its depth at the mean point (ISO 23509:2016, 7.7 to 7.9).
+
+Taper of the tooth depth along the face: addendum and dedendum angle of the gear (ISO 23509:2016, annex C.5).
+
+The sum of the dedendum angles of both members is the amount by which the roots of pinion and gear open towards the
+heel. Standard taper makes the depth proportional to the cone distance; constant slot width (duplex) tilts the root
+line until a slot has the same width at toe and heel, so that one cutter can finish both flanks; modified slot width
+(tilted root line) does the same but never exceeds 1.3 times the standard sum.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from ....core.errors import GeometryError
+from .blank_design import DepthTaper
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,3 +209,248 @@ class BlankDimensions:
     pinion_face_contact_width: float
     profile_shift_coefficient: float
     theoretical_thickness_modification_coefficient: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemberFrame:
+    """Data that one member's dimensions follow from: lengths in mm, angles in rad.
+
+    The spiral angles are those at the heel, at the mean point and at the toe; the profile shift coefficient counts
+    positive where it makes this member's tooth thicker.
+    """
+
+    number_of_teeth: int
+    pitch_angle: float
+    mean_cone_distance: float
+    mean_point_distance: float
+    outer_width: float
+    inner_width: float
+    face_angle: float
+    root_angle: float
+    face_apex: float
+    root_apex: float
+    addendum: float
+    dedendum: float
+    spiral_angles: tuple[float, float, float]
+    profile_shift_coefficient: float
+    thickness_modification_coefficient: float
+
+
+def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float) -> MemberBlank:
+    """Dimensions of one member (ISO 23509:2016, 195 to 200, 206, 211 to 225).
+
+    Parameters
+    ----------
+    frame
+        Cones, widths and depth of the member.
+    module
+        Mean normal module [mm].
+    normal_pressure_angle
+        Mean normal pressure angle [rad].
+
+    Returns
+    -------
+    MemberBlank
+        All dimensions.
+
+    Raises
+    ------
+    GeometryError
+        If the teeth have no depth or no thickness left.
+    """
+    sine, cosine = math.sin(frame.pitch_angle), math.cos(frame.pitch_angle)
+    above, below = frame.face_angle - frame.pitch_angle, frame.pitch_angle - frame.root_angle
+    outer_addendum = frame.addendum + frame.outer_width * math.tan(above)
+    inner_addendum = frame.addendum - frame.inner_width * math.tan(above)
+    outer_dedendum = frame.dedendum + frame.outer_width * math.tan(below)
+    inner_dedendum = frame.dedendum - frame.inner_width * math.tan(below)
+    outer_distance = frame.mean_cone_distance + frame.outer_width
+    inner_distance = frame.mean_cone_distance - frame.inner_width
+    if min(inner_distance, inner_addendum + inner_dedendum, outer_addendum + outer_dedendum) <= 0.0:
+        raise GeometryError(
+            f"member with {frame.number_of_teeth} teeth: nothing is left of the tooth at one end; reduce "
+            "gear_face_width or the taper (gear_addendum_angle, gear_dedendum_angle)"
+        )
+    mean_diameter = 2.0 * frame.mean_cone_distance * sine
+    outer_diameter, inner_diameter = 2.0 * outer_distance * sine, 2.0 * inner_distance * sine
+
+    spiral = frame.spiral_angles[1]
+    shift = frame.profile_shift_coefficient * math.tan(normal_pressure_angle)
+    thickness = module * (math.pi / 2.0 + 2.0 * (frame.thickness_modification_coefficient + shift))
+    if not thickness > 0.0:
+        raise GeometryError(
+            f"member with {frame.number_of_teeth} teeth: mean normal thickness {thickness:g} mm; change the thickness "
+            "or profile shift coefficients"
+        )
+    normal_diameter = mean_diameter / (cosine * (1.0 - (math.sin(spiral) * math.cos(normal_pressure_angle)) ** 2))
+    half_angle = thickness / normal_diameter
+    return MemberBlank(
+        number_of_teeth=frame.number_of_teeth,
+        pitch_angle=frame.pitch_angle,
+        face_angle=frame.face_angle,
+        root_angle=frame.root_angle,
+        addendum_angle=above,
+        dedendum_angle=below,
+        pitch_apex=frame.mean_cone_distance * cosine - frame.mean_point_distance,
+        face_apex=frame.face_apex,
+        root_apex=frame.root_apex,
+        mean_point_distance=frame.mean_point_distance,
+        crown_distance=frame.mean_point_distance + frame.outer_width * cosine - outer_addendum * sine,
+        front_crown_distance=frame.mean_point_distance - frame.inner_width * cosine - inner_addendum * sine,
+        outer_cone_distance=outer_distance,
+        mean_cone_distance=frame.mean_cone_distance,
+        inner_cone_distance=inner_distance,
+        face_width=frame.outer_width + frame.inner_width,
+        outer_face_width=frame.outer_width,
+        inner_face_width=frame.inner_width,
+        outer_spiral_angle=frame.spiral_angles[0],
+        mean_spiral_angle=spiral,
+        inner_spiral_angle=frame.spiral_angles[2],
+        outer_pitch_diameter=outer_diameter,
+        mean_pitch_diameter=mean_diameter,
+        inner_pitch_diameter=inner_diameter,
+        outer_tip_diameter=outer_diameter + 2.0 * outer_addendum * cosine,
+        inner_tip_diameter=inner_diameter + 2.0 * inner_addendum * cosine,
+        outer_root_diameter=outer_diameter - 2.0 * outer_dedendum * cosine,
+        inner_root_diameter=inner_diameter - 2.0 * inner_dedendum * cosine,
+        outer_addendum=outer_addendum,
+        mean_addendum=frame.addendum,
+        inner_addendum=inner_addendum,
+        outer_dedendum=outer_dedendum,
+        mean_dedendum=frame.dedendum,
+        inner_dedendum=inner_dedendum,
+        outer_whole_depth=outer_addendum + outer_dedendum,
+        inner_whole_depth=inner_addendum + inner_dedendum,
+        thickness_modification_coefficient=frame.thickness_modification_coefficient,
+        mean_normal_thickness=thickness,
+        mean_transverse_thickness=thickness / math.cos(spiral),
+        mean_normal_diameter=normal_diameter,
+        mean_normal_chordal_thickness=normal_diameter * math.sin(half_angle),
+        mean_chordal_addendum=frame.addendum + 0.5 * normal_diameter * cosine * (1.0 - math.cos(half_angle)),
+    )
+
+
+def standard_sum_of_dedendum_angles(
+    pinion_mean_dedendum: float, gear_mean_dedendum: float, gear_mean_cone_distance: float
+) -> float:
+    """Sum of the dedendum angles with standard taper [rad] (ISO 23509:2016, C.3).
+
+    Parameters
+    ----------
+    pinion_mean_dedendum, gear_mean_dedendum
+        Dedenda at mid face (hfm1, hfm2) [mm].
+    gear_mean_cone_distance
+        Rm2 [mm].
+
+    Returns
+    -------
+    float
+        Sum of both dedendum angles [rad].
+    """
+    return math.atan(pinion_mean_dedendum / gear_mean_cone_distance) + math.atan(
+        gear_mean_dedendum / gear_mean_cone_distance
+    )
+
+
+def constant_slot_width_sum_of_dedendum_angles(
+    *,
+    outer_transverse_module: float,
+    gear_outer_cone_distance: float,
+    gear_mean_cone_distance: float,
+    mean_normal_pressure_angle: float,
+    gear_mean_spiral_angle: float,
+    cutter_radius: float,
+) -> float:
+    """Sum of the dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5).
+
+    Parameters
+    ----------
+    outer_transverse_module
+        m_et2 [mm].
+    gear_outer_cone_distance, gear_mean_cone_distance
+        Re2, Rm2 [mm].
+    mean_normal_pressure_angle
+        alpha_n [rad].
+    gear_mean_spiral_angle
+        beta_m2 [rad].
+    cutter_radius
+        rc0 [mm].
+
+    Returns
+    -------
+    float
+        Sum of both dedendum angles [rad].
+
+    Raises
+    ------
+    GeometryError
+        If the cutter is so small that the teeth would have to be deeper at the toe.
+    """
+    opening = 1.0 - gear_mean_cone_distance * math.sin(gear_mean_spiral_angle) / cutter_radius
+    if opening < 0.0:
+        raise GeometryError(
+            f"cutter_radius = {cutter_radius:g} mm: too small for this depth_taper, must be at least "
+            f"{gear_mean_cone_distance * math.sin(gear_mean_spiral_angle):g} mm"
+        )
+    width = gear_outer_cone_distance * math.tan(mean_normal_pressure_angle) * math.cos(gear_mean_spiral_angle)
+    return math.pi / 2 * outer_transverse_module / width * opening
+
+
+def gear_taper_angles(
+    taper: DepthTaper,
+    *,
+    pinion_mean_dedendum: float,
+    gear_mean_dedendum: float,
+    gear_mean_addendum: float,
+    mean_working_depth: float,
+    outer_transverse_module: float,
+    gear_outer_cone_distance: float,
+    gear_mean_cone_distance: float,
+    mean_normal_pressure_angle: float,
+    gear_mean_spiral_angle: float,
+    cutter_radius: float,
+) -> tuple[float, float]:
+    """Addendum and dedendum angle of the gear for a kind of taper (ISO 23509:2016, C.6 to C.11).
+
+    Parameters
+    ----------
+    taper
+        Kind of taper.
+    pinion_mean_dedendum, gear_mean_dedendum, gear_mean_addendum, mean_working_depth
+        hfm1, hfm2, ham2, hmw [mm].
+    outer_transverse_module, gear_outer_cone_distance, gear_mean_cone_distance
+        m_et2, Re2, Rm2 [mm].
+    mean_normal_pressure_angle, gear_mean_spiral_angle
+        alpha_n, beta_m2 [rad].
+    cutter_radius
+        rc0 [mm].
+
+    Returns
+    -------
+    tuple of float
+        theta_a2, theta_f2 [rad].
+
+    Raises
+    ------
+    GeometryError
+        If the cutter is too small for the taper.
+    """
+    if taper == "uniform":
+        return 0.0, 0.0
+    standard = standard_sum_of_dedendum_angles(pinion_mean_dedendum, gear_mean_dedendum, gear_mean_cone_distance)
+    if taper == "standard":
+        # the gear's face cone follows the pinion's root cone
+        addendum_angle = math.atan(pinion_mean_dedendum / gear_mean_cone_distance)
+        return addendum_angle, standard - addendum_angle
+    total = constant_slot_width_sum_of_dedendum_angles(
+        outer_transverse_module=outer_transverse_module,
+        gear_outer_cone_distance=gear_outer_cone_distance,
+        gear_mean_cone_distance=gear_mean_cone_distance,
+        mean_normal_pressure_angle=mean_normal_pressure_angle,
+        gear_mean_spiral_angle=gear_mean_spiral_angle,
+        cutter_radius=cutter_radius,
+    )
+    if taper == "modified_slot_width":
+        total = min(total, 1.3 * standard)
+    addendum_angle = total * gear_mean_addendum / mean_working_depth
+    return addendum_angle, total - addendum_angle

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ....core.errors import GeometryError, InputError
 from .blank_design import BlankDesign
-from .cones import PitchCones
+from .pitch_cones import PitchCones
 
 
 @dataclass(frozen=True)

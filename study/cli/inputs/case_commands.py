@@ -26,7 +26,7 @@ from ..terminal.word_completion import case_names, design_names
 from .sheet_command import resolution_option
 
 if TYPE_CHECKING:
-    from ....geometry.cutting.machine_resolution import MachineResolution
+    from ....geometry.cutting.named_settings import MachineResolution
 
 
 @click.command(cls=Command)

@@ -13,14 +13,14 @@ from ..options.shared_options import allow_outside_option, echo, output_option, 
 from ..terminal.word_completion import case_names
 
 if TYPE_CHECKING:
-    from ....geometry.cutting.machine_resolution import MachineResolution
+    from ....geometry.cutting.named_settings import MachineResolution
 
 STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
 
 
 def resolution(_ctx: click.Context, _param: click.Parameter, text: str | None) -> MachineResolution | None:
     """Resolution of settings from an option."""
-    from ....geometry.cutting.machine_resolution import MachineResolution
+    from ....geometry.cutting.named_settings import MachineResolution
 
     return None if text is None else MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ....core.ordered_values import ordered
 from ....geometry.design.root_line import RootLine
 from ....geometry.pair.gear_pair import GearPair, Member
-from ....geometry.pair.pair_setting import PairSetting, is_angle
+from ....geometry.pair.near_pair import PairSetting, is_angle
 from .aim import Reading
 
 Array = NDArray[np.float64]

@@ -18,18 +18,20 @@ from ....core.checks import array, shown, words
 from ....core.errors import InputError
 from ....core.suggestion import suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.machine_resolution import (
+from ....geometry.cutting.named_settings import (
+    MODIFIED_ROLL_ORDERS,
     USUAL_RESOLUTION,
     MachineResolution,
+    get_setting,
     nearest_multiple,
     setting_step,
     step_count,
+    with_settings,
 )
-from ....geometry.cutting.named_settings import MODIFIED_ROLL_ORDERS, get_setting, with_settings
-from ....geometry.design.set_up.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
+from ....geometry.design.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
-from ....geometry.pair.pair_setting import PairSetting, is_angle
+from ....geometry.pair.near_pair import PairSetting, is_angle
 from ...analysis.named_setting import CUTTER_KEYS, SIDES, derivative_settings
 from ...sweep.swept_quantity import swept_quantity
 

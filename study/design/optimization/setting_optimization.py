@@ -19,7 +19,7 @@ from ....cases.writing import case_toml
 from ....core.attributes import labelled
 from ....core.checks import array, instance, number, one_of, shown, whole, words
 from ....core.errors import EaseoffError, InputError
-from ....geometry.cutting.machine_resolution import USUAL_RESOLUTION, MachineResolution
+from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.case_analysis import analyze

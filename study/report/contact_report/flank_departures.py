@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....cases.conversion import gear_pair
 from ....cases.schema.case_schema import Case
-from ....contact.evaluation.projection_plane import ProjectionPlane
+from ....contact.evaluation.marking_print import ProjectionPlane
 from ....core.errors import EaseoffError
 from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS

@@ -12,7 +12,7 @@ from ....cases.conversion import given_pair
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.errors import EaseoffError
-from ....geometry.design.mean_point import MeanPointAngles, angles_of_normal
+from ....geometry.design.blank import MeanPointAngles, angles_of_normal
 from ....geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ....geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ....geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle

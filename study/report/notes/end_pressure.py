@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ....contact.evaluation.pressure_place import LineEnd, max_inner_pressure
+from ....contact.evaluation.pressure_map import LineEnd, max_inner_pressure
 
 #: Part by which the greatest pressure at a line's end depends on where segments and mesh positions lie.
 END_UNCERTAINTY = 0.06

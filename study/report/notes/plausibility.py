@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ....contact.evaluation.flank_region import flank_share
+from ....contact.evaluation.marking_print import flank_share
 from ....core.attributes import ROOT_RESOLUTION
 from ....core.ordered_values import ordered
 

@@ -8,7 +8,7 @@ import textwrap
 import xarray as xr
 from tabulate import tabulate
 
-from ....contact.evaluation.pressure_place import LineEnd
+from ....contact.evaluation.pressure_map import LineEnd
 from ..key_numbers import PATTERN
 
 WIDTH = 100  # [characters] of the text

@@ -1,0 +1,248 @@
+"""Wear by Archard's law: depth that one engagement removes from both flanks, from line loads and sliding.
+
+By that law (1953, doi:10.1063/1.1721448) a point of a flank loses h = k * integral of p v_s dt while the contact line
+passes over it. The line crosses the flank at right angles to itself with the speed u, so that dt = dx / u with x across
+the line; and the integral of p dx is the load per length F'. Hence, for either member,
+
+    h = k F' v_s / u
+
+per engagement, for any width of the contact. All teeth of a member are alike: the segments of every tooth pair in
+mesh, over one mesh cycle, are one tooth's whole way through the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+from scipy.spatial import Delaunay
+
+from ..core.checks import frozen_arrays
+from ..core.errors import GeometryError, InputError
+from ..geometry.pair.gear_pair import MEMBERS
+from .lines.flank_splines import FlankSplines, fit
+
+Array = NDArray[Any]
+GRID = ("lengthwise", "profile")
+SPLINE_DEGREE = 3  # of the field on a flank that the samples of an engagement are brought onto
+SPLINE_INTERVALS = (16, 10)  # lengthwise and up the profile
+SMOOTHING_WEIGHT = 1e-4  # weight of even continuation, against that of the samples
+
+
+def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> FlankSplines:
+    """Splines on the gear flank of what wear needs to know of the motion.
+
+    Parameters
+    ----------
+    ease_off
+        The geometry's ``ease_off``.
+    rolling
+        ``sliding``, ``pinion_speed``, ``gear_speed`` (lengthwise, profile) [mm per rad of the pinion].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.geometry.pair.ease_off import rolling
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
+    >>> fields = rolling_splines(geometry.ease_off, motion)
+    >>> (fields("sliding", np.array([[0.2, 0.8], [0.5, 0.5]])) > 0.0).tolist()
+    [True, True]
+    """
+    pinion = {f"pinion_{name}": ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID}
+    return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **pinion})
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class Engagement:
+    """One tooth's way through the mesh: samples (n) at the contact segments.
+
+    Parameters
+    ----------
+    points
+        Lengthwise and profile fractions of the samples on either member's own flank (2, n).
+    passing
+        Load per length times sliding over the speed of the line on either flank [N/mm]; times Archard's coefficient it
+        is the depth.
+    area
+        Area of either flank that each sample stands for [mm^2].
+    ends
+        Ends of the contact lines on either flank, as fractions (2, m).
+    work
+        Load times sliding way of all samples together [N mm]; times the coefficient it is the volume.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> Engagement(points, even, even, points, work=3.0).work
+    3.0
+    """
+
+    points: Mapping[str, Array]
+    passing: Mapping[str, Array]
+    area: Mapping[str, Array]
+    ends: Mapping[str, Array]
+    work: float
+
+
+def engagement(
+    loaded: xr.Dataset, splines: FlankSplines, pinion_pitch: float, segments_per_line: int, torque: int = 0
+) -> Engagement:
+    """Wear of one tooth in one engagement, from the loaded contact of a mesh cycle.
+
+    Parameters
+    ----------
+    loaded
+        Result of ``MeshCycle.loaded`` with contact on lines alone.
+    splines
+        From ``rolling_splines``.
+    pinion_pitch
+        Angular pitch of the pinion [rad].
+    segments_per_line
+        Segments of a contact line.
+    torque
+        Index of the torque.
+
+    Raises
+    ------
+    InputError
+        If edges touch beside the lines: an edge sweeps no flank.
+    GeometryError
+        If a mesh position has no certified solution: its wear is not known.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.geometry.pair.ease_off import rolling
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
+    >>> known = rolling_splines(geometry.ease_off, motion), cycle.pinion_pitch, 5
+    >>> light, heavy = (engagement(cycle.loaded([torque], edge_contact=False)[0], *known) for torque in (100.0, 200.0))
+    >>> light.work < heavy.work
+    True
+    """
+    here = loaded.isel(torque=torque)
+    if bool(here["overhang"].notnull().any()):
+        raise InputError("loaded: must have contact on lines alone for wear (edge_contact = False)")
+    values = {n: here[n].transpose("mesh_position", "segment").values for n in ("force", "length", *GRID)}
+    present = np.isfinite(values["length"])
+    if not np.all(np.isfinite(values["force"][present])) or not np.all(present.any(axis=1)):
+        raise GeometryError("the contact is not solved at every mesh position: there is no wear to compute from it")
+    force, length, lengthwise, profile = (v[present] for v in values.values())
+    on_gear = np.stack([lengthwise, profile])
+    moving = splines.evaluate(["sliding", "pinion_speed", "gear_speed", "pinion_lengthwise", "pinion_profile"], on_gear)
+    points = {"pinion": np.stack([moving["pinion_lengthwise"], moving["pinion_profile"]]), "gear": on_gear}
+    speed = {name: moving[f"{name}_speed"] for name in MEMBERS}
+    step = pinion_pitch / here.sizes["mesh_position"]
+    return Engagement(
+        points,
+        {name: force / length * moving["sliding"] / speed[name] for name in MEMBERS},
+        {name: length * speed[name] * step for name in MEMBERS},
+        {name: _ends(points[name].reshape(2, -1, segments_per_line)) for name in MEMBERS},
+        float(np.sum(force * moving["sliding"])) * step,
+    )
+
+
+def _ends(lines: Array) -> Array:
+    """Ends (2, 2 m) of lines whose segments have these middles (2, m, segments)."""
+    first, last = lines[..., 0] - 0.5 * (lines[..., 1] - lines[..., 0]), lines[..., -1]
+    return np.concatenate([first, last + 0.5 * (last - lines[..., -2])], axis=1)
+
+
+def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> Array:
+    """Samples of an engagement as a smooth field on a grid of the flank.
+
+    The cubic tensor spline that fits the samples best, each weighted with the area it stands for; so the field keeps
+    the samples' integral, and the few samples on short lines in the corners weigh as little as they are. Where no line
+    passes, at points that never touch, it is continued evenly.
+
+    Parameters
+    ----------
+    samples
+        From ``engagement``.
+    member
+        ``pinion`` or ``gear``.
+    lengthwise, profile
+        Fractions of the grid (nt), (nh).
+
+    Returns
+    -------
+    Array
+        Values (nt, nh), none below zero.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> samples = Engagement(points, even, even, points, work=3.0)
+    >>> on_flank(samples, "gear", np.array([0.2, 0.5]), np.array([0.5])).round(6).tolist()
+    [[1.0], [1.0]]
+    """
+    points, value, area = samples.points[member], samples.passing[member], samples.area[member]
+    before, beyond = [0.0] * SPLINE_DEGREE, [1.0] * SPLINE_DEGREE
+    knots = [np.concatenate([before, np.linspace(0.0, 1.0, n + 1), beyond]) for n in SPLINE_INTERVALS]
+
+    def basis(fractions: Array, axis: int) -> Array:
+        return np.asarray(BSpline.design_matrix(np.clip(fractions, 0.0, 1.0), knots[axis], SPLINE_DEGREE).toarray())
+
+    along, up = basis(points[0], 0), basis(points[1], 1)
+    both = (along[:, :, None] * up[:, None, :]).reshape(value.size, -1)
+    matrix = both.T @ (area[:, None] * both)
+    sizes = (along.shape[1], up.shape[1])
+    steps = [np.diff(np.eye(n), axis=0) for n in sizes]
+    evenness = np.kron(steps[0].T @ steps[0], np.eye(sizes[1])) + np.kron(np.eye(sizes[0]), steps[1].T @ steps[1])
+    matrix += SMOOTHING_WEIGHT * float(np.sum(area)) / matrix.shape[0] * evenness
+    coefficients = np.linalg.solve(matrix, both.T @ (area * value)).reshape(sizes)
+    return np.asarray(np.maximum(basis(lengthwise, 0) @ coefficients @ basis(profile, 1).T, 0.0))
+
+
+def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
+    """Which nodes of a grid (nt, nh) of the flank lie between the outermost ends of the contact lines.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> samples = Engagement(points, even, even, points, work=3.0)
+    >>> touched(samples, "gear", np.array([0.0, 0.5]), np.array([0.5])).tolist()
+    [[False], [True]]
+    """
+    hull = Delaunay(np.concatenate([samples.points[member], samples.ends[member]], axis=1).T)
+    grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
+    return np.asarray(hull.find_simplex(grid, tol=1e-9) >= 0)
+
+
+def integral(value: Array, position: Array, lengthwise: Array, profile: Array) -> float:
+    """Integral of a field over a flank, by trapezia.
+
+    Parameters
+    ----------
+    value
+        The field (nt, nh).
+    position
+        Flank at the nodes (nt, nh, 3) [mm].
+    lengthwise, profile
+        Fractions of the grid (nt), (nh).
+
+    Examples
+    --------
+    >>> t, h = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 3)
+    >>> plane = np.stack(np.meshgrid(20.0 * t, 5.0 * h, [0.0], indexing="ij")[:3], axis=-1)[:, :, 0]
+    >>> round(integral(np.ones((5, 3)), plane, t, h), 9)
+    100.0
+    """
+    along = np.gradient(position, lengthwise, axis=0, edge_order=2)
+    up = np.gradient(position, profile, axis=1, edge_order=2)
+    density = value * np.linalg.norm(np.cross(along, up), axis=-1)
+    return float(np.trapezoid(np.trapezoid(density, profile, axis=1), lengthwise))

@@ -1,0 +1,273 @@
+"""Derivatives of the teeth's deflections under held forces, as the segments move over the teeth.
+
+The elastic teeth themselves are held. A segment's unit load on a tooth depends on its points' fractions on that member
+alone: two derivatives a member and point, which serve all settings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ...geometry.pair.gear_pair import MEMBERS
+from ..compliance.elastic_model import member_points
+from ..compliance.finite_elements.flank_compliance import FlankCompliance
+from ..compliance.material import Material
+from ..compliance.spread_deflection import SpreadDeflection, gaussians
+from ..lines.closest_approach import PINION_FRACTIONS
+from ..lines.flank_splines import SLOPES
+from ..lines.mesh_lines import LoadedPlaces
+from ..segments import LineSegments, end_loads_at
+from .segment_slopes import FieldDirections, SegmentSlopes
+
+Array = NDArray[Any]
+
+POINT_STEP = 1e-7  # fraction of the flank; shape functions are quadratic between borders, few of which are so near
+END_STEP_SHARE = 0.05  # of the usual steps: unit loads of free ends fall off in hundredths of a millimetre
+PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetres wide
+
+
+@dataclass(frozen=True)
+class MemberLoads:
+    """Unit loads on one member's teeth and their derivatives, n segments of g points.
+
+    Parameters
+    ----------
+    loads
+        Whitened and in the modes of the body (n, k).
+    by_point
+        Derivatives by the fractions of each point (2, n, g, k).
+    motion
+        Derivatives of these fractions by the settings (2, n, g, j).
+    own
+        How many of the columns are whitened loads.
+    """
+
+    loads: Array
+    by_point: Array
+    motion: Array
+    own: int
+
+
+@dataclass(frozen=True)
+class BendingSlopes:
+    """Changes of deflections under held forces; ``of`` makes one.
+
+    Parameters
+    ----------
+    on_lines
+        Segments of the contact lines.
+    members
+        Unit loads of both members.
+    weights
+        Of the quadrature points of a segment (g).
+    beside
+        Unit loads (n, k) of the spread deflection and of the free ends, and their derivatives (j, n, k).
+    """
+
+    on_lines: LineSegments
+    members: tuple[MemberLoads, ...]
+    weights: Array
+    beside: tuple[Array, Array]
+
+    @classmethod
+    def of(cls, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
+        """Derivatives at the points where the segments are loaded.
+
+        Raises
+        ------
+        InputError
+            If the teeth are plates.
+        """
+        on_lines = segments.segments.on_lines
+        points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
+        change = directions.slopes.evaluate(list(PINION_FRACTIONS), points[0])
+        slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points[0], SLOPES)]
+        on_pinion = np.moveaxis(np.stack(list(change.values())), 1, -1)
+        on_pinion = on_pinion + slopes[0][..., None] * moved[0][0] + slopes[1][..., None] * moved[0][1]
+        members, motions = [], (on_pinion, moved[1])
+        for member, tooth, loaded, motion in zip(MEMBERS, on_lines.teeth.both, points, motions, strict=True):
+            if not isinstance(tooth, FlankCompliance):
+                raise InputError("compliance.model = 'shell': derivatives need solid shells or finite elements")
+            at = member_points(on_lines.fields, member, loaded)
+            loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
+            by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
+            members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
+        beside = (_spread(on_lines, directions, segments), _ends(on_lines, directions, segments))
+        both = [np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True)]
+        return cls(on_lines, tuple(members), weights, (both[0], both[1]))
+
+    def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
+        """Changes of the deflections (s, j) [mm] by the settings, under held forces.
+
+        Parameters
+        ----------
+        pair
+            Tooth pairs of segments of one mesh position (s).
+        chosen
+            Their numbers among all segments (s).
+        force
+            Their forces (s) [N].
+        """
+        result = np.zeros((force.size, self.members[0].motion.shape[-1]))
+        coupling, pairs = self.on_lines.teeth.coupling, np.unique(pair)
+        on_bodies = []
+        for member in self.members:
+            by_force: list[tuple[Array, Array]] = []
+            for one in pairs:
+                rows = np.flatnonzero(pair == one)
+                own = chosen[rows]
+                amplitude = member.loads[own].T @ force[rows]
+                changed = self._amplitude_change(member, own, force[rows])
+                whitened = slice(0, member.own)
+                held = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
+                result[rows] += self._moved(member, own, held) + member.loads[own, whitened] @ changed[whitened]
+                by_force.append((amplitude[member.own :], changed[member.own :]))
+            on_bodies.append(by_force)
+        if coupling is not None:
+            compliance = coupling.compliance(pairs)
+            amplitude = np.stack([np.concatenate([m[p][0] for m in on_bodies]) for p in range(pairs.size)])
+            changed = np.stack([np.concatenate([m[p][1] for m in on_bodies]) for p in range(pairs.size)])
+            answer = np.einsum("aqbr,br->aq", compliance, amplitude)
+            answer_change = np.einsum("aqbr,brj->aqj", compliance, changed)
+            for number, one in enumerate(pairs):
+                rows, start = np.flatnonzero(pair == one), 0
+                for member in self.members:
+                    size = member.loads.shape[1] - member.own
+                    columns = slice(start, start := start + size)
+                    held = np.concatenate([np.zeros(member.own), answer[number, columns]])
+                    result[rows] += self._moved(member, chosen[rows], held)
+                    result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
+        loads, change = self.beside
+        for one in pairs if loads.shape[1] else ():
+            rows = np.flatnonzero(pair == one)
+            own, moved = loads[chosen[rows]], change[:, chosen[rows]]
+            result[rows] += (moved @ (own.T @ force[rows])).T
+            result[rows] += own @ np.einsum("jnk,n->kj", moved, force[rows])
+        return result
+
+    def _moved(self, member: MemberLoads, own: Array, held: Array) -> Array:
+        """Change (s, j) of the deflections under held amplitudes of the loads (k)."""
+        slope = member.by_point[:, own] @ held
+        return np.asarray(np.einsum("csg,csgj,g->sj", slope, member.motion[:, own], self.weights))
+
+    def _amplitude_change(self, member: MemberLoads, own: Array, force: Array) -> Array:
+        """Change (k, j) of the amplitudes of the loads under held forces."""
+        moved = member.motion[:, own] * (force[:, None] * self.weights)[..., None]
+        by_point = member.by_point[:, own]
+        return np.asarray(by_point.reshape(-1, by_point.shape[-1]).T @ moved.reshape(-1, moved.shape[-1]))
+
+
+def _by_fraction(tooth: FlankCompliance, points: Array, axis: int) -> Array:
+    """Derivatives (n, g, k) of the unit loads at points (2, n, g) by one of their fractions."""
+    single = points.reshape(2, -1, 1)
+    step = np.zeros((2, 1, 1))
+    step[axis] = POINT_STEP
+    ahead, behind = (np.concatenate(tooth.unit_loads(single + sign * step, np.ones(1)), axis=1) for sign in (1.0, -1.0))
+    return np.asarray((ahead - behind) / (2.0 * POINT_STEP)).reshape(*points.shape[1:], -1)
+
+
+def _spread(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
+    """Unit loads (n, k) of the spread deflection of both members, and their derivatives (j, n, k)."""
+    points, weights = segments.points, on_lines.quadrature[1]
+    size = points[1].shape[1]
+    if not on_lines.spread:
+        return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
+    materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
+    found = []
+    position, moved = _with_motion(directions, "position", points[1], segments.motion[1])
+    members = zip(MEMBERS, materials, on_lines.spread, points, segments.motion, strict=True)
+    for member, material, spread, loaded, motion in members:
+        depth, deeper = _with_motion(directions, spread.depth, loaded, motion)
+        turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
+        along = np.einsum("x,xmq->mq", spread.direction, position)
+        along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum("xmq,jx->mqj", position, turned)
+        unit = _Gaussians(spread, along, depth)
+        # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
+        by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
+        slope = np.einsum("kng,ngj,g->jnk", by_shift, shifted - along_moved, weights, optimize=True)
+        slope += np.einsum("kng,ngj,g->jnk", by_depth, deeper, weights, optimize=True)
+        slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
+        found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
+    loads, slopes = zip(*found, strict=True)
+    return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _ends(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
+    """Unit loads (n, k) of the free ends of both members, and their derivatives (j, n, k)."""
+    points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
+    loads = end_loads_at(LoadedPlaces(directions.base, *points), on_lines.teeth) @ weights
+    slopes = np.zeros((segments.steps.size, *loads.T.shape))
+    for j, step in enumerate(END_STEP_SHARE * segments.steps):
+        ahead, behind = (
+            end_loads_at(
+                LoadedPlaces(
+                    directions.moved(j, sign * step),
+                    *(one + sign * step * own[..., j] for one, own in zip(points, moved, strict=True)),
+                ),
+                on_lines.teeth,
+            )
+            for sign in (1.0, -1.0)
+        )
+        slopes[j] = ((ahead - behind) @ weights).T / (2.0 * step)
+    return loads.T, slopes
+
+
+def _with_motion(directions: FieldDirections, name: str, points: Array, motion: Array) -> tuple[Array, Array]:
+    """Values (..., n, g) of a field at points (2, n, g), and their derivatives (..., n, g, j) as these move."""
+    change = np.moveaxis(directions.slopes(name, points), -3, -1)
+    tangents = directions.base.derivatives([name], points, SLOPES)
+    moved = sum(tangent[name][..., None] * way for tangent, way in zip(tangents, motion, strict=True))
+    return directions.base(name, points), change + moved
+
+
+def _nodes_motion(
+    directions: FieldDirections, steps: Array, member: str, material: Material
+) -> tuple[Array, Array, Array]:
+    """Derivatives of the direction (j, 3), the first node (j) [mm] and the spacing (j) [mm] of a spread deflection."""
+    turned, shifted, wider = np.zeros((steps.size, 3)), np.zeros(steps.size), np.zeros(steps.size)
+    for j, step in enumerate(steps):
+        ahead, behind = (
+            SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0)
+        )
+        if ahead.nodes.size != behind.nodes.size:
+            continue  # as many nodes as fit: between two numbers of them, where they stand plays no part
+        turned[j] = (ahead.direction - behind.direction) / (2.0 * step)
+        shifted[j] = (ahead.nodes[0] - behind.nodes[0]) / (2.0 * step)
+        wider[j] = (np.diff(ahead.nodes)[0] - np.diff(behind.nodes)[0]) / (2.0 * step)
+    return turned, shifted, wider
+
+
+@dataclass(frozen=True)
+class _Gaussians:
+    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (n, g) [mm]."""
+
+    spread: SpreadDeflection
+    along: Array
+    depth: Array
+
+    def at(self, shift: float = 0.0, deeper: float = 0.0, wider: float = 0.0) -> Array:
+        nodes = self.spread.nodes
+        spacing = nodes[1] - nodes[0] + wider
+        moved = nodes[0] + shift + spacing * np.arange(nodes.size)
+        return gaussians(moved, self.along, self.depth + deeper, self.spread.flexibility * spacing)
+
+    def _slope(self, name: str) -> Array:
+        ahead, behind = (self.at(**{name: sign * PLACE_STEP}) for sign in (1.0, -1.0))
+        return (ahead - behind) / (2.0 * PLACE_STEP)
+
+    @property
+    def by_shift(self) -> Array:
+        return self._slope("shift")
+
+    @property
+    def by_depth(self) -> Array:
+        return self._slope("deeper")
+
+    @property
+    def by_spacing(self) -> Array:
+        return self._slope("wider")

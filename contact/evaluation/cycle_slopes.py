@@ -1,0 +1,528 @@
+"""Derivatives of a mesh cycle as a dataset: ease-off, roll angle, unloaded and loaded contact.
+
+Derivatives of the loaded contact over a mesh cycle: rotation, forces, pressures and load shares.
+
+The elastic teeth and the segments in contact are held: within a touching set everything is smooth, and across its
+changes forces and rotation are continuous. At every mesh position the system of the touching segments that Newton's
+method ended with is solved once more, with the changes of gap, lever arm and deflection by all settings on the right.
+
+Derivatives of centre and extent of the load on the flank over a mesh cycle.
+
+Derivatives of the variables of the loaded contact, with the layout of its dataset.
+
+Derivatives of the root stress: linear in the segments' forces, with responses that depend on their places.
+
+The largest stress keeps its place in the root and its direction. It changes with the forces on the nodes of the flank,
+which follow the segments' forces and the shares of these that fall to each node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.attributes import labelled
+from ...core.checks import frozen_arrays
+from ...core.errors import InputError
+from ...core.ordered_values import ordered
+from ...geometry.pair.field_slopes import field_slopes
+from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.near_pair import PairSetting
+from ...geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
+from ..compliance.elastic_model import member_points
+from ..compliance.finite_elements.finite_element_tooth import FiniteElementTooth
+from ..compliance.finite_elements.flank_compliance import spread_shares
+from ..compliance.weber_line_contact import WeberLineContact
+from ..line_contact.line_contact_path import line_contact_sensitivity
+from ..lines.closest_approach import PINION_FRACTIONS
+from ..lines.flank_splines import SLOPES
+from ..loaded import LoadedCase
+from ..mesh_cycle import MeshCycle
+from ..segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM
+from ..tooth_root_stress import root_stress
+from .bending_slopes import POINT_STEP, BendingSlopes
+from .cycle_numbers import WAYS, load_spot
+from .segment_slopes import EdgePieces, FieldDirections, SegmentSlopes, line_motion, rotation_slopes, unloaded_numbers
+from .unloaded_slopes import UnloadedSlopes, unloaded_slopes
+
+Array = NDArray[Any]
+
+SIZE_STEP = 1e-5  # relative, of the sizes of a line contact in a difference of its deflection
+OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a difference; strips are some hundredths wide
+SIZES = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class CaseSlopes:
+    """Derivatives of one torque at one mesh position by settings (j), of which the last is the torque at the pinion.
+
+    Parameters
+    ----------
+    case
+        The solved case, of n segments.
+    rotation
+        Of the gear (j) [rad].
+    force, pressure
+        Of the segments (n, j) [N, MPa].
+    moment
+        Of the segments' moments about the gear axis (n, j) [N mm].
+    place, pinion_place
+        Of the places where gear and pinion are loaded (2, n, j), see ``Segments``.
+    length, equivalent_radius
+        Of these (n, j) [mm]. As the places those of edges without load are left at zero.
+    """
+
+    case: LoadedCase
+    rotation: Array
+    force: Array
+    pressure: Array
+    moment: Array
+    place: Array
+    pinion_place: Array
+    length: Array
+    equivalent_radius: Array
+
+
+def case_slopes(
+    slopes: SegmentSlopes, bending: BendingSlopes, cases: Sequence[LoadedCase], torque_slope: float
+) -> list[CaseSlopes]:
+    """Derivatives of solved cases.
+
+    Parameters
+    ----------
+    slopes, bending
+        Derivatives of the segments, and of their bending.
+    cases
+        From ``MeshCycle.loaded``.
+    torque_slope
+        Torque about the gear axis per torque at the pinion [N mm / (N m)].
+
+    Raises
+    ------
+    InputError
+        If a case is not certified, or is supported.
+    """
+    result = []
+    for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
+        here, force = case.segments, case.solution.force
+        if here.held is not None:
+            raise InputError("cases: must be those of rigid supports to have derivatives")
+        rows = slopes.rows(case)
+        known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
+        own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
+        bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
+        pinion, gear = (
+            np.stack([_among(values[rows[known]], known, rows.size) for values in one]) for one in slopes.places
+        )
+        sizes = _sizes(here.line_contact, own)
+        bent = bent + sum(softer[name][:, None] * change for name, change in sizes.items())
+        result.append(_case(case, own | sizes, bent, (pinion, gear), torque_slope))
+    return result
+
+
+def _among(values: Array, rows: Array, count: int) -> Array:
+    """Values (m, j) at some rows of ``count``, zero at the others."""
+    every = np.zeros((count, values.shape[1]))
+    every[rows] = values
+    return every
+
+
+def _case(
+    case: LoadedCase, slopes: dict[str, Array], bent: Array, places: tuple[Array, Array], torque_slope: float
+) -> CaseSlopes:
+    here, solution = case.segments, case.solution
+    force, contact = solution.force, here.line_contact
+    arm, count = slopes["lever_arm"], bent.shape[1]
+    gap = slopes["separation_angle"] * here.lever_arm[:, None] + here.separation_angle[:, None] * arm
+    turn = np.zeros(count + 1)
+    turn[-1] = torque_slope
+
+    def with_torque(values: Array) -> Array:
+        return np.pad(values, ((0, 0), (0, 1)))
+
+    problem = here.bending_problem.with_torque(case.problem.torque)
+    changes = line_contact_sensitivity(problem, contact, solution).forward_all(
+        torque=turn, separation=with_torque(gap), lever_arm=with_torque(arm), bent=with_torque(bent)
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        of_load = np.nan_to_num(changes.force / force[:, None], posinf=0.0, neginf=0.0)
+    of_load = of_load - with_torque(slopes["length"] / contact.length[:, None])
+    of_load = of_load - with_torque(slopes["equivalent_radius"] / contact.equivalent_radius[:, None])
+    pressure = 0.5 * contact.pressure(force)[:, None] * of_load
+    moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
+    length, radius = (with_torque(slopes[name]) for name in ("length", "equivalent_radius"))
+    pinion, gear = (np.stack([with_torque(values) for values in one]) for one in places)
+    return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, gear, pinion, length, radius)
+
+
+def _sizes(contact: WeberLineContact, slopes: dict[str, Array]) -> dict[str, Array]:
+    """Derivatives (n, j) of the sizes of a line contact, zero where a size is at its limit."""
+    radius = contact.equivalent_radius[:, None]
+    free = radius < 1.0 / RELATIVE_CURVATURE_MINIMUM
+    sizes = {"length": slopes["length"], "equivalent_radius": np.where(free, -(radius**2) * slopes["curvature"], 0.0)}
+    for name in ("depth_pinion", "depth_gear"):
+        inside = getattr(contact, name)[:, None] > MATERIAL_DEPTH_MINIMUM
+        sizes[name] = np.where(inside, slopes[name], 0.0)
+    if np.any(np.isfinite(contact.overhang)):
+        sizes["overhang"] = slopes["overhang"]
+    return sizes
+
+
+def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
+    """Derivatives (n) of the local deflections under held forces by each of the sizes, for every case."""
+    contact = WeberLineContact.joined([case.segments.line_contact for case in cases])
+    force = np.concatenate([case.solution.force for case in cases])
+    ends = np.cumsum([case.solution.force.size for case in cases])[:-1]
+    found: list[dict[str, Array]] = [{} for _ in cases]
+    for name in SIZES:
+        size = getattr(contact, name)
+        step = OVERHANG_STEP if name == "overhang" else SIZE_STEP * size
+        ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
+        for one, values in zip(found, np.split((ahead - behind) / (2.0 * step), ends), strict=True):
+            one[name] = values
+    return found
+
+
+def load_spot_slopes(
+    spot: Mapping[str, tuple[tuple[str, ...], Array]], found: Sequence[CaseSlopes]
+) -> dict[str, tuple[tuple[str, ...], Array]]:
+    """Derivatives of load-weighted centre and extents, with their dimensions.
+
+    Parameters
+    ----------
+    spot
+        From ``load_spot``.
+    found
+        Derivatives of the cases by settings, and last by the torque (j).
+    """
+    torques, count = spot[f"load_centre_{WAYS[0]}"][1].size, found[0].rotation.size
+    centre, extent = (np.stack([spot[f"load_{name}_{way}"][1] for way in WAYS]) for name in ("centre", "extent"))
+    whole = np.zeros(torques)
+    by_centre, by_square = np.zeros((2, torques, count)), np.zeros((2, torques, count))
+    for one in found:
+        at, force = one.case.torque, one.case.solution.force
+        whole[at] += force.sum()
+        away = one.case.segments.point - centre[:, at, None]
+        moved = force[:, None] * one.place
+        by_centre[:, at] += away @ one.force + moved.sum(axis=1)
+        # About the centre, whose own motion does not count to first order.
+        by_square[:, at] += (away**2 - extent[:, at, None] ** 2) @ one.force + 2.0 * np.einsum(
+            "xn,xnj->xj", away, moved
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_centre = by_centre / whole[:, None]
+        by_extent = 0.5 * by_square / (whole[:, None] * extent[..., None])
+    dims = ("torque", "setting")
+    return {
+        f"load_{name}_{way}": (dims, values[axis])
+        for name, values in (("centre", by_centre), ("extent", by_extent))
+        for axis, way in enumerate(WAYS)
+    }
+
+
+#: Variables of the loaded contact that are differentiated.
+OF_LOAD = (
+    "transmission_error",
+    "mean_level",
+    "peak_to_peak",
+    "harmonic",
+    "rms",
+    "load_share",
+    "edge_share",
+    "force",
+    "pressure",
+    "max_pressure",
+)
+
+
+def load_variables(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str, Any]:
+    """Derivatives of the variables ``OF_LOAD``, with their dimensions.
+
+    Parameters
+    ----------
+    loaded
+        From ``MeshCycle.loaded``.
+    found
+        Derivatives of its cases.
+    """
+    cycle, count = (loaded.sizes["torque"], loaded.sizes["mesh_position"]), found[0].rotation.size
+    pairs, size = loaded["pair"].values, loaded.sizes["segment"]
+    rotation = np.full((*cycle, count), np.nan)
+    share = np.full((*cycle, pairs.size, count), np.nan)
+    on_edges = np.full((*cycle, count), np.nan)
+    of_segments = {name: np.full((*cycle, size, count), np.nan) for name in ("force", "pressure")}
+    for one in found:
+        at, here = (one.case.torque, one.case.mesh_position), one.case.segments
+        rotation[at] = 1e6 * one.rotation
+        whole = one.case.problem.torque
+        moments = here.lever_arm * one.case.solution.force
+
+        def of_whole(own: Array, one: CaseSlopes = one, moments: Array = moments, whole: float = whole) -> Array:
+            # The moments add up to the torque, which the last setting changes.
+            part = one.moment[own].sum(axis=0) / whole
+            part[-1] -= moments[own].sum() / whole * one.moment[:, -1].sum() / whole
+            return np.asarray(part)
+
+        for number, pair in enumerate(pairs):
+            share[at][number] = of_whole(here.pair == pair)
+        on_edges[at] = of_whole(here.edge >= 0)
+        of_segments["force"][at][: here.pair.size] = one.force
+        of_segments["pressure"][at][: here.pair.size] = one.pressure
+    error = ordered(loaded, "transmission_error", "torque", "mesh_position")
+    data: dict[str, Any] = {"transmission_error": (("torque", "mesh_position", "setting"), rotation)}
+    data |= rotation_slopes(error, rotation, loaded.sizes["order"])
+    data["load_share"] = (("torque", "mesh_position", "pair", "setting"), share)
+    data["edge_share"] = (("torque", "mesh_position", "setting"), on_edges)
+    for name, values in of_segments.items():
+        data[name] = (("torque", "mesh_position", "segment", "setting"), values)
+    pressure = ordered(loaded, "pressure", "torque", "mesh_position", "segment")
+    flat, slopes = pressure.reshape(cycle[0], -1), of_segments["pressure"].reshape(cycle[0], -1, count)
+    greatest = np.argmax(np.where(flat > 0.0, flat, -np.inf), axis=1)
+    data["max_pressure"] = (("torque", "setting"), slopes[np.arange(cycle[0]), greatest])
+    return data
+
+
+OF_ROOTS = ("root_stress_history", "max_root_stress")
+
+
+def root_stress_slopes(
+    directions: FieldDirections,
+    teeth: tuple[FiniteElementTooth, FiniteElementTooth],
+    found: Sequence[CaseSlopes],
+    stress: xr.Dataset,
+) -> dict[str, tuple[tuple[str, ...], Array]]:
+    """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions.
+
+    Parameters
+    ----------
+    directions
+        Fields and their derivatives.
+    teeth
+        Pinion and gear by finite elements.
+    found
+        Derivatives of solved cases by settings, and last by the torque (j).
+    stress
+        From ``load_capacity.tooth_root_stress`` of the same cases.
+    """
+    pairs, count = stress["pair"].values, found[0].rotation.size
+    history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values
+    slopes = np.full((*history.shape, count), np.nan)
+    for one in found:
+        here, force = one.case.segments, one.case.solution.force
+        at = one.case.torque, slice(None), one.case.mesh_position
+        column = np.searchsorted(pairs, here.pair)
+        places = (here.pinion_point, one.pinion_place), (here.point, one.place)
+        for member, (tooth, place) in enumerate(zip(teeth, places, strict=True)):
+            assert tooth.root is not None  # or there were no stress
+            points, motion = _on_member(directions, MEMBERS[member], *place)
+            grid = tooth.flank.lengthwise, tooth.flank.profile
+            nodes, shares = spread_shares(*grid, points)
+            on_nodes = np.zeros((tooth.flank.profile.size, pairs.size))
+            np.add.at(on_nodes, (nodes, column[:, None]), shares * force[:, None])
+            gradient = tooth.root.gradients(on_nodes)
+            response = np.sum(shares * gradient[nodes, column[:, None]], axis=1)
+            by_segment = response[:, None] * one.force
+            for axis in (0, 1):
+                ahead, behind = (_responses(grid, points, axis, sign, gradient, column) for sign in (1.0, -1.0))
+                by_segment += ((ahead - behind) / (2.0 * POINT_STEP) * force)[:, None] * motion[axis]
+            change = np.zeros((pairs.size, count))
+            np.add.at(change, column, by_segment)
+            slopes[at][member] = change
+    flat, by_setting = (
+        np.moveaxis(values, 1, 0).reshape(len(MEMBERS), len(history), -1, *rest)
+        for values, rest in ((history, ()), (slopes, (count,)))
+    )
+    greatest = np.argmax(np.where(np.isfinite(flat), flat, -np.inf), axis=2)
+    of_cycle = np.take_along_axis(by_setting, greatest[..., None, None], axis=2)[:, :, 0]
+    return {
+        "root_stress_history": (("torque", "member", "mesh_position", "pair", "setting"), slopes),
+        "max_root_stress": (("torque", "member", "setting"), np.moveaxis(of_cycle, 0, 1)),
+    }
+
+
+def _on_member(directions: FieldDirections, member: str, points: Array, motion: Array) -> tuple[Array, Array]:
+    """Fractions (2, n) on a member of points (2, n) where it is loaded, and their derivatives (2, n, j)."""
+    if member == "gear":
+        return points, motion
+    change = np.stack(list(directions.slopes.evaluate(list(PINION_FRACTIONS), points).values()))
+    by_t, by_h = (np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES))
+    fixed = np.pad(np.moveaxis(change, 1, -1), ((0, 0), (0, 0), (0, 1)))  # the torque moves no field
+    moved = fixed + by_t[..., None] * motion[0] + by_h[..., None] * motion[1]
+    return member_points(directions.base, member, points), moved
+
+
+def _responses(
+    grid: tuple[Array, Array], points: Array, axis: int, sign: float, gradient: Array, column: Array
+) -> Array:
+    """Stress (n) under unit forces at points moved along one fraction by a step."""
+    moved = points.copy()
+    moved[axis] += sign * POINT_STEP
+    nodes, shares = spread_shares(*grid, moved)
+    return np.asarray(np.sum(shares * gradient[nodes, column[:, None]], axis=1))
+
+
+_GRID = ("lengthwise", "profile")
+#: Variables of the ease-off that are differentiated.
+ON_FLANK = ("ease_off", "ease_off_angle", "roll_angle", "lever_arm")
+
+
+def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, tuple[tuple[str, ...], Array]]:
+    """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions.
+
+    Parameters
+    ----------
+    cycle
+        The pair in mesh.
+    slopes
+        From ``geometry.pair.field_slopes``.
+    """
+    told = cycle.geometry.ease_off
+    angle, arm = (ordered(told, name, *_GRID)[..., None] for name in ("ease_off_angle", "lever_arm"))
+    fields = {name: slopes[name] for name in ("ease_off_angle", "roll_angle", "lever_arm")}
+    fields["ease_off"] = 1e3 * (slopes["ease_off_angle"] * arm + angle * slopes["lever_arm"])
+    return {name: ((*_GRID, "setting"), values) for name, values in fields.items()}
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class CycleSlopes:
+    """Derivatives of a mesh cycle by settings, and last by the torque; ``of`` makes them.
+
+    Parameters
+    ----------
+    cycle
+        The pair in mesh.
+    settings
+        By what is differentiated, beside the torque (j).
+    nodes
+        Derivatives at the nodes of the gear flank, from ``geometry.pair.field_slopes``.
+    directions
+        Splines of the fields and of their derivatives.
+    cases
+        Derivatives of every torque and mesh position (j + 1).
+    """
+
+    cycle: MeshCycle
+    settings: tuple[PairSetting, ...]
+    nodes: Mapping[str, Array]
+    directions: FieldDirections
+    cases: list[CaseSlopes]
+
+    @classmethod
+    def of(cls, cycle: MeshCycle, settings: Sequence[PairSetting], cases: Sequence[LoadedCase]) -> CycleSlopes:
+        """Differentiate solved cases; arguments and errors as of ``cycle_slopes``."""
+        nodes, told = field_slopes(cycle.geometry, settings), cycle.geometry.ease_off
+        bends = {name: ordered(told, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
+        directions = FieldDirections.of(cycle.fields, bends, nodes)
+        edges = any(np.any(np.isfinite(case.segments.line_contact.overhang)) for case in cases)
+        pieces = EdgePieces.of(cases) if edges else None
+        slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines), pieces)
+        found = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
+        return cls(cycle, tuple(settings), nodes, directions, found)
+
+    def datasets(
+        self,
+        loaded: xr.Dataset,
+        roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+        *,
+        unloaded: bool = True,
+    ) -> tuple[xr.Dataset, xr.Dataset]:
+        """Values and derivatives; arguments and returns as of ``cycle_slopes``, without load only if asked."""
+        cycle, cases = self.cycle, [one.case for one in self.cases]
+        errors = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes) if unloaded else None
+        values = cycle_values(cycle, loaded, cases, roots, errors)
+        data: dict[str, Any] = {}
+        for name, (dims, change) in ease_off_slopes(cycle, self.nodes).items():
+            data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
+        data |= load_variables(loaded, self.cases)
+        data |= load_spot_slopes(load_spot(loaded), self.cases)
+        data |= {} if errors is None else unloaded_numbers(errors)[1]
+        by_setting = thickness_slopes(cycle.geometry.pair, self.settings)
+        data["tooth_thickness"] = (("member", "setting"), np.pad(by_setting, ((0, 0), (0, 1))))
+        if roots is not None:
+            data |= root_stress_slopes(self.directions, roots, self.cases, values)
+        return values, xr.Dataset(data, coords=values.coords)
+
+
+def cycle_values(
+    cycle: MeshCycle,
+    loaded: xr.Dataset,
+    cases: Sequence[LoadedCase],
+    roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+    unloaded: UnloadedSlopes | None = None,
+) -> xr.Dataset:
+    """Values of the variables that ``cycle_slopes`` differentiates.
+
+    Parameters
+    ----------
+    cycle, loaded, cases, roots
+        As of ``cycle_slopes``.
+    unloaded
+        From ``unloaded_slopes``; ``None`` to leave the unloaded transmission error out.
+    """
+    told = cycle.geometry.ease_off
+    values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
+    values |= load_spot(loaded)
+    values |= {} if unloaded is None else unloaded_numbers(unloaded)[0]
+    values["tooth_thickness"] = (("member",), mean_thicknesses(cycle.geometry.pair))
+    coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
+    coords["member"] = list(MEMBERS)
+    coords |= {name: told[name] for name in _GRID}
+    if roots is not None:
+        stress = root_stress(cycle.fields, roots, list(cases), loaded)
+        values |= {name: stress[name] for name in OF_ROOTS}
+    return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False))
+
+
+def cycle_slopes(
+    cycle: MeshCycle,
+    settings: Sequence[PairSetting],
+    loaded: xr.Dataset,
+    cases: Sequence[LoadedCase],
+    roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Numbers of a mesh cycle, and their derivatives by settings, and last by the torque.
+
+    Parameters
+    ----------
+    cycle
+        The pair in mesh.
+    settings
+        By what to differentiate, beside the torque.
+    loaded, cases
+        From ``cycle.loaded``.
+    roots
+        Teeth by finite elements whose root stress is differentiated as well.
+
+    Returns
+    -------
+    tuple
+        Variables of ``loaded``, of the unloaded contact and of the ease-off; and their derivatives, over ``setting`` as
+        well, by mm, rad or the unit of the setting, last by the torque at the pinion [N m]. NaN where the contact has a
+        kink.
+
+    Raises
+    ------
+    InputError
+        If the teeth are plates, or a case is not one with rigid supports.
+    GeometryError
+        If a contact line ends at a hole of the flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
+    >>> settings = [PairSetting("pinion", "radial_distance"), PairSetting("assembly", "offset")]
+    >>> values, slopes = cycle_slopes(cycle, settings, *cycle.loaded([100.0]))
+    >>> dict(slopes["transmission_error"].sizes)
+    {'torque': 1, 'mesh_position': 2, 'setting': 3}
+    """
+    return CycleSlopes.of(cycle, settings, cases).datasets(loaded, roots)

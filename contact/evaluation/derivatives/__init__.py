@@ -1,1 +1,0 @@
-"""Derivatives of the contact over a mesh cycle by machine and cutter settings, assembly errors and torque."""

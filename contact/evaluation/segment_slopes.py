@@ -1,0 +1,476 @@
+"""Derivatives of the potential contact segments of a mesh cycle: gap, lever arm, line contact, place.
+
+Segments of contact lines move with their lines, to the ends at edges if these may touch. A piece of an edge keeps its
+place along the edge; what of it may touch changes with the settings. All that follows from fields and lines in closed
+form or by Newton's method, and is differentiated by central differences along their exact derivatives.
+
+Derivatives of the numbers of a transmission error over the mesh cycle.
+
+Splines of the contact's fields on the gear flank, moved along the derivatives by several settings.
+
+Motion of the contact lines with the settings: implicit derivatives of the level sets of the roll angle.
+
+A point of a line moves across it as the roll angle there changes. An end moves to where line and boundary of the common
+flank meet then. Between the ends points stay evenly spaced in length on the gear flank, which moves as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from ...geometry.newton import cramers_rule
+from ..lines.closest_approach import PASSING_FIELDS, SEPARATION_FIELDS, pinion_points
+from ..lines.contact_lines import BOUNDARY_FIELDS, ContactLines, bend_and_slope, length_through
+from ..lines.flank_splines import SLOPES, VALUE_AND_SLOPES, FlankSplines, fit
+from ..lines.line_ends import line_rotations
+from ..lines.mesh_edges import FlankEdge, chosen_elements, flank_edges
+from ..lines.mesh_lines import LoadedPlaces, MeshLines
+from ..lines.tensor_spline import TensorSpline
+from ..loaded import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
+from ..pair_errors import ENVELOPE_REFINEMENT
+from ..segments import DEPTHS, CycleSegments, loaded_at
+from .unloaded_slopes import UnloadedSlopes
+
+Array = NDArray[Any]
+
+
+def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
+    """Derivatives of mean level, peak to peak, harmonics and rms of a transmission error, with their dimensions.
+
+    Parameters
+    ----------
+    error
+        Transmission error (t, k).
+    slopes
+        Its derivatives (t, k, j).
+    orders
+        Number of harmonics.
+
+    Examples
+    --------
+    >>> error = np.array([[0.0, 2.0, 1.0, 1.0]])
+    >>> rotation_slopes(error, error[..., None], 1)["peak_to_peak"]
+    (('torque', 'setting'), array([[2.]]))
+    """
+    rows, count = np.arange(len(error)), error.shape[1]
+    spectrum, change = np.fft.rfft(error, axis=1), np.fft.rfft(slopes, axis=1)
+    scale = np.full(spectrum.shape[1], 2.0 / count)
+    if count % 2 == 0:
+        scale[-1] /= 2.0  # as in ``mesh_harmonics``
+    amplitude = scale * np.abs(spectrum)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = np.real(np.conj(spectrum / np.abs(spectrum))[..., None] * change) * scale[:, None]
+    harmonic = np.zeros((len(error), orders, slopes.shape[2]))
+    kept = min(orders, spectrum.shape[1] - 1)
+    harmonic[:, :kept] = along[:, 1 : kept + 1]
+    first = slice(1, min(3, kept) + 1)
+    rms = np.sqrt(np.sum(amplitude[:, first] ** 2, axis=1))
+    by_rms = np.sum(amplitude[:, first, None] * along[:, first], axis=1) / rms[:, None]
+    ends = slopes[rows, np.argmax(error, axis=1)] - slopes[rows, np.argmin(error, axis=1)]
+    return {
+        "mean_level": (("torque", "setting"), slopes.mean(axis=1)),
+        "peak_to_peak": (("torque", "setting"), ends),
+        "harmonic": (("torque", "order", "setting"), harmonic),
+        "rms": (("torque", "setting"), by_rms),
+    }
+
+
+def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of the unloaded transmission error [urad], and their derivatives, which by the torque are zero.
+
+    Parameters
+    ----------
+    found
+        The error and its derivatives by settings.
+
+    Returns
+    -------
+    tuple
+        Both by name with their dimensions; the names begin with ``unloaded_``.
+    """
+    fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
+    names = ("mean_level", "harmonic", "rms")
+    own, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
+    values = {f"unloaded_{name}": (own[name][0][1:], own[name][1][0]) for name in names}
+    data = {f"unloaded_{name}": (by_setting[name][0][1:], by_setting[name][1][0]) for name in names}
+    envelope = "unloaded_transmission_error_envelope"
+    values[envelope] = (("mesh_position",), fine[0, ::ENVELOPE_REFINEMENT])
+    data[envelope] = (("mesh_position", "setting"), change[0, ::ENVELOPE_REFINEMENT])
+    values["unloaded_peak_to_peak"] = ((), 1e6 * found.peak_to_peak)
+    data["unloaded_peak_to_peak"] = (("setting",), 1e6 * np.append(found.peak_slopes, 0.0))
+    return values, data
+
+
+#: What contact depends on.
+FIELDS = (
+    "roll_angle",
+    "ease_off_angle",
+    "lever_arm",
+    *BOUNDARY_FIELDS,
+    *SEPARATION_FIELDS,
+    "position",
+    "depth_pinion",
+    "depth_gear",
+    *PASSING_FIELDS,
+)
+BEND_STEP = 1e-4  # of the greatest change of curvature and skew, in a difference of their bounded forms
+
+
+@dataclass(frozen=True)
+class FieldDirections:
+    """Fields of a pair and their derivatives by settings (j).
+
+    Parameters
+    ----------
+    base
+        Splines of the ``FIELDS``.
+    slopes
+        Splines of their derivatives, the settings last.
+    count
+        Number of settings.
+    """
+
+    base: FlankSplines
+    slopes: FlankSplines
+    count: int
+
+    @classmethod
+    def of(cls, fields: FlankSplines, ease_off: Mapping[str, Array], slopes: Mapping[str, Array]) -> FieldDirections:
+        """Splines through derivatives at the nodes.
+
+        Parameters
+        ----------
+        fields
+            Splines from ``loaded_splines``.
+        ease_off
+            Separation curvature and skew at the nodes (nt, nh).
+        slopes
+            From ``geometry.pair.field_slopes``.
+
+        Raises
+        ------
+        GeometryError
+            If a node that has a conjugate point has no derivatives.
+        """
+        curvature, skew = ease_off["separation_curvature"][..., None], ease_off["separation_skew"][..., None]
+        by_curvature, by_skew = slopes["separation_curvature"], slopes["separation_skew"]
+        sizes = [np.nanmax(np.abs(d) / (0.1 + np.abs(v))) for v, d in ((curvature, by_curvature), (skew, by_skew))]
+        step = BEND_STEP / max(*sizes, 1e-300)
+        ahead, behind = (
+            bend_and_slope(curvature + sign * step * by_curvature, skew + sign * step * by_skew) for sign in (1.0, -1.0)
+        )
+        given = dict(slopes) | {
+            name: (a - b) / (2.0 * step) for name, a, b in zip(SEPARATION_FIELDS, ahead, behind, strict=True)
+        }
+        found = fit(fields.lengthwise, fields.profile, {name: given[name] for name in FIELDS})
+        if not np.array_equal(found.holes, fields.holes):
+            raise GeometryError(
+                "the flanks have no derivatives at some nodes: a setting moves the end of the flank there"
+            )
+        return cls(_part(fields), found, given["roll_angle"].shape[-1])
+
+    def moved(self, setting: int, step: float) -> FlankSplines:
+        """The fields after a step of one setting, to first order."""
+        change = self.slopes.spline.coefficients.reshape(-1, self.count, *self.base.spline.coefficients.shape[1:])
+        spline = TensorSpline(self.base.spline.intervals, self.base.spline.coefficients + step * change[:, setting])
+        base = self.base
+        return FlankSplines(spline, base.columns, base.holes, base.lengthwise, base.profile)
+
+
+def _part(fields: FlankSplines) -> FlankSplines:
+    """The ``FIELDS`` alone."""
+    numbers, columns, start = [], {}, 0
+    for name in FIELDS:
+        own, shape = fields.columns[name]
+        numbers.append(np.arange(own.start, own.stop))
+        columns[name] = (slice(start, start := start + own.stop - own.start), shape)
+    spline = fields.spline.part(np.concatenate(numbers))
+    return FlankSplines(spline, columns, fields.holes, fields.lengthwise, fields.profile)
+
+
+END_TOLERANCE = 1e-6  # fraction of the flank, or mm, within which a line's end lies on the boundary
+LENGTH_STEP = 1e-5  # [mm], of the points of a line in a difference of lengths
+
+
+@dataclass(frozen=True)
+class LineMotion:
+    """Derivatives of contact lines (m) by settings (j).
+
+    Parameters
+    ----------
+    points
+        Of the points along the lines (2, m, k, j), as fractions.
+    length
+        Of their lengths (m, j) [mm].
+    """
+
+    points: Array
+    length: Array
+
+
+def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:
+    """Motion of contact lines.
+
+    Parameters
+    ----------
+    directions
+        The fields and their derivatives.
+    mesh
+        Contact lines of the fields, from ``lines_in_mesh``.
+
+    Raises
+    ------
+    GeometryError
+        If a line ends within the flank, at a hole of it.
+    """
+    points, base = mesh.lines.points, directions.base
+    roll = np.stack([d["roll_angle"] for d in base.derivatives(["roll_angle"], points, SLOPES)])
+    tangents = [d["position"] for d in base.derivatives(["position"], points, SLOPES)]
+    metric = [np.sum(tangents[i] * tangents[j], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
+    across = cramers_rule(metric[:2], metric[1:], roll)
+    across = across / np.sum(roll * across, axis=0)  # a unit of roll angle across the line
+    along = np.stack([-roll[1], roll[0]])
+    along = along / np.sqrt(
+        metric[0] * along[0] ** 2 + 2.0 * metric[1] * along[0] * along[1] + metric[2] * along[1] ** 2
+    )
+    forwards = np.sign(np.sum(np.gradient(points, axis=-1) * along, axis=0))
+    along = along * forwards  # a millimetre along the line
+    change = directions.slopes.evaluate(["roll_angle", "position"], points)
+    turned, shifted = np.moveaxis(change["roll_angle"], 0, -1), np.moveaxis(change["position"], 1, -1)
+    moved = -across[..., None] * turned[None]
+
+    ends = [0, points.shape[2] - 1]
+    wanted = _ends(directions, points[:, :, ends], roll[:, :, ends], turned[:, ends])
+    unit = along[:, :, ends, None]
+    slide = np.sum((wanted - moved[:, :, ends]) * unit, axis=0) / np.sum(unit**2, axis=0)
+    share = np.linspace(0.0, 1.0, points.shape[2])
+    slides = slide[:, :1] * (1.0 - share[:, None]) + slide[:, 1:] * share[:, None]
+    moved = moved + along[..., None] * slides[None]
+
+    # What that makes of lengths, and the slide that spaces the points evenly again.
+    position = base("position", points)
+    in_space = shifted + tangents[0][..., None] * moved[0] + tangents[1][..., None] * moved[1]
+    longer = np.empty(turned.shape)
+    for j in range(directions.count):
+        step = LENGTH_STEP / max(float(np.max(np.abs(in_space[..., j]))), 1e-300)
+        ahead, behind = (length_through(position + sign * step * in_space[..., j]) for sign in (1.0, -1.0))
+        longer[..., j] = (ahead - behind) / (2.0 * step)
+    moved = moved + along[..., None] * (share[:, None] * longer[:, -1:] - longer)
+    return LineMotion(moved, longer[:, -1])
+
+
+def _ends(directions: FieldDirections, points: Array, roll: Array, turned: Array) -> Array:
+    """Derivatives (2, m, 2, j) of the ends of the lines: on their level and on the boundary that ends them."""
+    names = list(BOUNDARY_FIELDS)
+    found = directions.base.derivatives(names, points, VALUE_AND_SLOPES)
+    change = directions.slopes.evaluate(names, points)
+    t, h = points
+    one, none = np.ones_like(t), np.zeros_like(t)
+    still = np.zeros(turned.shape)
+    distances, slopes, changes = [t, 1.0 - t, h, 1.0 - h], [[one, none]] * 2 + [[none, one]] * 2, [still] * 4
+    for name in names:
+        value, *by_fraction = (each[name] for each in found)
+        for side in (value,) if name == "blade_distance" else (value, 1.0 - value):
+            distances.append(side)
+            slopes.append(by_fraction)
+            changes.append(np.moveaxis(change[name], 0, -1))
+    nearest = np.argmin(np.abs(distances), axis=0)
+    if np.any(np.min(np.abs(distances), axis=0) > END_TOLERANCE):
+        raise GeometryError(
+            "a contact line ends at a hole of the flank, which has no derivative: use more grid nodes, or settings "
+            "without undercut"
+        )
+    slope = np.take_along_axis(np.array(slopes), nearest[None, None], axis=0)[0]
+    moved = np.take_along_axis(np.array(changes), nearest[None, ..., None], axis=0)[0]
+    first, second = np.stack([roll[0], slope[0]]), np.stack([roll[1], slope[1]])
+    return cramers_rule(first[..., None], second[..., None], -np.stack([turned, moved]))
+
+
+STEP = 1e-5  # of the flank, and of the range of a field, in differences of smooth functions of the fields
+#: What a segment has of its own; the depths follow from where both members are loaded.
+NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *DEPTHS)
+
+
+@dataclass(frozen=True)
+class EdgePieces:
+    """Pieces of edges (n) in contact over a mesh cycle, in the order of their keys.
+
+    Parameters
+    ----------
+    keys
+        Mesh position, tooth pair, edge and element (n, 4), see ``Segments``.
+    """
+
+    keys: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, cases: Sequence[LoadedCase]) -> EdgePieces:
+        """Those that carry load in any of the cases."""
+        keys = [np.zeros((0, 4), dtype=np.int64)]
+        for case in cases:
+            keys.append(_keys(case)[(case.segments.edge >= 0) & (case.solution.force > 0.0)])
+        return cls(np.unique(np.concatenate(keys), axis=0))
+
+    def rows(self, case: LoadedCase) -> NDArray[np.int64]:
+        """Numbers of a case's segments (s) among the pieces; -1 where they are none of them."""
+        number = {tuple(key): row for row, key in enumerate(self.keys.tolist())}
+        return np.array([number.get(tuple(key), -1) for key in _keys(case).tolist()], dtype=np.int64)
+
+
+def _keys(case: LoadedCase) -> NDArray[np.int64]:
+    here = case.segments
+    return np.stack([np.full(here.pair.size, case.mesh_position), here.pair, here.edge, here.element], axis=1)
+
+
+@dataclass(frozen=True)
+class SegmentSlopes:
+    """Derivatives of the segments of contact lines, and of pieces of edges after these (n), by settings (j).
+
+    Parameters
+    ----------
+    segments
+        Those of the contact lines.
+    pieces
+        Pieces of edges.
+    slopes
+        Derivatives (n, j) by name; NaN where the setting at hand takes a line away.
+    points
+        Where pinion and gear are loaded (2, n, g), as fractions on the gear, see ``Segments``.
+    motion
+        Derivatives of these points (2, n, g, j).
+    steps
+        Step of every setting (j) that moves points and fields by about ``STEP`` of their ranges.
+    """
+
+    segments: CycleSegments
+    pieces: EdgePieces
+    slopes: dict[str, Array]
+    points: tuple[Array, Array]
+    motion: tuple[Array, Array]
+    steps: Array
+
+    @classmethod
+    def of(
+        cls, segments: CycleSegments, directions: FieldDirections, motion: LineMotion, pieces: EdgePieces | None
+    ) -> SegmentSlopes:
+        """Derivatives of segments that move with their lines.
+
+        Parameters
+        ----------
+        segments
+            Of the contact lines as they are traced.
+        directions
+            Fields and their derivatives.
+        motion
+            Of the lines.
+        pieces
+            Pieces of edges, up to which the lines go then; ``None`` for contact on lines alone.
+        """
+        known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
+        own = segments if pieces is None else segments.to_edges
+        here = _Loaded.of(segments, own, known)
+        steps = STEP / np.maximum(_sizes(directions), np.max(np.abs(motion.points), axis=(0, 1, 2)))
+        columns = []
+        for j, step in enumerate(steps):
+            ahead, behind = (_moved(segments, own, directions, motion, known, j, sign * step) for sign in (1.0, -1.0))
+            columns.append((ahead - behind).times(0.5 / step))
+        slopes = {name: np.stack([one.values[name] for one in columns], axis=-1) for name in NAMES}
+        pinion, gear = (np.stack([one.points[member] for one in columns], axis=-1) for member in (0, 1))
+        return cls(own, known, slopes, here.points, (pinion, gear), steps)
+
+    @property
+    def places(self) -> tuple[Array, Array]:
+        """Derivatives (2, n, j) of the segments' places on pinion and gear, the means of the points."""
+        pinion, gear = (np.einsum("xngj,g->xnj", one, self.segments.on_lines.quadrature[1]) for one in self.motion)
+        return pinion, gear
+
+    def rows(self, case: LoadedCase) -> NDArray[np.int64]:
+        """Numbers of a case's segments (s) among these; -1 for pieces of edges that are not."""
+        position = self.segments.on_lines.names["position"]
+        of_pieces = self.pieces.rows(case)
+        rows = np.where(of_pieces >= 0, position.size + of_pieces, -1)
+        rows[case.segments.edge < 0] = np.flatnonzero(position == case.mesh_position)
+        return rows
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """Values of segments (n) by name, and the points (2, n, g) where pinion and gear are loaded."""
+
+    values: dict[str, Array]
+    points: tuple[Array, Array]
+
+    @classmethod
+    def of(
+        cls,
+        traced: CycleSegments,
+        own: CycleSegments,
+        pieces: EdgePieces,
+        near: Sequence[FlankEdge] | None = None,
+    ) -> _Loaded:
+        """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
+        table, weights = own.table, own.on_lines.quadrature[1]
+        values = {name: table[name] for name in NAMES}
+        pinion, gear = (one.reshape(2, -1, weights.size) for one in own.loaded_places.points)
+        if not pieces.keys.size:
+            return cls(values, (pinion, gear))
+        position, pair, edge, element = pieces.keys.T
+        mesh = traced.on_lines.lines
+        rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
+        edges = traced.edges if near is None else flank_edges(traced.fields, near)
+        found = chosen_elements(traced.fields, rotation, edges, edge, element)
+        on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
+        there = pinion_points(traced.fields, found.points, rotation), found.points
+        on_edges |= loaded_at(LoadedPlaces(traced.fields, *there), traced.on_lines.teeth.solid)
+        joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
+        on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
+        return cls(joined, (np.concatenate([pinion, on_pinion], axis=1), np.concatenate([gear, on_gear], axis=1)))
+
+    def __sub__(self, other: _Loaded) -> _Loaded:
+        pinion, gear = (one - another for one, another in zip(self.points, other.points, strict=True))
+        return _Loaded({name: value - other.values[name] for name, value in self.values.items()}, (pinion, gear))
+
+    def times(self, factor: float) -> _Loaded:
+        """All of it times a number."""
+        pinion, gear = self.points
+        values = {name: factor * value for name, value in self.values.items()}
+        return _Loaded(values, (factor * pinion, factor * gear))
+
+
+def _moved(
+    segments: CycleSegments,
+    own: CycleSegments,
+    directions: FieldDirections,
+    motion: LineMotion,
+    pieces: EdgePieces,
+    setting: int,
+    step: float,
+) -> _Loaded:
+    """Segments and pieces of edges after a step of one setting; NaN if they are not the same lines."""
+    fields, mesh = directions.moved(setting, step), segments.on_lines.lines
+    lines = ContactLines(
+        mesh.lines.level,
+        mesh.lines.points + step * motion.points[..., setting],
+        mesh.lines.length + step * motion.length[:, setting],
+    )
+    on_lines = replace(segments.on_lines, fields=fields, lines=replace(mesh, lines=lines))
+    traced = replace(segments, fields=fields, on_lines=on_lines)
+    moved = traced.to_edges if own.cut else traced
+    known, found = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
+    if np.array_equal(known, found):
+        return _Loaded.of(traced, moved, pieces, segments.edges)
+    return _Loaded.of(segments, own, pieces).times(np.nan)
+
+
+def _sizes(directions: FieldDirections) -> Array:
+    """Greatest change (j) of any field by a unit of a setting, over the range of the field."""
+    own = directions.base.spline.coefficients
+    span = np.ptp(own, axis=(1, 2))
+    change = np.abs(directions.slopes.spline.coefficients).max(axis=(1, 2)).reshape(len(own), directions.count)
+    return np.asarray(np.maximum((change / span[:, None]).max(axis=0), 1e-300))

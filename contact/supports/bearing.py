@@ -1,0 +1,179 @@
+"""A bearing on a shaft: radial, axial and tilting stiffness, constant or from curves of displacement over load."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.checks import array, number, shown
+from ...core.errors import InputError
+from ..evaluation.monotone_cubic import MonotoneCubic
+from .shaft_section import POSITION_LIMIT
+
+Array = NDArray[np.float64]
+STIFFNESS_LIMIT = 1e15  # [N/mm, N mm/rad]
+POINT_COUNT_LIMIT = 1000  # of a curve
+
+
+@dataclass(frozen=True)
+class StiffnessCurve:
+    """Stiffness of a bearing that depends on its load.
+
+    The displacement is interpolated on logarithmic scales by a monotone cubic, which follows a power law exactly, such
+    as that of a line contact. Below the first load and above the last one the stiffness is that of the curve's end.
+
+    Parameters
+    ----------
+    load
+        Loads (n), increasing, positive, at least two [N, or N mm].
+    displacement
+        Displacements (n), increasing, positive [mm, or rad].
+
+    Raises
+    ------
+    InputError
+        If loads or displacements do not increase, are not positive, or are not as many.
+
+    Examples
+    --------
+    >>> curve = StiffnessCurve((1000.0, 2000.0, 4000.0), (0.004, 0.007, 0.012))
+    >>> round(curve.stiffness(2000.0)), round(curve.stiffness(10.0))
+    (285714, 250000)
+    """
+
+    load: tuple[float, ...]
+    displacement: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("load", "displacement"):
+            values = array(name, getattr(self, name), "N, mm, N mm, rad", ndim=1, fewest=2, above=0.0)
+            if np.any(np.diff(values) <= 0.0):
+                raise InputError(f"{name} = {shown(values)}: must increase from point to point")
+            object.__setattr__(self, name, tuple(values.tolist()))
+        if not len(self.load) == len(self.displacement) <= POINT_COUNT_LIMIT:
+            raise InputError(
+                f"{len(self.load)} loads and {len(self.displacement)} displacements: must be as many of both, at most "
+                f"{POINT_COUNT_LIMIT}"
+            )
+
+    @classmethod
+    def of_stiffness(cls, points: Sequence[tuple[float, float]]) -> StiffnessCurve:
+        """The curve of points (load, load over displacement).
+
+        Raises
+        ------
+        InputError
+            As the class; and if the stiffness grows so fast that the displacement falls.
+
+        Examples
+        --------
+        >>> StiffnessCurve.of_stiffness([(1000.0, 250e3), (2000.0, 280e3)]).displacement[0]
+        0.004
+        """
+        table = array("points", points, "N, N/mm", ndim=2, above=0.0)
+        if table.shape[1] != 2:
+            raise InputError(f"points = {shown(points)}: must be pairs of load and stiffness")
+        displacement = table[:, 0] / table[:, 1]
+        for (before, now), (load, stiffness) in zip(itertools.pairwise(displacement), table[1:], strict=True):
+            if now <= before:
+                raise InputError(
+                    f"stiffness {shown(stiffness)} at load {shown(load)}: must be load over displacement, smaller than "
+                    f"{shown(load / before)}: with it the displacement would not grow with the load"
+                )
+        return cls(tuple(table[:, 0]), tuple(displacement))
+
+    @cached_property
+    def _logarithms(self) -> MonotoneCubic:
+        return MonotoneCubic(np.log(self.load), np.log(self.displacement))
+
+    def stiffness(self, load: float) -> float:
+        """Load over displacement at a load [N/mm, or N mm/rad]; of load zero that of the first point."""
+        within = float(np.log(np.clip(abs(load), self.load[0], self.load[-1])))
+        within = min(max(within, float(self._logarithms.places[0])), float(self._logarithms.places[-1]))
+        return float(np.exp(within - self._logarithms(np.array(within))))
+
+
+Stiffness = float | StiffnessCurve
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A bearing at a place of a shaft. It leaves the rotation about the axis free.
+
+    Parameters
+    ----------
+    name
+        Name in results.
+    position
+        Where it acts on the axis [mm]; of a taper roller bearing its load centre, where the lines of action of the
+        rollers meet the axis.
+    radial
+        Radial stiffness [N/mm], or its curve.
+    axial
+        Axial stiffness [N/mm], both senses alike as of a preloaded pair, or its curve; zero: none.
+    tilting
+        Tilting stiffness [N mm/rad], or its curve; zero: none.
+
+    Raises
+    ------
+    InputError
+        If a stiffness is negative, or none is positive.
+
+    Examples
+    --------
+    >>> head = Bearing("head", 40.0, radial=600e3, axial=150e3)
+    >>> head.is_linear, head.stiffness.tolist()
+    (True, [600000.0, 600000.0, 150000.0, 0.0, 0.0])
+    """
+
+    name: str
+    position: float
+    radial: Stiffness
+    axial: Stiffness = 0.0
+    tilting: Stiffness = 0.0
+
+    def __post_init__(self) -> None:
+        number("position", self.position, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        for name, unit in (("radial", "N/mm"), ("axial", "N/mm"), ("tilting", "N mm/rad")):
+            if not isinstance(value := getattr(self, name), StiffnessCurve):
+                number(f"{name} stiffness", value, unit, least=0.0, most=STIFFNESS_LIMIT)
+        if not np.any(self.stiffness > 0.0):
+            raise InputError(f"bearing {self.name}: must have a stiffness above 0: radial, axial or tilting")
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether no stiffness depends on the load."""
+        return not any(isinstance(value, StiffnessCurve) for value in (self.radial, self.axial, self.tilting))
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness (5) along x, y, z and about x and y [N/mm, N mm/rad]; of curves that without load."""
+        radial, axial, tilting = (
+            value.stiffness(0.0) if isinstance(value, StiffnessCurve) else float(value)
+            for value in (self.radial, self.axial, self.tilting)
+        )
+        return np.array([radial, radial, axial, tilting, tilting])
+
+    def under(self, load: Array) -> Bearing:
+        """The linear bearing with the stiffness, load over displacement, of a load (6) on it [N, N mm].
+
+        Examples
+        --------
+        >>> curve = StiffnessCurve((1000.0, 2000.0), (0.004, 0.007))
+        >>> round(Bearing("tail", 90.0, radial=curve).under(np.array([1200.0, 1600.0, 0, 0, 0, 0])).radial)
+        285714
+        """
+        radial, axial, tilting = (
+            value.stiffness(float(size)) if isinstance(value, StiffnessCurve) else value
+            for value, size in (
+                (self.radial, np.hypot(*load[:2])),
+                (self.axial, load[2]),
+                (self.tilting, np.hypot(*load[3:5])),
+            )
+        )
+        return replace(self, radial=radial, axial=axial, tilting=tilting)

@@ -1,0 +1,343 @@
+"""A shaft on bearings that holds a member: how the member moves under a wrench, and what every bearing carries.
+
+Force method: the shaft is held where the member sits, and released there. With the loads r of the bearings on the
+shaft, the twist q of the member, the compliance F of the held beam between the bearings and that of the bearings,
+(F + K^-1) r = -R q and R' r = -w. The beam is exact, and bearings may be as stiff as one likes.
+
+A stepped round beam: stretching, torsion, and bending in two planes with shear (Timoshenko).
+
+The compliance of a cylindrical piece follows from the unit-load theorem in closed form. Pieces in a row carry the same
+wrench, taken about one point, so their compliances about that point add up: without nodes, elements or meshing error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.checks import frozen_arrays, number, shown
+from ...core.errors import InputError
+from ..compliance.material import Material
+from .bearing import Bearing
+from .shaft_section import POSITION_LIMIT, ShaftSection, shear_coefficient
+from .support import shift_matrix
+
+Array = NDArray[np.float64]
+SECTION_COUNT_LIMIT = 200
+JOINT_TOLERANCE = 1e-9  # between the end of a section and the start of the next [mm]
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A beam of cylindrical sections along z.
+
+    Parameters
+    ----------
+    sections
+        In their order along the axis, without gaps.
+    material
+        Its material.
+
+    Raises
+    ------
+    InputError
+        If there is no section, too many, or a section does not begin where the one before it ends.
+
+    Examples
+    --------
+    >>> beam = Beam((ShaftSection(0.0, 60.0, 40.0), ShaftSection(60.0, 100.0, 35.0)), Material(206000.0, 0.3))
+    >>> beam.start, beam.end
+    (0.0, 100.0)
+    """
+
+    sections: tuple[ShaftSection, ...]
+    material: Material
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.sections) <= SECTION_COUNT_LIMIT:
+            raise InputError(f"{len(self.sections)} sections: must be 1 to {SECTION_COUNT_LIMIT}")
+        for at, (before, section) in enumerate(zip(self.sections, self.sections[1:], strict=False), start=2):
+            if abs(section.start - before.end) > JOINT_TOLERANCE:
+                what = "overlaps the one before it" if section.start < before.end else "leaves a gap before it"
+                raise InputError(
+                    f"section {at} {what}: start = {shown(section.start)}: must be {shown(before.end)} [mm], where the "
+                    "section before it ends; give sections in the order of their positions"
+                )
+
+    @property
+    def start(self) -> float:
+        """Where the first section begins [mm]."""
+        return self.sections[0].start
+
+    @property
+    def end(self) -> float:
+        """Where the last section ends [mm]."""
+        return self.sections[-1].end
+
+    def compliance(self, start: float, end: float, origin: float = 0.0) -> Array:
+        """How the cross section at ``end`` moves against that at ``start`` under a wrench.
+
+        Parameters
+        ----------
+        start, end
+            Places on the beam [mm], in either order.
+        origin
+            Place on the axis about which wrench and twist are taken [mm].
+
+        Returns
+        -------
+        numpy.ndarray
+            Twist for wrench (6, 6) [mm/N, 1/N, 1/(N mm)], symmetric: forces along x, y, z, then moments.
+
+        Examples
+        --------
+        The tip of a cantilever under a force across it, and what bending alone makes of that:
+
+        >>> section = ShaftSection(0.0, 100.0, 40.0)
+        >>> tip = Beam((section,), Material(206000.0, 0.3)).compliance(0.0, 100.0, origin=100.0)
+        >>> bending = 100.0**3 / (3.0 * 206000.0 * section.second_moment)
+        >>> round(1e6 * float(tip[0, 0]), 2), round(1e6 * bending, 2)
+        (14.01, 12.88)
+        """
+        lower, upper = min(start, end), max(start, end)
+        total = np.zeros((6, 6))
+        for section in self.sections:
+            first, last = max(lower, section.start), min(upper, section.end)
+            if last > first:
+                total += _piece(section, self.material, first - origin, last - origin)
+        return total
+
+    def torsion(self, start: float, end: float) -> float:
+        """Rotation about the axis between two places for a unit torque [1/(N mm)]."""
+        return float(self.compliance(start, end)[5, 5])
+
+
+def _piece(section: ShaftSection, material: Material, start: float, end: float) -> Array:
+    """Compliance (6, 6) of a cylindrical piece about the origin of its ends [mm]."""
+    length, middle = end - start, 0.5 * (start + end)
+    shear = shear_coefficient(section.inner_diameter / section.outer_diameter, material.poisson_ratio)
+    stretching = length / (material.elastic_modulus * section.area)
+    sliding = length / (shear * material.shear_modulus * section.area)
+    bending = length / (material.elastic_modulus * section.second_moment)
+    twisting = length / (2.0 * material.shear_modulus * section.second_moment)
+    # A force at the origin has the bending moment z F at z: the mean of z^2 is middle^2 + length^2 / 12.
+    forced = sliding + bending * (middle**2 + length**2 / 12.0)
+    found = np.diag([forced, forced, stretching, bending, bending, twisting])
+    found[0, 4] = found[4, 0] = -middle * bending
+    found[1, 3] = found[3, 1] = middle * bending
+    return found
+
+
+STEEL = Material(206000.0, 0.3)
+BEARING_COUNT_LIMIT = 20
+STEP_COUNT_LIMIT = 500  # of bearings whose stiffness depends on the load
+STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class Shaft:
+    """A shaft along z on bearings, with a member on it that is rigid.
+
+    Parameters
+    ----------
+    sections
+        Its cylindrical sections, in their order along the axis.
+    bearings
+        Its bearings.
+    reference
+        Place on the axis about which the member's wrench and twist are taken [mm], such as the middle of the face.
+    seat
+        Where the member is fixed to the shaft [mm]; ``reference`` if left out.
+    torque_position
+        Where the torque enters [mm]; the shaft then winds up between there and the seat. If left out, the rotation
+        about the axis is held at the seat.
+    material
+        Material of the shaft.
+
+    Raises
+    ------
+    InputError
+        If a bearing, the seat or the place of the torque is not on the shaft, two bearings have the same name, or the
+        bearings leave a motion free.
+
+    Examples
+    --------
+    An overhung pinion, 1 kN across its axis at the middle of its face:
+
+    >>> shaft = Shaft(
+    ...     (ShaftSection(70.0, 200.0, 40.0),),
+    ...     (Bearing("head", 110.0, 600e3, 150e3), Bearing("tail", 170.0, 400e3, 100e3)),
+    ...     reference=90.0,
+    ... )
+    >>> round(1000.0 * float(shaft.compliance[0, 0]), 5)
+    0.00395
+    >>> shaft.loads[:, 0, 0].round(3).tolist()  # on head and tail bearing
+    [1.333, -0.333]
+    """
+
+    sections: tuple[ShaftSection, ...]
+    bearings: tuple[Bearing, ...]
+    reference: float
+    seat: float | None = None
+    torque_position: float | None = None
+    material: Material = STEEL
+
+    def __post_init__(self) -> None:
+        number("reference", self.reference, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        if not 1 <= len(self.bearings) <= BEARING_COUNT_LIMIT:
+            raise InputError(f"{len(self.bearings)} bearings: must be 1 to {BEARING_COUNT_LIMIT}")
+        names = [bearing.name for bearing in self.bearings]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError(f"two bearings have the name {shown(twice[0])}: must be a name of its own")
+        places = {f"bearing {bearing.name}: position": bearing.position for bearing in self.bearings}
+        if self.seat is None:
+            places["seat (the middle of the face, as it is left out)"] = self.reference
+        else:
+            places["seat"] = self.seat
+        if self.torque_position is not None:
+            places["torque_position"] = self.torque_position
+        for name, place in places.items():
+            if not self.beam.start <= place <= self.beam.end:
+                raise InputError(
+                    f"{name} = {shown(place)}: must be on the shaft, from {shown(self.beam.start)} to "
+                    f"{shown(self.beam.end)} [mm]"
+                )
+        self._require_held()
+
+    def _require_held(self) -> None:
+        radial, axial, tilting = (sum(bearing.stiffness[at] > 0.0 for bearing in self.bearings) for at in (0, 2, 3))
+        if not axial:
+            raise InputError(
+                "the shaft is free to move along its axis: one bearing at least must have an axial stiffness above 0"
+            )
+        if not radial:
+            raise InputError(
+                "the shaft is free to move across its axis: one bearing at least must have a radial stiffness above 0"
+            )
+        places = {bearing.position for bearing in self.bearings if bearing.stiffness[0] > 0.0}
+        if len(places) < 2 and not tilting:
+            raise InputError(
+                "the shaft is free to tilt: two bearings at different positions must have a radial stiffness, or one a "
+                "tilting stiffness above 0"
+            )
+
+    @cached_property
+    def beam(self) -> Beam:
+        """The shaft without its bearings."""
+        return Beam(self.sections, self.material)
+
+    @cached_property
+    def _seat(self) -> float:
+        return self.reference if self.seat is None else self.seat
+
+    @cached_property
+    def _response(self) -> tuple[Array, Array]:
+        """Compliance (6, 6), and loads on the bearings (bearing, 6, 6) at their positions, for wrenches at the seat."""
+        # Columns of ``acting``: wrenches at the seat of the components that each bearing takes.
+        shifts = [_shift(bearing.position, self._seat) for bearing in self.bearings]
+        taken = [np.flatnonzero(bearing.stiffness > 0.0) for bearing in self.bearings]
+        acting = [shift[:, components] for shift, components in zip(shifts, taken, strict=True)]
+        given = np.concatenate([1.0 / bearing.stiffness[at] for bearing, at in zip(self.bearings, taken, strict=True)])
+        rows = np.array([[self._between(a, b) for b in self.bearings] for a in self.bearings])
+        flexibility = np.block(
+            [[a.T @ rows[i, j] @ b for j, b in enumerate(acting)] for i, a in enumerate(acting)]
+        ) + np.diag(given)
+        every = np.concatenate(acting, axis=1)[:5]  # without the rotation about the axis
+        # Units such that rotations and displacements, moments and forces are alike.
+        scale = 1.0 / np.sqrt(flexibility.diagonal())
+        try:
+            lower = np.linalg.cholesky(scale[:, None] * flexibility * scale)
+        except np.linalg.LinAlgError as error:
+            raise InputError(
+                "the bearings are too stiff for the shaft to tell what each one carries: two at one place must be one, "
+                "and diameters must be those of a shaft"
+            ) from error
+        half = np.linalg.solve(lower, scale[:, None] * every.T)
+        orthogonal, triangle = np.linalg.qr(half)
+        inverse = np.linalg.inv(triangle)  # compliance = inverse inverse'; loads = scale lower^-T orthogonal inverse'
+        compliance = np.zeros((6, 6))
+        compliance[:5, :5] = inverse @ inverse.T
+        if self.torque_position is not None:
+            compliance[5, 5] = self.beam.torsion(self._seat, self.torque_position)
+        carried = scale[:, None] * np.linalg.solve(lower.T, orthogonal @ inverse.T)
+        carried += np.linalg.pinv(every) @ (np.eye(5) - every @ carried)  # equilibrium to the last digit
+        loads, at = np.zeros((len(self.bearings), 6, 6)), 0
+        for load, components in zip(loads, taken, strict=True):
+            load[components, :5] = carried[at : at + components.size]
+            at += components.size
+        return compliance, loads
+
+    def _between(self, one: Bearing, other: Bearing) -> Array:
+        """Compliance (6, 6) about the seat of what lies between the seat and both bearings."""
+        first, second = one.position - self._seat, other.position - self._seat
+        if first * second <= 0.0:
+            return np.zeros((6, 6))
+        nearer = first if abs(first) < abs(second) else second
+        return self.beam.compliance(self._seat, self._seat + nearer, self._seat)
+
+    @property
+    def compliance(self) -> Array:
+        """Twist of the member for a wrench on it (6, 6), both at ``reference`` [mm/N, 1/N, 1/(N mm)]."""
+        shift = _shift(self.reference, self._seat)
+        return np.asarray(shift.T @ self._response[0] @ shift)
+
+    @property
+    def loads(self) -> Array:
+        """Force and moment on every bearing at its position, for a wrench on the member at ``reference`` (n, 6, 6).
+
+        Without the torque about the axis, which leaves the shaft at the seat or at ``torque_position``.
+        """
+        return np.asarray(self._response[1] @ _shift(self.reference, self._seat))
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether no bearing's stiffness depends on its load."""
+        return all(bearing.is_linear for bearing in self.bearings)
+
+    def under(self, wrench: Array) -> Shaft:
+        """The shaft whose bearings have the stiffness, load over displacement, of their loads under a wrench.
+
+        Parameters
+        ----------
+        wrench
+            On the member, at ``reference`` (6) [N, N mm].
+
+        Raises
+        ------
+        InputError
+            If the stiffness of the bearings does not converge.
+
+        Examples
+        --------
+        >>> from easeoff.contact.supports.bearing import StiffnessCurve
+        >>> curve = StiffnessCurve((1e3, 1e4), (0.004, 0.032))
+        >>> shaft = Shaft(
+        ...     (ShaftSection(0.0, 100.0, 40.0),), (Bearing("a", 20.0, curve, 1e5), Bearing("b", 80.0, 4e5)), 50.0
+        ... )
+        >>> loaded = shaft.under(np.array([6e3, 0.0, 0.0, 0.0, 0.0, 0.0]))
+        >>> round(float(loaded.bearings[0].radial)), loaded.is_linear  # 3 kN on each
+        (278085, True)
+        """
+        if self.is_linear:
+            return self
+        found = replace(self, bearings=tuple(bearing.under(np.zeros(6)) for bearing in self.bearings))
+        for _ in range(STEP_COUNT_LIMIT):
+            loads = found.loads @ wrench
+            bearings = tuple(bearing.under(load) for bearing, load in zip(self.bearings, loads, strict=True))
+            new, old = (np.array([bearing.stiffness for bearing in each]) for each in (bearings, found.bearings))
+            found = replace(self, bearings=bearings)
+            if np.all(np.abs(new - old) <= STIFFNESS_CHANGE_LIMIT * old):
+                return found
+        raise InputError(
+            f"the stiffness of the bearings does not converge in {STEP_COUNT_LIMIT} steps: their displacement must "
+            "grow more evenly with the load"
+        )
+
+
+def _shift(start: float, end: float) -> Array:
+    """The matrix (6, 6) that takes a wrench at one place of the axis to another."""
+    return shift_matrix((0.0, 0.0, start), (0.0, 0.0, end))

@@ -1,1 +1,0 @@
-"""Shafts on bearings: simple systems of beams that hold a member."""

@@ -1,0 +1,504 @@
+"""The fit of a pinion's set-up within the limits of the machine: each flank by its own, or both by one.
+
+The start is the pinion that the crown gear of the gear cuts: a machine without tilt whose cradle rolls as the gear's
+pitch cone does. Its machine root angle is then laid along the root cone of the pinion.
+
+The width of a pinion's slot at its mean point, where one cutter cuts both flanks of it.
+
+The machine without tilt: its root angle along the root cone of the pinion, its tip plane through that cone's apex.
+
+The tip plane of the cutter stands still while the cradle turns. Seen from the work it envelops a cone with the machine
+root angle whose apex is where the work axis meets the plane: the root of the tooth lies on it, whatever else is set.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.named_settings import get_setting, with_settings
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import solve_flank
+from ..newton import solve
+from ..pair.ease_off import exact_ease_off
+from ..pair.gear_pair import FlankName, GearPair, grid
+from ..tooth.tooth_surface import tip_gap
+from .blank import BlankDimensions
+from .closest_fit import BLANK_ADVICE, StandardSteps, residual_limits
+from .ease_off_residual import EaseOffResidual, Tie
+from .iso23509.blank_dimensions import MemberBlank
+from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
+from .root_line import RootLine, root_gap
+from .synthesis import EaseOffTarget, Synthesis, root_cost
+
+Array = NDArray[Any]
+
+
+@dataclass
+class MeanSlot:
+    """The mean point on both flanks, and the width that the blank wants between them.
+
+    Parameters
+    ----------
+    point
+        Axial and radial coordinates of the mean point (2, 1) [mm].
+    width_per_angle
+        Normal width per angle about the member's axis [mm/rad].
+    wanted
+        Normal width of the slot [mm].
+    parameters
+        Surface parameters (2, 1) of the point on the concave and on the convex flank, a start for other settings.
+    """
+
+    point: Array
+    width_per_angle: float
+    wanted: float
+    parameters: tuple[Array, Array]
+
+    @classmethod
+    def of(
+        cls, concave: GeneratingSurface, convex: GeneratingSurface, section: BlankSection, blank: BlankDimensions
+    ) -> MeanSlot:
+        """The slot of the pinion of a blank. Raises GeometryError if the cutter meets no tooth of it."""
+        member: MemberBlank = blank.pinion
+        axial = member.mean_cone_distance * math.cos(member.pitch_angle) - member.pitch_apex
+        radial = member.mean_cone_distance * math.sin(member.pitch_angle)
+        point = np.array([[axial], [radial]])
+        found = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
+        wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness
+        return cls(point, radial * math.cos(member.mean_spiral_angle), wanted, (found[0], found[1]))
+
+    def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
+        """Normal width of the slot that two flanks of one set-up leave [mm]; NaN where a flank is not found."""
+        azimuths, parameters = [], []
+        for surface, start in zip((concave, convex), self.parameters, strict=True):
+            found = solve(surface.axial_and_radial, start, self.point, surface.max_step)
+            if not np.all(found.converged):
+                return math.nan
+            position = surface.evaluate(found.parameters)[0][:, 0]
+            hand = 1.0 if surface.hand == "right" else -1.0
+            azimuths.append(math.atan2(hand * position[1], position[0]))
+            parameters.append(found.parameters)
+        self.parameters = parameters[0], parameters[1]
+        return math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi) * self.width_per_angle
+
+    def change(
+        self, here: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface, *, convex: bool
+    ) -> float:
+        """Change of the width [mm] from one flank to another near it, to first order: the other side stays.
+
+        Parameters
+        ----------
+        here
+            The flank that the parameters belong to.
+        behind, ahead
+            Flanks near it.
+        convex
+            Whether it is the convex flank.
+        """
+        parameters = self.parameters[1 if convex else 0]
+        position, normal = (vector[:, 0] for vector in here.evaluate(parameters)[:2])
+        moved = (ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0])[:, 0]
+        around = float(position[0] * normal[1] - position[1] * normal[0])
+        hand = 1.0 if here.hand == "right" else -1.0
+        turn = hand * float(moved @ normal) / around
+        return (1.0 if convex else -1.0) * turn * self.width_per_angle
+
+    def error(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
+        """Width less the wanted one [mm]."""
+        return self.width(concave, convex) - self.wanted
+
+
+CENTER = "machine_center_to_crossing_point"
+
+
+def root_tie(blank: BlankDimensions, free: Sequence[str]) -> Tie | None:
+    """The sliding base that keeps the root on its cone, where nothing but the machine centre moves it.
+
+    Without tilt, and with the machine root angle of the blank, the tip plane of the cutter envelops the root cone: it
+    has to pass through the apex of that cone. ``None`` if the sliding base is free.
+    """
+    if "sliding_base" in free:
+        return None
+    root = blank.pinion
+
+    def tie(values: Mapping[str, float]) -> Mapping[str, float]:
+        center = values[CENTER]
+        return {"sliding_base": (root.root_apex - center) * math.sin(root.root_angle)}
+
+    return tie
+
+
+def along_the_root(surface: GeneratingSurface, blank: BlankDimensions) -> GeneratingSurface:
+    """A pinion flank's machine without tilt, its root angle that of the blank and its tip plane through the root apex.
+
+    Parameters
+    ----------
+    surface
+        The flank, see ``crown_gear_pinion``.
+    blank
+        Dimensions of the pair.
+    """
+    tie = root_tie(blank, ())
+    assert tie is not None
+    values = {CENTER: get_setting(surface, CENTER)}
+    upright = {"cutter_tilt": 0.0, "cutter_swivel": 0.0, "machine_root_angle": blank.pinion.root_angle}
+    return with_settings(surface, {**upright, **tie(values)})
+
+
+#: Pair to start from, target, and what ``root_gap`` gives for blade tips on the root cone.
+Side = tuple[GearPair, EaseOffTarget, Array]
+
+NODES = (9, 7)
+FOLD_MARGIN = 0.2  # see ``fit_pinion``
+SLOT_WEIGHT = 3e3  # [um/mm]: an error of the slot counts as much as three times the same ease-off at one node
+SLOT_STEP = 1e-4  # of the usual steps
+RESIDUAL_CHANGE = 1e-6  # relative change of the sum of squares at which a fit ends
+LARGEST_EVALUATIONS = 60
+#: [rad]; with one milling cutter the conjugate pinion is out of reach, and without tilt nothing turns it.
+FIRST_TILTS = (-0.1, 0.02, -0.05)
+INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
+
+
+@dataclass
+class SetUpResidual:
+    """Residuals of a set-up that cuts one flank or both.
+
+    Parameters
+    ----------
+    parts
+        Residuals of each flank.
+    shared
+        Number of machine settings that move, whose steps come first.
+    own
+        Number of settings of each blade, whose steps follow.
+    slot
+        The slot that one cutter leaves between both flanks; ``None`` where it leaves none.
+    """
+
+    parts: Sequence[EaseOffResidual]
+    shared: int
+    own: int
+    slot: MeanSlot | None
+
+    @property
+    def size(self) -> int:
+        """Number of steps."""
+        return self.shared + self.own * len(self.parts)
+
+    def columns(self, part: int) -> Array:
+        """Places of one flank's steps among all."""
+        first = self.shared + part * self.own
+        return np.concatenate([np.arange(self.shared), np.arange(first, first + self.own)])
+
+    def __call__(self, steps: Array) -> Array:
+        """Residuals [um] of every flank, and of the slot."""
+        rows = [part(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
+        if self.slot is not None:
+            rows.append(np.atleast_1d(self._slot_error(steps)))
+        return np.concatenate(rows)
+
+    def jacobian(self, steps: Array) -> Array:
+        """Derivatives of the residuals by the steps [um]."""
+        rows = []
+        for k, part in enumerate(self.parts):
+            columns = self.columns(k)
+            own = part.jacobian(steps[columns])
+            block = np.zeros((own.shape[0], self.size))
+            block[:, columns] = own
+            rows.append(block)
+        if self.slot is not None:
+            rows.append(self._slot_slopes(steps)[None, :])
+        return np.concatenate(rows)
+
+    def surfaces(self, steps: Array) -> list[GeneratingSurface]:
+        """The flanks at given steps."""
+        return [part.surface(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
+
+    def _slot_slopes(self, steps: Array) -> Array:
+        assert self.slot is not None
+        slopes = np.zeros(self.size)
+        for k, part in enumerate(self.parts):
+            columns = self.columns(k)
+            own = steps[columns]
+            here = part.surface(own)
+            for place, index in enumerate(columns):
+                shift = np.zeros(own.size)
+                shift[place] = SLOT_STEP
+                behind, ahead = part.surface(own - shift), part.surface(own + shift)
+                change = self.slot.change(here, behind, ahead, convex=k == 1)
+                slopes[index] += SLOT_WEIGHT * change / (2.0 * SLOT_STEP)
+        return slopes
+
+    def _slot_error(self, steps: Array) -> float:
+        assert self.slot is not None
+        concave, convex = self.surfaces(steps)
+        error = SLOT_WEIGHT * self.slot.error(concave, convex)
+        return error if np.isfinite(error) else 1e9
+
+
+def best_set_up(
+    upright: Mapping[FlankName, GearPair],
+    further: Sequence[Mapping[FlankName, GearPair]],
+    targets: Mapping[FlankName, EaseOffTarget],
+    method: SetUpMethod,
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+    steps: StandardSteps,
+) -> dict[FlankName, Synthesis]:
+    """Fit the set-up of a pinion to the wanted ease-off of both sides: the first good fit, else the best of all.
+
+    Parameters
+    ----------
+    upright
+        The pair with the pinion flanks that a machine without tilt cuts along the root cone, see ``along_the_root``.
+    further
+        The same from other starts, to be tried before it where the cutter may be tilted.
+    targets
+        Wanted ease-off of both sides.
+    method
+        Customary method, see ``pinion_method``. ``completing`` cuts both flanks with one set of machine settings;
+        face-milled, the cutter also leaves the slot of the blank at the mean point.
+    limits
+        Of the settings.
+    blank
+        Dimensions of the pair.
+    cutter_radius
+        Mean radius of the cutter [mm].
+    steps
+        Standard steps of the blades, at which the machine settings are fitted once more; not so completing.
+
+    Returns
+    -------
+    dict
+        The fit of each side.
+
+    Raises
+    ------
+    GeometryError
+        If no fit succeeds.
+    """
+    shared = shared_settings(method, limits, cutter_radius)
+    on_root = {side: root_gap(pair.pinion.loaded, pair.pinion.section) for side, pair in upright.items()}
+    first = _one_cutter(upright, blank) if method == "completing" else upright
+    starts = [(first, 0.0)]
+    if "cutter_tilt" in shared:
+        milled = first["drive"].pinion.loaded.settings.indexing_ratio == 0.0
+        tilts = FIRST_TILTS if method == "completing" and milled else (0.0,)
+        starts = [*((start, 0.0) for start in further), *((first, tilt) for tilt in tilts)]
+    sides: list[tuple[FlankName, ...]] = [("drive", "coast")] if method == "completing" else [("drive",), ("coast",)]
+    found: dict[FlankName, Synthesis] = {}
+    for together in sides:
+        best: dict[FlankName, Synthesis] | None = None
+        failure = GeometryError("no start")
+        for start, tilt in starts:
+            try:
+                chosen = {side: (start[side], targets[side], on_root[side]) for side in together}
+                fits = _fit(chosen, shared, limits, blank, cutter_radius, tilt=tilt)
+            except GeometryError as error:
+                failure = error
+                continue
+            if best is None or _cost(fits) < _cost(best):
+                best = fits
+            if _good(best, chosen, blank.clearance):
+                break
+        if best is None:
+            raise _refusal(together, method, failure)
+        # Both flanks share one machine, which cannot make up for two rounded blades.
+        if method != "completing":
+            try:
+                best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
+            except GeometryError as error:
+                raise _refusal(together, method, error) from error
+        found |= best
+    return found
+
+
+def _refusal(sides: tuple[FlankName, ...], method: SetUpMethod, reason: GeometryError) -> GeometryError:
+    """What to change where a method gives no pinion; another method than the one that was tried."""
+    other = "tilt" if method != "tilt" else "modified_roll"
+    return GeometryError(
+        f"{' and '.join(sides)}: no pinion of the method {method} was found that meets the gear: {reason}; choose "
+        f'another method, as method = "{other}", wider limits in [pinion.limits], or {BLANK_ADVICE}'
+    )
+
+
+def _stepped(
+    fits: Mapping[FlankName, Synthesis],
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+    steps: StandardSteps,
+) -> dict[FlankName, Synthesis]:
+    """The fits with blades at standard steps, and the machine settings fitted once more."""
+    allowed = partial(limits.allowed, root_angle=blank.pinion.root_angle, cutter_radius=cutter_radius)
+    blades = {
+        side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0, allowed=allowed)
+        for side, fit in fits.items()
+    }
+    own = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))
+    if own == BLADE_SETTINGS:
+        return dict(fits)
+    near: dict[FlankName, Side] = {}
+    for side, (pair, target, root) in sides.items():
+        surface = with_settings(fits[side].surface, blades[side])
+        near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
+    again = _fit(near, shared, limits, blank, cutter_radius, own=own)
+    return {
+        side: replace(
+            fit,
+            moved={name: (start, get_setting(fit.surface, name)) for name, (start, _) in fits[side].moved.items()},
+        )
+        for side, fit in again.items()
+    }
+
+
+def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> Mapping[FlankName, GearPair]:
+    """The start with the point width that leaves the blank's slot, where one face-milling cutter cuts both flanks.
+
+    The outside blade of a cutter stands at the larger radius; the crown gear's flanks, cut from the other side, would
+    have it at the smaller one, with a tooth of the crown gear between them.
+    """
+    concave, convex = (start[side].pinion for side in ("drive", "coast"))
+    if concave.loaded.settings.indexing_ratio != 0.0:
+        return start
+    slot = MeanSlot.of(concave.loaded, convex.loaded, concave.section, blank)
+    each = -0.5 * slot.error(concave.loaded, convex.loaded)
+    pairs: dict[FlankName, GearPair] = {}
+    for side, pair in start.items():
+        surface = pair.pinion.loaded
+        radius = get_setting(surface, "point_radius") + surface.blade.side_sign * each
+        moved = with_settings(surface, {"point_radius": radius})
+        pairs[side] = replace(pair, pinion=replace(pair.pinion, loaded=moved))
+    return pairs
+
+
+def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
+    """Mean square of the residuals [mm^2], with those of the root lines as the fit weighs them."""
+    return sum(fit.rms**2 + root_cost(fit) for fit in fits.values())
+
+
+def _good(fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], clearance: float) -> bool:
+    return all(
+        fit.largest_residual <= residual_limits(sides[side][1])[0] and bool(np.all(np.abs(fit.root_gap) <= clearance))
+        for side, fit in fits.items()
+    )
+
+
+def set_up_residual(
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    blank: BlankDimensions,
+    own: tuple[str, ...] = BLADE_SETTINGS,
+) -> SetUpResidual:
+    """Residuals of a set-up that cuts the given sides.
+
+    Parameters
+    ----------
+    sides
+        Pair, target and root line of the sides that are cut together; each begins from the same machine settings.
+    shared
+        Machine settings that move.
+    blank
+        Dimensions of the pair.
+    own
+        Settings of each blade that move.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks do not meet on enough of the gear flank.
+    """
+    names, tie = (*shared, *own), root_tie(blank, shared)
+    parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]
+    slot = None
+    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in own:
+        slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
+    return SetUpResidual(parts, len(shared), len(own), slot)
+
+
+def _fit(
+    sides: Mapping[FlankName, Side],
+    shared: tuple[str, ...],
+    limits: SettingLimits,
+    blank: BlankDimensions,
+    cutter_radius: float,
+    *,
+    own: tuple[str, ...] = BLADE_SETTINGS,
+    tilt: float = 0.0,
+) -> dict[FlankName, Synthesis]:
+    from scipy.optimize import least_squares
+
+    fit = set_up_residual(sides, shared, blank, own)
+    bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
+    for k, part in enumerate(fit.parts):
+        for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):
+            low, high = limits.allowed(name, blank.pinion.root_angle, cutter_radius)
+            bounds[place] = (low - origin) / scale, (high - origin) / scale
+            if name == "cutter_tilt":
+                start[place] += tilt / scale
+    inside = np.minimum(INTERIOR, 0.25 * (bounds[:, 1] - bounds[:, 0]))
+    found = least_squares(
+        fit,
+        np.clip(start, bounds[:, 0] + inside, bounds[:, 1] - inside),
+        fit.jacobian,
+        bounds=(bounds[:, 0], bounds[:, 1]),
+        method="trf",
+        xtol=1e-10,
+        ftol=RESIDUAL_CHANGE,
+        gtol=1e-10,
+        max_nfev=LARGEST_EVALUATIONS,
+    )
+    fit(found.x)
+    return {
+        side: _synthesis(pair, part, found.x[fit.columns(k)])
+        for k, (part, (side, (pair, _, _))) in enumerate(zip(fit.parts, sides.items(), strict=True))
+    }
+
+
+def _residual(
+    pair: GearPair, target: EaseOffTarget, names: Sequence[str], root: Array, tie: Tie | None
+) -> EaseOffResidual:
+    t, h = grid(NODES)
+    gear, pinion = pair.gear.flank(t, h), pair.pinion
+    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
+    root_line = RootLine.of(pinion.loaded, pinion.section) if tie is None else None
+    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    residual = EaseOffResidual(pair, gear, wanted, names, known, root_line, FOLD_MARGIN, root, tie)
+    if residual.lever.size < 2 * len(names):
+        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+    return residual
+
+
+def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis:
+    """The fitted flank, its tilt written as a positive angle."""
+    surface, section = part.surface(steps), pair.pinion.section
+    left = 1e-3 * part(steps)[: part.lever.size]
+    fresh = exact_ease_off(part.gear, surface, section, pair.assembly)
+    if not np.allclose(part.error(fresh.angle), left, rtol=0.0, atol=1e-6):
+        raise GeometryError("the fitted settings cut the blank with another part of the cutter than the fit followed")
+    surface = with_positive_tilt(surface)
+    moved = {
+        name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
+    }
+    return Synthesis(surface, moved, left, tip_gap(surface, section))
+
+
+def with_positive_tilt(surface: GeneratingSurface) -> GeneratingSurface:
+    """The same flank with a tilt of zero or more: a negative one is a positive one in the opposite direction."""
+    settings = surface.settings
+    if settings.cutter_tilt >= 0.0:
+        return surface
+    swivel = settings.cutter_swivel - np.copysign(np.pi, settings.cutter_swivel)
+    return replace(surface, settings=replace(settings, cutter_tilt=-settings.cutter_tilt, cutter_swivel=float(swivel)))

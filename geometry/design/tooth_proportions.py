@@ -1,0 +1,284 @@
+"""The tooth proportions of a pair that AGMA 929-B22 takes, and the cutters that are to make them.
+
+Tooth proportions of a pair whose basic data are not known: measured on its blanks and flanks.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.checks import number
+from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import solve_flank
+from ..pair.gear_pair import GearPair, Member
+from ..pair.tooth_thickness import mean_cone_distances, mean_normal_thickness, mean_thicknesses
+from .blank import BlankDimensions, MeanPointAngles, angles_of_normal
+
+Two = tuple[float, float]
+
+FILLET_MUTILATION = 0.05  # [mm], suggested in table 3
+BLADE_FLAT = 0.2  # [mm], suggested in table 3
+BLADE_FLAT_SHARE = 0.1  # of the module: the most that is taken of a small blade
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothProportions:
+    """Tooth proportions of a pair (AGMA 929-B22, tables 2 and 3); of two values the pinion's stands first.
+
+    Parameters
+    ----------
+    number_of_teeth
+        z.
+    shaft_angle, hypoid_offset
+        Sigma [rad], a [mm].
+    mean_normal_module
+        m_mn [mm].
+    face_width, outer_cone_distance, mean_cone_distance
+        b, R_e, R_m [mm].
+    pitch_angle, dedendum_angle
+        delta, theta_f [rad].
+    mean_addendum, mean_dedendum, mean_normal_thickness
+        h_am, h_fm, s_mn [mm].
+    clearance
+        c [mm].
+    drive_pressure_angle, coast_pressure_angle
+        Of the pinion's concave and convex flank, both positive (alpha_cv1, -alpha_cx1) [rad].
+    gear_spiral_angle
+        beta_m2 [rad].
+    cutter_radius
+        r_c0 [mm].
+    number_of_blade_groups
+        z0; zero for face milling.
+    generated_gear
+        Whether the gear is generated; not so, it is cut without generation (Formate).
+    inside_blade_angle
+        Of the cutter of a Formate gear (alpha_BX2) [rad]; the mean of the two pressure angles where ``None``.
+    gear_rotation_factor
+        Turn of the gear between its two flanks, over half the pitch (k_E): 0 with a spread blade, 1 face-hobbed, 1.3
+        with a roughing blade; by the process where ``None``.
+    stock_allowance
+        Left by the roughing cutter (S_A) [mm]; zero for a member that is finished in one cut (completing).
+    fillet_mutilation
+        Permitted (y) [mm].
+    blade_flat
+        Width of the flat at the tip of a blade (Delta_f) [mm].
+
+    Raises
+    ------
+    InputError
+        If an allowance is negative.
+
+    Examples
+    --------
+    >>> from easeoff.cases import designed_blanks, read_design
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> round(ToothProportions.of(blanks, cutter_radius=95.25, generated_gear=False).pitch, 3)
+    12.087
+    """
+
+    number_of_teeth: tuple[int, int]
+    shaft_angle: float
+    hypoid_offset: float
+    mean_normal_module: float
+    face_width: Two
+    outer_cone_distance: Two
+    mean_cone_distance: Two
+    pitch_angle: Two
+    dedendum_angle: Two
+    mean_addendum: Two
+    mean_dedendum: Two
+    mean_normal_thickness: Two
+    clearance: float
+    drive_pressure_angle: float
+    coast_pressure_angle: float
+    gear_spiral_angle: float
+    cutter_radius: float
+    number_of_blade_groups: int = 0
+    generated_gear: bool = True
+    inside_blade_angle: float | None = None
+    gear_rotation_factor: float | None = None
+    stock_allowance: Two = (0.0, 0.0)
+    fillet_mutilation: float = FILLET_MUTILATION
+    blade_flat: float = BLADE_FLAT
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("stock_allowance of the pinion", self.stock_allowance[0]),
+            ("stock_allowance of the gear", self.stock_allowance[1]),
+            ("fillet_mutilation", self.fillet_mutilation),
+            ("blade_flat", self.blade_flat),
+        ):
+            number(name, value, "mm", least=0.0)
+
+    @classmethod
+    def of(
+        cls, blank: BlankDimensions, cutter_radius: float, number_of_blade_groups: int = 0, *, generated_gear: bool
+    ) -> ToothProportions:
+        """Those of a pair of blanks, with the suggested allowances and members finished in one cut.
+
+        Parameters
+        ----------
+        blank
+            Dimensions of the pair.
+        cutter_radius
+            Mean radius of the cutter [mm].
+        number_of_blade_groups
+            Of a face-hobbing cutter; zero for face milling.
+        generated_gear
+            Whether the gear is generated.
+        """
+        pinion, gear = blank.pinion, blank.gear
+        return cls(
+            number_of_teeth=(pinion.number_of_teeth, gear.number_of_teeth),
+            shaft_angle=blank.shaft_angle,
+            hypoid_offset=blank.hypoid_offset,
+            mean_normal_module=blank.mean_normal_module,
+            face_width=(pinion.face_width, gear.face_width),
+            outer_cone_distance=(pinion.outer_cone_distance, gear.outer_cone_distance),
+            mean_cone_distance=(pinion.mean_cone_distance, gear.mean_cone_distance),
+            pitch_angle=(pinion.pitch_angle, gear.pitch_angle),
+            dedendum_angle=(pinion.dedendum_angle, gear.dedendum_angle),
+            mean_addendum=(pinion.mean_addendum, gear.mean_addendum),
+            mean_dedendum=(pinion.mean_dedendum, gear.mean_dedendum),
+            mean_normal_thickness=(pinion.mean_normal_thickness, gear.mean_normal_thickness),
+            clearance=blank.clearance,
+            drive_pressure_angle=blank.generated_drive_pressure_angle,
+            coast_pressure_angle=blank.generated_coast_pressure_angle,
+            gear_spiral_angle=gear.mean_spiral_angle,
+            cutter_radius=cutter_radius,
+            number_of_blade_groups=number_of_blade_groups,
+            generated_gear=generated_gear,
+            blade_flat=min(BLADE_FLAT, BLADE_FLAT_SHARE * blank.mean_normal_module),
+        )
+
+    @property
+    def pitch(self) -> float:
+        """Mean normal circular pitch (p_n) [mm] (50)."""
+        return math.pi * self.mean_normal_module
+
+    @property
+    def taper(self) -> float:
+        """What both flanks of a tooth take off its thickness, over the height: the sum of the tangents."""
+        return math.tan(self.drive_pressure_angle) + math.tan(self.coast_pressure_angle)
+
+    @property
+    def half_included_angle(self) -> float:
+        """Half the angle between both flanks of a tooth (Sigma_alpha / 2) [rad] (49)."""
+        return 0.5 * (self.drive_pressure_angle + self.coast_pressure_angle)
+
+    @property
+    def offset_angle(self) -> float:
+        """Offset angle in the pitch plane (zeta_mp) [rad] (7, 8, 13, 14)."""
+        pinion, gear = self.pitch_angle
+        diameters = [
+            2.0 * r * math.sin(angle) for r, angle in zip(self.mean_cone_distance, self.pitch_angle, strict=True)
+        ]
+        lean = diameters[1] + diameters[0] * math.cos(gear) / math.cos(pinion)
+        return math.asin(2.0 * self.hypoid_offset / lean * math.sin(self.shaft_angle) / math.cos(pinion))
+
+    @property
+    def rotation_factor(self) -> float:
+        """k_E (65 to 68)."""
+        if self.gear_rotation_factor is not None:
+            return self.gear_rotation_factor
+        return 1.0 if self.number_of_blade_groups else 0.0
+
+
+def measured_proportions(pair: GearPair) -> ToothProportions:
+    """Tooth proportions at the middle of the gear's face, where the pitch cones touch.
+
+    Parameters
+    ----------
+    pair
+        The pair seen from its drive side, with both flanks of both members.
+
+    Raises
+    ------
+    GeometryError
+        If the pitch cones of the blanks do not touch, or a flank does not pass through the mean point.
+    InputError
+        If a member has one flank only.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> round(measured_proportions(gear_pair(read_case("fm-11x41"))).mean_normal_module, 2)
+    3.85
+    """
+    members, sections = (pair.pinion, pair.gear), (pair.pinion.section, pair.gear.section)
+    distance = mean_cone_distances(pair, must_touch=True)
+    thickness = [
+        mean_normal_thickness(member, middle, r)
+        for member, middle, r in zip(members, mean_thicknesses(pair), distance, strict=True)
+    ]
+    heights = [_heights(section, r) for section, r in zip(sections, distance, strict=True)]
+    angles = [_angles(member, r) for member, r in zip(members, distance, strict=True)]
+    spiral = [sum(abs(each.spiral_angle) for each in both) / 2.0 for both in angles]
+    gear = pair.gear
+    settings = gear.loaded.settings
+    radius = distance[1] * math.sin(sections[1].pitch_angle)
+    module = 2.0 * radius * math.cos(spiral[1]) / gear.teeth
+    flanks = gear.loaded, gear.from_opposite.loaded
+    return ToothProportions(
+        number_of_teeth=(pair.pinion.teeth, gear.teeth),
+        shaft_angle=pair.assembly.shaft_angle,
+        hypoid_offset=pair.assembly.hypoid_offset,
+        mean_normal_module=module,
+        face_width=(sections[0].face_width, sections[1].face_width),
+        outer_cone_distance=(sections[0].outer_cone_distance, sections[1].outer_cone_distance),
+        mean_cone_distance=distance,
+        pitch_angle=(sections[0].pitch_angle, sections[1].pitch_angle),
+        dedendum_angle=(
+            sections[0].pitch_angle - sections[0].root_angle,
+            sections[1].pitch_angle - sections[1].root_angle,
+        ),
+        mean_addendum=(heights[0][0], heights[1][0]),
+        mean_dedendum=(heights[0][1], heights[1][1]),
+        mean_normal_thickness=(thickness[0], thickness[1]),
+        clearance=(heights[1][1] - heights[0][0] + heights[0][1] - heights[1][0]) / 2.0,
+        drive_pressure_angle=angles[1][0].pressure_angle,
+        coast_pressure_angle=angles[1][1].pressure_angle,
+        gear_spiral_angle=spiral[1],
+        cutter_radius=sum(_cutter_radius(each, heights[1][1]) for each in flanks) / 2.0,
+        number_of_blade_groups=round(settings.indexing_ratio * gear.teeth),
+        generated_gear=settings.generated,
+        inside_blade_angle=flanks[0].blade.pressure_angle,
+        blade_flat=min(BLADE_FLAT, BLADE_FLAT_SHARE * module),
+    )
+
+
+def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
+    """Addendum and dedendum at right angles to the pitch cone at a cone distance [mm]."""
+    pitch = section.pitch_angle
+    axial, radial = map(float, section.on_pitch_cone(distance))
+
+    def to_cone(angle: float, apex: float) -> float:
+        off = (axial + apex) * math.sin(angle) - radial * math.cos(angle)
+        return off / math.cos(pitch - angle)
+
+    return to_cone(section.face_angle, section.face_apex), -to_cone(section.root_angle, section.root_apex)
+
+
+def _angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
+    """Angles of the loaded and of the other flank at a cone distance."""
+    found = []
+    for surface in (member.loaded, member.from_opposite.loaded):
+        flank = solve_flank(surface, member.section, *member.section.on_pitch_cone(distance)[:, None])
+        position, normal = flank.position[:, 0], flank.normal[:, 0]
+        if not np.all(np.isfinite(position)):
+            raise GeometryError("a flank does not pass through the mean point of its blank")
+        found.append(angles_of_normal(position, normal, member.section.pitch_angle, surface.hand))
+    return found[0], found[1]
+
+
+def _cutter_radius(surface: GeneratingSurface, height: float) -> float:
+    """Distance from the cutter axis of the edge at a height above the tip [mm]."""
+    blade = surface.blade
+    along = height / abs(blade.edge[2])
+    return math.hypot(blade.tip[0] + along * blade.edge[0], blade.tip[1] + along * blade.edge[1])

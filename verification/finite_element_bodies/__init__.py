@@ -1,1 +1,0 @@
-"""Yardsticks of the finite elements: another element, and several teeth as one body."""

@@ -1,1 +1,0 @@
-"""Contact of two flanks without the split into bending and indentation, by pressures on cells of the flank."""

@@ -1,0 +1,119 @@
+"""Rows of one flank: envelope of the cutter by differences, curvatures from two directions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.flanks.blank_section import BlankSection
+from ..geometry.flanks.curvature import principal_curvatures
+from ..geometry.flanks.flank import Flank, NodeStatus, on_parts
+from ..geometry.vectors import dot
+from .conventional_analysis import directional_curvatures
+from .envelope_condition import envelope_condition
+from .verification_row import VerificationRow, not_applicable
+
+Array = NDArray[Any]
+POSITION_LIMIT = 1e-11  # of the outer cone distance: 1e-9 mm at 100 mm
+NORMAL_LIMIT = 1e-10  # [rad]
+CURVATURE_LIMIT = 1e-8  # of the greater curvature
+LEFT_OUT = {
+    NodeStatus.NO_SOLUTION: "out of the cutter's reach",
+    NodeStatus.UNDERCUT: "undercut",
+    NodeStatus.BEYOND_BLADE_TIP: "beyond the blade tip",
+    NodeStatus.OUTSIDE_BLANK: "outside the blank",
+}
+SQUARE_LIMIT = 1e-6  # least squared sine between the two directions; below it rounding is all that is left
+
+
+def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[VerificationRow]:
+    """Rows of one member's flank.
+
+    Parameters
+    ----------
+    member
+        Its name.
+    flank
+        Its flank on the nodes of the analysis.
+    section
+        Its blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> [row.status.name for row in flank_rows("gear", gear.middle(), gear.section)]
+    ['WITHIN', 'WITHIN', 'WITHIN', 'WITHIN']
+    """
+    usable = np.isfinite(flank.position[0])
+    nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
+    limit = POSITION_LIMIT * section.outer_cone_distance
+    found = envelope_condition(flank)
+    rows = [
+        VerificationRow(
+            f"flank position, {member}",
+            f"blade carried through the machine joint by joint, {nodes}",
+            greatest(found.position[usable]),
+            limit,
+            "mm",
+        ),
+        VerificationRow(
+            f"flank normal, {member}",
+            f"edge and cutting motion by differences, {nodes}",
+            greatest(found.normal[usable]),
+            NORMAL_LIMIT,
+            "rad",
+        ),
+    ]
+    envelope = f"envelope condition, {member}"
+    if flank.surface.settings.generated:
+        compared = f"cutter's motion by differences, along the blade, {nodes}"
+        rows.append(VerificationRow(envelope, compared, greatest(found.along_blade[usable]), limit, "mm"))
+    else:
+        rows.append(not_applicable(envelope, "cut without rolling: the blade itself sweeps the flank"))
+    return [*rows, _curvature(member, flank, usable, nodes)]
+
+
+def _others(flank: Flank, usable: NDArray[np.bool_]) -> str:
+    """What the nodes without a flank are."""
+    left = flank.status[~usable]
+    told = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
+    return f" (the others: {', '.join(told)})" if told else ""
+
+
+def greatest(values: Array) -> float:
+    """Greatest magnitude; NaN if any value is NaN or there is none.
+
+    Examples
+    --------
+    >>> greatest(np.array([1.0, -2.0])), greatest(np.array([]))
+    (2.0, nan)
+    """
+    return float(np.max(np.abs(values))) if values.size else float("nan")
+
+
+def _curvature(member: str, flank: Flank, usable: NDArray[np.bool_], nodes: str) -> VerificationRow:
+    """Principal curvatures and torsion from two directions against the fundamental forms, over the greater one."""
+
+    def other(surface: GeneratingSurface, parameters: Array) -> Array:
+        found = directional_curvatures(surface, parameters)
+        sine = dot(found.across[0], found.tangent[1])
+        return np.concatenate([found.shape_operator().principal().curvature, [found.torsion_residual(), sine]])
+
+    values = on_parts(flank.surface.flank_parts, flank.part, flank.parameters, other)[:, usable]
+    expected = principal_curvatures(flank).curvature[:, usable]
+    scale = np.max(np.abs(expected), axis=0)
+    difference = np.max(np.abs([*(values[:2] - expected), values[2]]), axis=0) / scale
+    # Two directions that nearly coincide tell one curvature only.
+    skew = values[3] ** 2 < SQUARE_LIMIT
+    left = f", {skew.sum()} left out whose directions coincide" if skew.any() else ""
+    return VerificationRow(
+        f"principal curvatures, {member}",
+        f"from two directions against the fundamental forms, {nodes}{left}",
+        greatest(difference[~skew]),
+        CURVATURE_LIMIT,
+        "1",
+    )

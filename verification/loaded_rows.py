@@ -1,0 +1,324 @@
+"""Rows of the loaded contact: gaps of the segments that carry, other solvers on the same contact problems.
+
+Rows of convergence: the key numbers of a result at the case's resolution against a finer one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..cases.schema.case_schema import Case
+from ..contact.evaluation.pressure_map import LineEnd
+from ..contact.loaded import LoadedCase
+from ..contact.solvers import SOLVERS, available_solvers, solve
+from ..study.report.key_numbers import key_numbers
+from .flank_rows import greatest
+from .surface_cells import segment_gaps
+from .verification_row import VerificationRow, not_applicable
+from .verified_pair import VerifiedPair
+
+GAP_LIMIT = 0.2  # [%], of the rotation
+POLISHED_LIMIT = 1e-9  # of the rotation; polished answers agree to rounding
+UNPOLISHED_LIMIT = 1e-5  # of the rotation: what interior-point methods leave within their tolerance
+GAP_POSITIONS, SOLVER_POSITIONS = 8, 4
+
+
+def positions(pair: VerifiedPair, count: int) -> list[int]:
+    """Evenly spread mesh positions, at most so many.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> positions(VerifiedPair.of(read_case("nasa-12x36")), 4)
+    [0, 8, 16, 24]
+    """
+    number = pair.case.contact.mesh_positions
+    return sorted({number * k // count for k in range(min(count, number))})
+
+
+def cases_at(pair: VerifiedPair, count: int) -> list[LoadedCase]:
+    """Solved cases at so many mesh positions, all torques."""
+    chosen = set(positions(pair, count))
+    return [case for case in pair.analysis.cases if case.mesh_position in chosen]
+
+
+def certificate_row(pair: VerifiedPair) -> VerificationRow:
+    """Mesh positions and torques without a certified solution.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> certificate_row(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).difference
+    0.0
+    """
+    status = pair.analysis.tree["loaded"].to_dataset()["status"].values
+    failed = float(np.count_nonzero(status))
+    return VerificationRow("certificates", f"solutions without one, of {status.size}", failed, 0.0, "1")
+
+
+def gap_row(pair: VerifiedPair) -> VerificationRow:
+    """What errors of the gaps of loaded segments do to the transmission error.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> gap_row(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).status.name
+    'WITHIN'
+    """
+    chosen = [case for case in cases_at(pair, GAP_POSITIONS) if case.solution.certified]
+    found = [
+        segment_gaps(pair.flanks, pair.state.cycle, case).rotation_error / case.solution.rotation for case in chosen
+    ]
+    compared = f"gaps of the turned flanks where they carry, {len(chosen)} positions and torques"
+    return VerificationRow(
+        "loaded transmission error by its gaps", compared, 100.0 * greatest(np.array(found)), GAP_LIMIT, "%"
+    )
+
+
+def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> list[VerificationRow]:
+    """Rotations by other solvers on the same contact problems, over those of the analysis.
+
+    A row a solver, polished, and one for the least accurate answer that was not.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    solvers
+        Names of solvers; all that are installed if left out.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> rows = solver_rows(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0), ["lemke"])
+    >>> [(row.quantity, row.status.name) for row in rows]
+    [('solver lemke', 'WITHIN'), ('solvers without polish', 'WITHIN')]
+    """
+    chosen = cases_at(pair, SOLVER_POSITIONS)
+    greatest_size = max((case.problem.size for case in chosen), default=0)
+    rows, plain = [], []
+    for name in available_solvers() if solvers is None else solvers:
+        if name == "native":
+            continue
+        largest = SOLVERS[name].largest if name in SOLVERS else None
+        if largest is not None and greatest_size > largest:
+            rows.append(not_applicable(f"solver {name}", f"{greatest_size} segments: known to work up to {largest}"))
+            continue
+        certified, apart = _apart(chosen, name, polish=True)
+        compared = f"polished, {certified} of {len(chosen)} contact problems certified"
+        rows.append(VerificationRow(f"solver {name}", compared, apart, POLISHED_LIMIT, "1"))
+        certified, apart = _apart(chosen, name, polish=False)
+        # Without polish a solver may miss its own tolerance, too: such an answer is refused, and nobody gets it.
+        if certified:
+            plain.append((apart, f"{name}, {certified} of {len(chosen)} contact problems certified"))
+    apart, compared = max(plain, default=(float("nan"), "none"))
+    if not plain:
+        return [*rows, not_applicable("solvers without polish", "no answer of another solver was certified")]
+    return [*rows, VerificationRow("solvers without polish", compared, apart, UNPOLISHED_LIMIT, "1")]
+
+
+def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, float]:
+    """Number of certified answers of a solver, and its greatest difference in the rotation.
+
+    With polish every answer must be certified: NaN if one is not.
+    """
+    tolerance = SOLVERS[name].tolerance if name in SOLVERS and not polish else None
+    found = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
+    ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]
+    return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
+
+
+Array = NDArray[Any]
+GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 1.5, 2.0, 2.0, 1.4, 1.4
+#: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
+#: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.
+NOT_COMPARED = {
+    "common_flank",
+    "max_ease_off",
+    "certified_positions",
+    "worst_certificate",
+    "max_pressure_lengthwise",
+    "max_pressure_profile",
+    "max_pressure_position",
+    "max_pressure_pair",
+    "max_pressure_line_end",
+}
+ERRORS, UNLOADED, PLACES = "transmission error", "unloaded transmission error", "shares, ratios and places"
+PRESSURE, PRESSURE_AT_END, OTHERS = "greatest pressure", "greatest pressure, at a line's end", "other numbers"
+#: Greatest change [%] by what is finer, group by group; none where it has no part in the numbers.
+LIMITS: dict[str, dict[str, float]] = {
+    "grid of the flank": dict.fromkeys((ERRORS, UNLOADED, PLACES, PRESSURE, PRESSURE_AT_END, OTHERS), 0.5),
+    "segments of a line": {ERRORS: 0.5, PLACES: 1.6, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "mesh positions": {ERRORS: 0.5, UNLOADED: 1.0, PLACES: 2.0, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "fineness of the teeth": {ERRORS: 2.0, PLACES: 2.0, PRESSURE: 4.0, PRESSURE_AT_END: 10.0, OTHERS: 4.0},
+    "shell modes along the face": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+    "shell modes up the profile": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+}
+UNLOADED_ERROR_MINIMUM = 1.0  # [urad]; the errors of a pair without any are compared with this
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """One way of computing a case more finely.
+
+    Parameters
+    ----------
+    name
+        What is finer.
+    table
+        Table of the case file.
+    values
+        Finer values of its keys.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> Refinement("mesh positions", "contact", {"mesh_positions": 64}).described(read_case("nasa-12x36"))
+    '32 against 64'
+    """
+
+    name: str
+    table: str
+    values: Mapping[str, int | float]
+
+    def described(self, case: Case) -> str:
+        """Coarse and fine values."""
+        table = getattr(case, self.table)
+        coarse = " x ".join(f"{getattr(table, key):g}" for key in self.values)
+        return f"{coarse} against {' x '.join(f'{value:g}' for value in self.values.values())}"
+
+
+def refinements(case: Case) -> list[Refinement]:
+    """Refinements that make sense for a case; those of the elastic teeth depend on its model.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> [one.name for one in refinements(read_case("nasa-12x36"))][:3]
+    ['grid of the flank', 'segments of a line', 'mesh positions']
+    """
+    contact, elastic = case.contact, case.compliance
+    nodes = {
+        key: math.ceil((getattr(contact, key) - 1) * GRID_FACTOR) + 1 for key in ("lengthwise_nodes", "profile_nodes")
+    }
+    segments = {"segments_per_line": round(SEGMENTS_FACTOR * contact.segments_per_line)}
+    positions = {"mesh_positions": round(POSITIONS_FACTOR * contact.mesh_positions)}
+    found = [
+        Refinement("grid of the flank", "contact", nodes),
+        Refinement("segments of a line", "contact", segments),
+        Refinement("mesh positions", "contact", positions),
+    ]
+    if elastic.model != "shell":
+        fineness = {"fineness": round(FINENESS_FACTOR * elastic.fineness, 3)}
+        return [*found, Refinement("fineness of the teeth", "compliance", fineness)]
+    face = {"lengthwise_modes": math.ceil(MODES_FACTOR * elastic.lengthwise_modes)}
+    profile = {"profile_modes": math.ceil(MODES_FACTOR * elastic.profile_modes)}
+    return [
+        *found,
+        Refinement("shell modes along the face", "compliance", face),
+        Refinement("shell modes up the profile", "compliance", profile),
+    ]
+
+
+def convergence_rows(pair: VerifiedPair, refinement: Refinement) -> list[VerificationRow]:
+    """Change of the key numbers by one refinement, a row a group of numbers.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> pair = VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)
+    >>> rows = convergence_rows(pair, refinements(pair.case)[0])
+    >>> {row.status.name for row in rows}
+    {'WITHIN'}
+    """
+    finer = pair.changed(refinement.table, **refinement.values)
+    compared, limits = refinement.described(pair.case), LIMITS[refinement.name]
+    return [
+        VerificationRow(f"{refinement.name}: {group}", f"{compared}, {label}", value, limits[group], "%")
+        for group, value, label in changes(key_numbers(pair.analysis.tree), key_numbers(finer.analysis.tree))
+        if group in limits
+    ]
+
+
+def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, str]]:
+    """Greatest change of every group of key numbers [%], and which number changes so much.
+
+    Transmission errors count over the mean level at their torque, unloaded ones over the peak to peak; fractions in
+    points, ratios above one and all other numbers over themselves.
+
+    Parameters
+    ----------
+    coarse, fine
+        From ``study.key_numbers``.
+
+    Examples
+    --------
+    >>> coarse, fine = (
+    ...     xr.Dataset({"mean_level": ("torque", [level], {"units": "urad"})}, {"torque": [50.0]})
+    ...     for level in (200.0, 201.0)
+    ... )
+    >>> next(changes(coarse, fine))
+    ('transmission error', 0.5, 'mean_level at 50 N m 200 and 201 urad')
+
+    A number that is compared with another one says so, such as "29.699 and 29.757 urad, over the mean level 604.9".
+    """
+    worst: dict[str, tuple[float, str]] = {}
+    for name, values in coarse.data_vars.items():
+        if name in NOT_COMPARED or str(name).startswith(("pinion_", "unloaded_pinion_")):
+            continue  # what refers to the pinion is in proportion to what refers to the gear
+        other = fine[name] if name in fine and fine[name].dims == values.dims else values * np.nan
+        scale = _scale(coarse, str(name))
+        for place in np.ndindex(values.shape):
+            own, finer = float(values.values[place]), float(other.values[place])
+            change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
+            group = _group((coarse, fine), str(name), place)
+            # A change without a number is the worst of all, and stays so.
+            if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
+                at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
+                unit = values.attrs.get("units", "1")
+                words = f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
+                worst[group] = change, words + _relative_to(coarse, str(name), place)
+    for group, (value, label) in worst.items():
+        yield group, value, label
+
+
+def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...]) -> str:
+    """Group of a key number; the greatest pressure is at a line's end if that of either computation is."""
+    values = both[0][name]
+    if name == "max_pressure":
+        ends = [int(one["max_pressure_line_end"].values[place]) for one in both if "max_pressure_line_end" in one]
+        return PRESSURE if all(end == LineEnd.INSIDE for end in ends) else PRESSURE_AT_END
+    unit = values.attrs.get("units", "1")
+    if unit == "urad":
+        return ERRORS if "torque" in values.dims else UNLOADED
+    return PLACES if unit == "1" else OTHERS
+
+
+def _relative_to(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
+    """What a change is relative to, if it is not the number itself, with its value."""
+    values = numbers[name]
+    unit, scale = values.attrs.get("units", "1"), float(_scale(numbers, name)[place])
+    if scale == abs(float(values.values[place])):
+        return ""
+    if unit == "urad":
+        return f", over the {'mean level' if 'torque' in values.dims else 'unloaded peak to peak'} {scale:.4g}"
+    return ", in points of 1"
+
+
+def _scale(numbers: xr.Dataset, name: str) -> Array:
+    """What the changes of a key number are divided by."""
+    values = numbers[name]
+    unit, size = values.attrs.get("units", "1"), np.abs(values.values)
+    if unit == "urad" and "torque" in values.dims:
+        level = np.abs(numbers["mean_level"].values)
+        return np.broadcast_to(level.reshape(-1, *(1,) * (values.ndim - 1)), values.shape)
+    if unit == "urad":
+        return np.full(values.shape, np.maximum(float(numbers["unloaded_peak_to_peak"]), UNLOADED_ERROR_MINIMUM))
+    return np.asarray(np.maximum(size, 1.0) if unit == "1" else size)

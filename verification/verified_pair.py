@@ -1,0 +1,99 @@
+"""The pair that a verification puts through the yardsticks: its state in mesh and its analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cases.conversion import misalignment as case_misalignment
+from ..cases.deflection_table import MisalignmentSource, misalignment_of
+from ..cases.deflections import misalignment_at
+from ..cases.schema.case_schema import Case
+from ..core.checks import frozen_arrays
+from ..core.errors import InputError
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.gear_pair import FlankName
+from ..study.analysis.contact_analysis import case_torques, contact_analysis
+from ..study.analysis.joined_analysis import Analysis
+from ..study.analysis.supported_analysis import in_assembly_under_load
+from ..study.case_in_mesh import CaseInMesh
+from .surface_cells import FlanksInMesh, flanks_of
+
+Array = NDArray[Any]
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class VerifiedPair:
+    """A case's pair in mesh with its analysis, and what makes others of it.
+
+    Parameters
+    ----------
+    case
+        The checked case.
+    flank
+        ``drive`` or ``coast``.
+    misalignment
+        Assembly errors.
+    torques
+        Torques at the pinion (t) [N m].
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> pair = VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)
+    >>> pair.analysis.tree["loaded"].sizes["torque"]
+    1
+    """
+
+    case: Case
+    flank: FlankName
+    misalignment: Misalignment
+    torques: Array
+
+    @classmethod
+    def of(
+        cls,
+        case: Case,
+        flank: FlankName = "drive",
+        misalignment: MisalignmentSource | None = None,
+        torques: float | Sequence[float] | None = None,
+    ) -> VerifiedPair:
+        """The pair of a case; arguments and raises as of ``verify``."""
+        load = np.sort(case_torques(case, torques))
+        given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
+        if case.supports is not None:
+            deflected = in_assembly_under_load(CaseInMesh.of(case, flank=flank, misalignment=given), load)
+            case, given = deflected.case, deflected.misalignment
+        found = {misalignment_at(given, torque, flank) for torque in load.tolist()}
+        if len(found) > 1:
+            raise InputError(
+                f"torques = {', '.join(f'{torque:g}' for torque in load)}: must be one where the misalignment depends "
+                "on the torque: every torque has its own assembly to verify"
+            )
+        return cls(case, flank, found.pop(), load)
+
+    @cached_property
+    def state(self) -> CaseInMesh:
+        """The pair in mesh."""
+        return CaseInMesh.of(self.case, flank=self.flank, misalignment=self.misalignment)
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """Its contact analysis."""
+        return contact_analysis(self.state, self.torques.tolist())
+
+    @cached_property
+    def flanks(self) -> FlanksInMesh:
+        """Its generated flanks."""
+        return flanks_of(self.state.cycle.geometry)
+
+    def changed(self, table: str, **values: Any) -> VerifiedPair:
+        """The same pair with other values in a table of its case."""
+        changed = getattr(self.case, table).model_copy(update=values)
+        return VerifiedPair(self.case.model_copy(update={table: changed}), self.flank, self.misalignment, self.torques)
