@@ -22,9 +22,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .core.imports.after_import import after_import
-from .core.imports.checkout import fence
-from .core.imports.notebook_figures import show_figures_in_notebooks
+from .core.import_hooks import after_import, fence, show_figures_in_notebooks
 
 if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
@@ -132,4 +130,4 @@ def _hint(name: str) -> str:
     for folder in _FOLDERS:
         if wanted in import_module(f".{folder}", __name__).__all__:
             return f": it is {__name__}.{folder.replace('study.plot', 'plot')}.{wanted}"
-    return str(import_module(".core.suggestion", __name__).suggestion(name, __all__))
+    return str(import_module(".core.errors", __name__).suggestion(name, __all__))

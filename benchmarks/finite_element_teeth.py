@@ -23,7 +23,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_size, usual_size
-from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import SolidShell, solid_shell
 from easeoff.geometry import GearPair
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies

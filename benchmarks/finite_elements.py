@@ -26,7 +26,7 @@ from easeoff.contact.compliance.elastic_model import shells
 from easeoff.contact import ElasticFoundation
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import usual_size
 from easeoff.contact.compliance.shell_kinematics import five_field
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.geometry import LatticeSize

@@ -22,7 +22,7 @@ from tabulate import tabulate
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
-from easeoff.contact.compliance.finite_elements.bricks import quadratic
+from easeoff.contact.compliance.finite_elements.elastic_body import quadratic
 from easeoff.verification import flank_response
 from easeoff.verification.surface_cells import SurfaceCells
 from easeoff.verification.flank_contact import half_space_compliance

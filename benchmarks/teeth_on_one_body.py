@@ -25,7 +25,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.neighbouring_teeth import body_modes, ring_size, with_body
+from easeoff.contact.compliance.finite_elements.tooth_ring import body_modes, ring_size, with_body
 from easeoff.geometry import LatticeSize, pair_geometry, tooth_lattice
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.verification.toothed_sector import toothed_sector

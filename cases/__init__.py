@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         shipped_cases,
         shipped_designs,
         shipped_supports,
+        with_supports,
     )
     from .rexs.rexs_reading import read_rexs
     from .rexs.rexs_writing import write_rexs
@@ -29,9 +30,8 @@ if TYPE_CHECKING:
     from .schema.design_schema import Design
     from .schema.load_case_table import LoadCase
     from .schema.supports_table import SupportsTable
-    from .session.session_script import read_session_script
+    from .session_script import read_session_script
     from .support_conversion import support_system
-    from .supported_case import with_supports
     from .writing import case_toml, write_case
 
 __all__ = [
@@ -79,6 +79,7 @@ _ORIGINS = {
         "shipped_cases",
         "shipped_designs",
         "shipped_supports",
+        "with_supports",
     ],
     ".rexs.rexs_reading": ["read_rexs"],
     ".rexs.rexs_writing": ["write_rexs"],
@@ -86,9 +87,8 @@ _ORIGINS = {
     ".schema.design_schema": ["Design"],
     ".schema.load_case_table": ["LoadCase"],
     ".schema.supports_table": ["SupportsTable"],
-    ".session.session_script": ["read_session_script"],
+    ".session_script": ["read_session_script"],
     ".support_conversion": ["support_system"],
-    ".supported_case": ["with_supports"],
     ".writing": ["case_toml", "write_case"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..core.processes.memory import require_memory
+from ..core.memory import require_memory
 from .schema.case_schema import Case
 
 BASE_SIZE = 120e6  # of an analysis of any size, whose elastic teeth are made before [byte]

@@ -28,10 +28,18 @@ from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import Web
 from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
-from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable, WebTable
+from .schema.case_schema import (
+    Blank,
+    Case,
+    MemberTable,
+    MisalignmentTable,
+    PairTable,
+    TargetTable,
+    WebTable,
+    deflections_of,
+)
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
 from .schema.design_schema import CutterStepsTable, LimitsTable, ResolutionTable
-from .schema.misalignment_table import MisalignmentTable, deflections_of
 
 if TYPE_CHECKING:  # what a design needs is imported for one
     from ..geometry.design.blank import BlankDesign, BlankDimensions

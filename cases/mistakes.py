@@ -8,8 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..core.printable import printable, shortened
-from ..core.suggestion import suggestion
+from ..core.errors import printable, shortened, suggestion
 
 VALUE_LENGTH = 80  # of a value in a message [characters]
 LINE_COUNT_LIMIT = 12  # of the mistakes that a message names

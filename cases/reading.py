@@ -1,4 +1,7 @@
-"""Reading and checking case and design files, with one message that names every mistake."""
+"""Reading and checking case and design files, with one message that names every mistake.
+
+A case with supports from elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +17,12 @@ from typing import Any, Generic, TypeVar
 from pydantic import ValidationError
 
 from ..core.checks import file_path, instance, truth
-from ..core.errors import EaseoffError, InputError
-from ..core.printable import printable
-from ..core.reading.regular_file import named
-from ..core.reading.text_file import TOML_SIZE_LIMIT, read_text
-from ..core.suggestion import suggestion
+from ..core.errors import EaseoffError, InputError, printable, suggestion
+from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text
 from ..core.toml_text import toml_tables
 from .mistakes import count, mistakes
-from .schema.case_schema import Case
+from .schema.case_schema import Case, refuse_inches
 from .schema.design_schema import Design
-from .schema.inch_lengths import refuse_inches
 from .schema.supports_table import SupportFile, SupportsTable
 
 #: Key of the thickness that version 1 of a case had in the middle of the flank, and of that in version 2.
@@ -393,3 +392,38 @@ def parse_design(
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
     """Check the tables of a case, wherever they come from; messages call it ``origin``. Raises as ``read_case``."""
     return CASE.check(data, origin)
+
+
+def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
+    """The case with other supports.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    supports
+        Supports, the name of shipped ones, or the path of a file of supports.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, its supports have mistakes, or they do not hold the members of this case.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> with_supports(read_case("fm-11x41"), "axle-fm-11x41").supports.gear.shaft.seat
+    63.0
+    """
+    instance("case", case, Case)
+    from .support_conversion import support_system
+
+    table = supports if isinstance(supports, SupportsTable) else read_supports(supports)
+    found = case.model_copy(update={"supports": table})
+    try:
+        support_system(found)
+    except InputError as error:
+        origin = "" if isinstance(supports, SupportsTable) else f"{supports}: "
+        raise InputError(f"{origin}{error}") from error
+    found._supports_name = "" if isinstance(supports, SupportsTable) else stem(supports)
+    return found

@@ -1,20 +1,42 @@
-"""Writing case files."""
+"""Writing case files.
+
+Conversion of objects of the geometry to the tables of a case: the inverse of ``conversion``.
+
+Numbers are rounded to ten decimals of a millimetre or degree, far below anything a flank feels.
+
+A case with some of its numbers changed, by their dotted keys, and checked again.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import re
+from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
 
 import tomli_w
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from ..core.checks import instance
-from ..core.errors import InputError
-from ..core.reading.regular_file import read_bytes
-from ..core.reading.text_file import TOML_SIZE_LIMIT
-from ..core.writing.output_file import check_writable, whole_file
-from .schema.case_schema import Case
+from ..core.errors import EaseoffError, InputError, suggestion
+from ..core.output_file import check_writable, whole_file
+from ..core.regular_file import TOML_SIZE_LIMIT, read_bytes
+from ..geometry.cutting.blade import Blade
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.cutting.machine import MachineSettings
+from ..geometry.design.iso23509.blank_dimensions import MemberBlank
+from ..geometry.pair.gear_pair import MEMBERS, GearPair
+from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
+from .conversion import designed_blanks, given_pair
+from .mistakes import count, mistakes
+from .schema.case_schema import Blank, Case, usual_name
+from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -138,3 +160,257 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
         check_writable(path, case.friction.oil_file)
         case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})
     write_sealed(case_toml(case, comment), path)
+
+
+def _rounded(value: float) -> float:
+    return round(value, 10) + 0.0  # no minus zero
+
+
+def _degrees(value: float) -> float:
+    return _rounded(math.degrees(value))
+
+
+def blank_table(member: MemberBlank, clearance: float) -> Blank:
+    """Axial section of one member of a designed blank."""
+    return Blank(
+        pitch_angle=_degrees(member.pitch_angle),
+        face_angle=_degrees(member.face_angle),
+        root_angle=_degrees(member.root_angle),
+        pitch_apex_beyond_crossing_point=_rounded(member.pitch_apex),
+        face_apex_beyond_crossing_point=_rounded(member.face_apex),
+        root_apex_beyond_crossing_point=_rounded(member.root_apex),
+        outer_cone_distance=_rounded(member.outer_cone_distance),
+        face_width=_rounded(member.face_width),
+        clearance=_rounded(clearance),
+    )
+
+
+def with_blanks(case: Case) -> Case:
+    """The case with its blanks as numbers, where it asks for them by basic data."""
+    if case.blank_design is None:
+        return case
+    blanks = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
+    pinion, gear = (blank_table(member, blanks.clearance) for member in (blanks.pinion, blanks.gear))
+    return case.model_copy(
+        update={
+            "blank_design": None,
+            "pinion": case.pinion.model_copy(update={"blank": pinion}),
+            "gear": case.gear.model_copy(update={"blank": gear}),
+        }
+    )
+
+
+def recorded_thicknesses(pair: GearPair) -> list[float | None]:
+    """Mean normal circular thicknesses [mm] of the members of a pair that have a thickness of their own.
+
+    Raises
+    ------
+    GeometryError
+        If a flank does not pass through the mean point.
+    """
+    return [
+        None if m.mean_thickness is None else _rounded(mean_normal_thickness(m, m.mean_thickness, distance))
+        for m, distance in zip((pair.pinion, pair.gear), mean_cone_distances(pair), strict=True)
+    ]
+
+
+def with_mean_thickness(case: Case) -> Case:
+    """The case with thicknesses in the middle of the flank as those at the mean point. Raises as above."""
+    tables = {name: getattr(case, name) for name in MEMBERS}
+    given = {name for name, table in tables.items() if table.mid_flank_normal_circular_thickness is not None}
+    if not given:
+        return case
+    thicknesses = zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True)
+    return case.model_copy(
+        update={
+            name: tables[name].model_copy(
+                update={"mean_normal_circular_thickness": value, "mid_flank_normal_circular_thickness": None}
+            )
+            for name, value in thicknesses
+            if name in given
+        }
+    )
+
+
+def flank_settings(surface: GeneratingSurface, teeth: int) -> FlankSettings:
+    """Cutter and machine settings of one flank of a member with a number of teeth.
+
+    Raises
+    ------
+    InputError
+        If the surface has settings a case file cannot hold.
+    """
+    ratio = surface.settings.indexing_ratio
+    groups = ratio * teeth
+    if abs(groups - round(groups)) > 1e-9:
+        raise InputError(f"indexing_ratio = {ratio}: must be a whole number of blade groups over {teeth} teeth")
+    return FlankSettings(machine=machine_table(surface.settings), cutter=cutter_table(surface.blade, round(groups)))
+
+
+def machine_table(settings: MachineSettings) -> Machine:
+    """Machine settings in mm and degrees, modified roll and motions as derivatives."""
+    if len(settings.modified_roll) > len(ROLL_KEYS):
+        raise InputError(f"modified_roll = {settings.modified_roll}: must have at most {len(ROLL_KEYS)} orders")
+    roll = {
+        name: _rounded(coefficient * math.factorial(order))
+        for order, (name, coefficient) in enumerate(zip(ROLL_KEYS, settings.modified_roll, strict=False), start=2)
+    }
+    motions = {}
+    for name, coefficients in settings.motions:
+        unit = math.degrees(1.0) if name in ANGULAR_MOTIONS else 1.0
+        motions[name] = tuple(_rounded(unit * c * math.factorial(n)) for n, c in enumerate(coefficients, start=1))
+    return Machine(
+        radial_distance=_rounded(settings.radial_distance),
+        cradle_angle=_degrees(math.remainder(settings.cradle_angle, 2.0 * math.pi)),
+        machine_root_angle=_degrees(settings.machine_root_angle),
+        work_offset=_rounded(settings.work_offset),
+        sliding_base=_rounded(settings.sliding_base),
+        machine_center_to_crossing_point=_rounded(settings.machine_center_to_crossing_point),
+        cutter_tilt=_degrees(settings.cutter_tilt),
+        cutter_swivel=_degrees(settings.cutter_swivel),
+        ratio_of_roll=None if settings.ratio_of_roll is None else _rounded(settings.ratio_of_roll),
+        **roll,
+        motions=Motions(**motions),
+    )
+
+
+def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
+    """A blade in mm and degrees."""
+    reliefs: dict[str, Any] = {}
+    for name, relief in (("toprem", blade.toprem), ("flankrem", blade.flankrem)):
+        if relief is not None:
+            reliefs[f"{name}_depth"], reliefs[f"{name}_angle"] = _rounded(relief.height), _degrees(relief.angle)
+            reliefs[f"{name}_radius"] = relief.radius
+    return Cutter(
+        blade_point_radius=_rounded(blade.point_radius),
+        blade_pressure_angle=_degrees(blade.pressure_angle),
+        number_of_blade_groups=number_of_blade_groups,
+        blade_offset_angle=_degrees(blade.offset_angle),
+        blade_rake_angle=_degrees(blade.rake_angle),
+        blade_hook_angle=_degrees(blade.hook_angle),
+        blade_spheric_radius=blade.spheric_radius,
+        blade_reference_height=0.0 if blade.spheric_radius is None else _rounded(blade.reference_height),
+        tool_edge_radius=_rounded(blade.edge_radius),
+        **reliefs,
+    )
+
+
+def numeric_keys() -> dict[str, tuple[str, str]]:
+    """Unit and usual name of every number of a case file by its dotted key.
+
+    Examples
+    --------
+    >>> numeric_keys()["pinion.concave.machine.radial_distance"]
+    ('mm', 'radial setting')
+    """
+    return dict(_every_key())
+
+
+@cache
+def _every_key() -> list[tuple[str, tuple[str, str]]]:
+    return _keys(Case, "")
+
+
+def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str]]]:
+    found: list[tuple[str, tuple[str, str]]] = []
+    for name, field in table.model_fields.items():
+        inner = _table(field)
+        if inner is not None:
+            found += _keys(inner, f"{prefix}{name}.")
+        elif _is_number(field):
+            extra = field.json_schema_extra
+            unit = str(extra["unit"]) if isinstance(extra, dict) else "1"
+            found.append((f"{prefix}{name}", (unit, usual_name(name))))
+    return found
+
+
+def _kinds(field: FieldInfo) -> tuple[Any, ...]:
+    """The types that a field may have."""
+    united = get_origin(field.annotation) in (Union, UnionType)
+    return get_args(field.annotation) if united else (field.annotation,)
+
+
+def _table(field: FieldInfo) -> type[BaseModel] | None:
+    return next((kind for kind in _kinds(field) if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
+
+
+def _is_number(field: FieldInfo) -> bool:
+    return any(kind in (int, float) for kind in _kinds(field)) and str not in _kinds(field)
+
+
+def require_numeric_key(key: str) -> tuple[str, str]:
+    """Unit and usual name of a number of a case file.
+
+    Raises
+    ------
+    InputError
+        If there is no number of that key; names the nearest.
+
+    Examples
+    --------
+    >>> require_numeric_key("gear.blank.face_width")[0]
+    'mm'
+    """
+    keys = numeric_keys()
+    if key not in keys:
+        raise InputError(f"{key}: must be a number of the case file by its dotted key{suggestion(key, list(keys))}")
+    return keys[key]
+
+
+def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
+    """A case with other numbers.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    numbers
+        New values by dotted key, in the units of the case file.
+
+    Raises
+    ------
+    InputError
+        If there is no such key, the case lacks its table, or a value is not possible.
+    GeometryError
+        If no blanks follow from changed basic data.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> changed_case(read_case("nasa-12x36"), {"gear.blank.face_width": 25.0}).gear.blank.face_width
+    25.0
+    """
+    data = case.model_dump(exclude_unset=True)
+    for key, value in numbers.items():
+        require_numeric_key(key)
+        *tables, name = key.split(".")
+        inner: Any = data
+        for depth, table in enumerate(tables, start=1):
+            if inner.get(table) is None:
+                if depth < len(tables) or table in ("blank", "blank_design", "machine", "cutter"):
+                    raise InputError(f"{key}: the case has no table [{'.'.join(tables[:depth])}]")
+                inner[table] = {}
+            inner = inner[table]
+        inner[name] = int(value) if float(value).is_integer() and _wants_whole(key) else float(value)
+    friction = case.friction
+    context = None if friction is None else {"folder": friction._folder, "allow_outside": friction._allow_outside}
+    try:
+        found = Case.model_validate(data, context=context)
+    except ValidationError as error:
+        raise InputError(f"the changed case has {count(error)}:\n{mistakes(Case, error)}") from error
+    if found.blank_design is not None:
+        try:
+            designed_blanks(found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair)
+        except EaseoffError as error:
+            raise type(error)(f"the changed case: {error}") from error
+    return found
+
+
+def _wants_whole(key: str) -> bool:
+    table: type[BaseModel] = Case
+    *tables, name = key.split(".")
+    for one in tables:
+        inner = _table(table.model_fields[one])
+        assert inner is not None  # ``require_numeric_key`` found it
+        table = inner
+    return int in _kinds(table.model_fields[name])

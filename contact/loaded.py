@@ -15,10 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.attributes import labelled
+from ..core.attributes import labelled, ordered
 from ..core.checks import array
-from ..core.ordered_values import ordered
-from ..core.processes.blas_threads import one_blas_thread
+from ..core.process_settings import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .compliance.weber_line_contact import WeberLineContact
 from .line_contact.line_contact_law import solve_at_torques

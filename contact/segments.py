@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from ..core.checks import frozen_arrays
 from ..geometry.pair.gear_pair import MEMBERS
-from .compliance.elastic_model import ElasticTeeth, member_points, unit_loads
+from .compliance.elastic_model import ElasticTeeth, Loads, UnitLoads, member_points, unit_loads
 from .compliance.finite_elements.flank_compliance import FlankCompliance
-from .compliance.free_end import end_loads, remaining_depth
 from .compliance.material import Material
-from .compliance.spread_deflection import SpreadDeflection
-from .compliance.unit_loads import Loads, UnitLoads
+from .compliance.spread_deflection import SpreadDeflection, end_loads, remaining_depth
 from .compliance.weber_line_contact import WeberLineContact
 from .lines.closest_approach import ClosestApproach, closest_approach, pinion_points
 from .lines.flank_splines import FlankSplines

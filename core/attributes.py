@@ -1,14 +1,22 @@
-"""Attributes of variables: units, long names and comments of everything that leaves the package, in one table."""
+"""Attributes of variables: units, long names and comments of everything that leaves the package, in one table.
+
+Stored status: how a computation ended, as an integer in results.
+
+Values of a dataset's variables with their dimensions in a given order.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import EnumMeta, IntEnum
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from .errors import EaseoffError
+from .checks import shown
+from .errors import EaseoffError, InputError
 
 #: Of root stresses: 6 to 7 % on shipped pairs, 17 % at the gear of a 20x45 pair.
 ROOT_RESOLUTION = "6 to 17 % below that of a lattice twice as fine"
@@ -560,3 +568,56 @@ def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:
         "flag_values": np.array(list(meanings), dtype=np.int8),
         "flag_meanings": " ".join(name.lower() for name in meanings.values()),
     }
+
+
+class _Asked(EnumMeta):
+    """Class of statuses: what is none of them is an ``InputError``."""
+
+    def __call__(cls, value: Any, *names: Any, **options: Any) -> Any:
+        """The status of a number."""
+        try:
+            return super().__call__(value, *names, **options)
+        except ValueError as error:
+            known = ", ".join(f"{int(one)} ({one.name})" for one in cls)  # type: ignore[var-annotated]
+            raise InputError(f"{cls.__name__} = {shown(value)}: must be one of {known}") from error
+
+
+class StoredStatus(IntEnum, metaclass=_Asked):
+    """Status stored in results as an integer; a subclass names the integers.
+
+    It prints as its name; arrays and files hold the integer.
+    """
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(int(self), spec) if spec else self.name
+
+    @classmethod
+    def flag_attributes(cls) -> dict[str, Any]:
+        """CF attributes ``flag_values`` and ``flag_meanings`` of a variable with this status."""
+        return flag_attributes({int(status): status.name for status in cls})
+
+
+def ordered(dataset: xr.Dataset, name: str, *dimensions: str) -> NDArray[Any]:
+    """Values of a variable; as quick as they can be read, without coordinates.
+
+    Parameters
+    ----------
+    dataset
+        The dataset.
+    name
+        Of the variable.
+    *dimensions
+        All of its dimensions, in the order that is wanted.
+
+    Examples
+    --------
+    >>> ordered(xr.Dataset({"force": (("segment", "torque"), [[1.0], [2.0]])}), "force", "torque", "segment")
+    array([[1., 2.]])
+    """
+    variable = dataset.variables[name]
+    if variable.dims != dimensions:
+        variable = variable.transpose(*dimensions)
+    return np.asarray(variable.values)

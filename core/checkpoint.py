@@ -13,11 +13,9 @@ from typing import Any, BinaryIO, Generic, TypeVar
 
 from .checks import truth
 from .errors import InputError
-from .reading.json_text import parsed_json
-from .reading.regular_file import read_bytes
-from .reading.text_file import RECORD_SIZE_LIMIT
-from .writing.file_lock import wait_for_lock
-from .writing.output_file import check_writable, existing_folder, whole_file
+from .file_lock import wait_for_lock
+from .output_file import check_writable, existing_folder, whole_file
+from .regular_file import RECORD_SIZE_LIMIT, parsed_json, read_bytes
 
 Record = TypeVar("Record")
 

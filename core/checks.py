@@ -21,8 +21,7 @@ from typing import Any, Literal, TypeGuard, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
-from .printable import printable, shortened
+from .errors import InputError, printable, shortened
 
 Record = TypeVar("Record")
 

@@ -1,13 +1,92 @@
-"""The exceptions of the package: one tree, so that a caller can catch all of them at once."""
+"""The exceptions of the package: one tree, so that a caller can catch all of them at once.
+
+Foreign text in messages and tables: harmless to a terminal, and of bounded length.
+
+Suggestion of a known name for one that is misspelt.
+
+Sizes of memory and times in words, to two figures.
+"""
 
 from __future__ import annotations
 
+import difflib
 import importlib.util
+import re
 import shlex
 import sys
+import unicodedata
+from collections.abc import Iterable
 from pathlib import Path
 
-from .printable import message
+VALUE_LENGTH_LIMIT = 120  # of a value in a message [characters]
+WORD_LENGTH_LIMIT = 500  # of a word of a message, such as a path [characters]
+LINE_LENGTH_LIMIT = 2000  # of a line of a message [characters]
+LINE_COUNT_LIMIT = 200  # of the lines of a message
+ELLIPSIS = " ... "
+_LONG_WORD = re.compile(rf"\S{{{WORD_LENGTH_LIMIT},}}")
+_PRINTABLE_ASCII = re.compile(r"[ -~]*")
+
+
+def printable(text: str) -> str:
+    r"""A text of a foreign file in one line, without what steers a terminal.
+
+    Control characters, line ends, bidirectional controls and code points that are no characters become ``?``; blanks
+    of every width become a blank.
+
+    Examples
+    --------
+    >>> printable("PAINT \x1b[2J")
+    'PAINT ?[2J'
+    """
+    if _PRINTABLE_ASCII.fullmatch(text):
+        return text
+    return "".join(
+        character if character.isprintable() else " " if unicodedata.category(character) == "Zs" else "?"
+        for character in text
+    )
+
+
+def printable_lines(text: str) -> str:
+    r"""As ``printable``, with the line feeds kept.
+
+    Examples
+    --------
+    >>> printable_lines("title\r\nPAINT \x1b[2J")
+    'title?\nPAINT ?[2J'
+    """
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def shortened(text: str, limit: int = VALUE_LENGTH_LIMIT) -> str:
+    """A text of at most ``limit`` characters: of a longer one the beginning and the end.
+
+    Examples
+    --------
+    >>> shortened("0123456789" * 3, 15)
+    '01234 ... 56789'
+    """
+    if len(text) <= limit:
+        return text
+    left = limit - len(ELLIPSIS)
+    return f"{text[: left - left // 2]}{ELLIPSIS}{text[len(text) - left // 2 :]}"
+
+
+def message(text: str) -> str:
+    r"""A message as it is shown: printable, its lines shortened, and of very many the first.
+
+    Examples
+    --------
+    >>> message("speed = \x1b[2J: must be a number")
+    'speed = ?[2J: must be a number'
+    """
+    lines = text.split("\n", LINE_COUNT_LIMIT)
+    if len(lines) > LINE_COUNT_LIMIT:
+        lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
+    return "\n".join(printable(shortened(_LONG_WORD.sub(_short_word, line), LINE_LENGTH_LIMIT)) for line in lines)
+
+
+def _short_word(found: re.Match[str]) -> str:
+    return shortened(found[0])
 
 
 class EaseoffError(Exception):
@@ -92,3 +171,64 @@ def how_to_install(requirement: str) -> str:
     else:
         pip = [getattr(sys, "_base_executable", sys.executable), "-m", "pip", "--python", sys.prefix]
     return f"{requirement} installs it: {shlex.join([*pip, 'install', *what])}"
+
+
+SIMILARITY = 0.6  # least ratio of difflib
+BEGINNING_LENGTH = 4  # least of a beginning that stands for the whole name [characters]
+NAME_LENGTH_LIMIT = 100  # of a name that is compared [characters]
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """The known name that comes nearest, or begins so, as the end of a phrase; empty if there is none.
+
+    Parameters
+    ----------
+    name
+        Name as given; lower and upper case count alike.
+    known
+        Names that there are.
+
+    Examples
+    --------
+    >>> suggestion("radial_distanse", ["radial_distance", "cradle_angle"])
+    "; did you mean 'radial_distance'?"
+    >>> suggestion("axle", ["gearbox-nasa-12x36", "axle-fm-11x41"])
+    "; did you mean 'axle-fm-11x41'?"
+    >>> suggestion("x", ["radial_distance"])
+    ''
+    """
+    lower = {word.lower(): word for word in known}
+    given = str(name)[:NAME_LENGTH_LIMIT].lower()
+    found = difflib.get_close_matches(given, lower, n=1, cutoff=SIMILARITY)
+    if not found and len(given) >= BEGINNING_LENGTH:
+        found = [word for word in lower if word.startswith(given)]
+    return f"; did you mean {lower[found[0]]!r}?" if found else ""
+
+
+MEMORY_UNITS = {"TB": 1e12, "GB": 1e9, "MB": 1e6}  # [byte]
+TIME_UNITS = {"years": 3.15576e7, "days": 86400.0, "h": 3600.0, "min": 60.0}  # [s]
+
+
+def memory_in_words(size: float) -> str:
+    """A size of memory [byte] in words.
+
+    >>> memory_in_words(2.16e9), memory_in_words(4.0e6), memory_in_words(10.0)
+    ('2.2 GB', '4 MB', '1 MB')
+    """
+    unit, factor = next(((unit, one) for unit, one in MEMORY_UNITS.items() if size >= one), ("MB", 1e6))
+    value = float(f"{max(size / factor, 1.0):.1e}")
+    if value >= 1e6:
+        return f"over a million {unit}"
+    return f"{value:.1f} {unit}" if value < 10.0 and value % 1.0 else f"{value:.0f} {unit}"
+
+
+def time_in_words(seconds: float) -> str:
+    """A time [s] in words.
+
+    >>> time_in_words(42.4), time_in_words(1e5), time_in_words(4e9), time_in_words(1e300)
+    ('about 42 s', 'about 28 h', 'about 130 years', 'over a million years')
+    """
+    if seconds >= 1e6 * TIME_UNITS["years"]:
+        return "over a million years"
+    unit, size = next((pair for pair in TIME_UNITS.items() if seconds >= 2.0 * pair[1]), ("s", 1.0))
+    return f"about {float(f'{max(seconds / size, 1.0):.1e}'):.0f} {unit}"

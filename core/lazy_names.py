@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
-from .suggestion import suggestion
+from .errors import suggestion
 
 
 def lazy_names(
@@ -28,7 +28,7 @@ def lazy_names(
     --------
     >>> found, _ = lazy_names("easeoff.core", {".magnitude": ["time_in_words"]})
     >>> found("time_in_words").__module__
-    'easeoff.core.magnitude'
+    'easeoff.core.errors'
     """
     modules = {name: module for module, names in origins.items() for name in names}
 

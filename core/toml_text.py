@@ -6,8 +6,7 @@ import re
 import tomllib
 from typing import Any
 
-from .errors import InputError
-from .printable import printable, shortened
+from .errors import InputError, printable, shortened
 
 DECIMAL_COMMA = re.compile(r"=\s*\[?\s*([+-]?\d+),(\d+)")
 BARE_TEXT = re.compile(r"=\s*([A-Za-z][\w-]*)\s*(?:#.*)?$")

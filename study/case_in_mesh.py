@@ -19,8 +19,7 @@ from ..cases.conversion import misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
 from ..cases.deflections import Deflections, misalignment_at
 from ..cases.reading import read_case
-from ..cases.schema.case_schema import Case
-from ..cases.schema.misalignment_table import MisalignmentTable
+from ..cases.schema.case_schema import Case, MisalignmentTable
 from ..cases.writing import case_toml
 from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..contact.mesh_cycle import MeshCycle

@@ -9,10 +9,9 @@ import xarray as xr
 
 from ..core.checks import file_path, instance
 from ..core.errors import InputError
-from ..core.reading.file_origin import layout_fault, unreadable
-from ..core.reading.netcdf_file import read_tree
-from ..core.reading.regular_file import named
-from ..core.writing.netcdf_output import write_netcdf
+from ..core.file_origin import layout_fault, unreadable
+from ..core.netcdf_file import read_tree, write_netcdf
+from ..core.regular_file import named
 from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
 
 COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room

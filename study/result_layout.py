@@ -12,11 +12,10 @@ import xarray as xr
 from ..contact.evaluation.pressure_map import LineEnd
 from ..contact.solvers import Status
 from ..contact.supports.assembly_rounds import RoundsStatus
-from ..core.attributes import units_of
+from ..core.attributes import StoredStatus, units_of
 from ..core.checks import shown
 from ..core.errors import InputError
-from ..core.reading.json_text import parsed_json
-from ..core.stored_status import StoredStatus
+from ..core.regular_file import parsed_json
 
 RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
 MAGNITUDE_LIMIT = 1e30

@@ -37,7 +37,7 @@ from easeoff.cases import (
     read_supports,
 )
 from easeoff.contact import read_problems
-from easeoff.core.reading.netcdf_file import read_dataset
+from easeoff.core.netcdf_file import read_dataset
 from easeoff.friction import lubricant
 from easeoff.geometry.formats.measured_grid import read_measured_grid
 from easeoff.study.cli import main

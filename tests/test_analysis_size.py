@@ -19,9 +19,9 @@ from easeoff.cases import Case, gear_pair
 from easeoff.cases.analysis_size import AnalysisSize
 from easeoff.cases.conversion import finite_elements
 from easeoff.cases.schema.case_schema import ComplianceTable
-from easeoff.core.processes import memory
-from easeoff.core.processes.child_environment import child_environment
-from easeoff.core.processes.memory import MEMORY_VARIABLE, available_memory, require_memory
+from easeoff.core import memory
+from easeoff.core.memory import MEMORY_VARIABLE, available_memory, require_memory
+from easeoff.core.process_settings import child_environment
 from easeoff.friction.ehl import LubricatedContact, Oil, rough_passage
 from easeoff.geometry.pair import gear_pair as geometry
 from easeoff.study import WearLaw, wear
@@ -336,7 +336,7 @@ def test_freed_memory_is_kept_and_taken_again_without_page_faults() -> None:
     code = """if True:
         import resource
         import numpy as np
-        from easeoff.core.processes.freed_memory import keep_freed_memory
+        from easeoff.core.process_settings import keep_freed_memory
         {}
         before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
         for _ in range(10):

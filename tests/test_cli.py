@@ -23,7 +23,7 @@ from easeoff import InputError
 from easeoff.cases import case_text, design_text, shipped_cases, shipped_designs, shipped_supports
 from easeoff.contact import read_problems
 from easeoff.contact.problem.exchange.problem_file import read_labels
-from easeoff.core.processes.forked_process import in_forked_process
+from easeoff.core.forked_process import in_forked_process
 from easeoff.friction import available_lubricants
 from easeoff.study import shipped_deviations
 from easeoff.study.analysis.contact_analysis import case_torques

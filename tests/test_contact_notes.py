@@ -12,7 +12,7 @@ from runs import small
 
 import easeoff
 from easeoff.cases import Case, read_supports, shipped_cases
-from easeoff.cases.supported_case import with_supports
+from easeoff.cases.reading import with_supports
 from easeoff.contact.evaluation.pressure_map import LineEnd, at_line_end, max_inner_pressure
 from easeoff.geometry import Misalignment
 from easeoff.study.plot import pressure_chart

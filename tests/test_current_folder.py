@@ -13,7 +13,7 @@ from runs import text_file
 
 import easeoff
 from easeoff.contact import ContactProblem, write_problems
-from easeoff.core.processes.child_environment import child_environment
+from easeoff.core.process_settings import child_environment
 
 #: Modules that a command may look for: of Python, of what the package needs, and solvers that are not installed.
 LIBRARIES = (

@@ -33,13 +33,12 @@ from easeoff.contact import STEEL, ContactProblem, read_npz, read_problems, writ
 from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import finite_element_tooth
 from easeoff.contact.problem.exchange.programme_file import write_npz
+from easeoff.core import forked_process, netcdf_file
 from easeoff.core.checkpoint import Checkpoint
 from easeoff.core.checks import distinct, shown
-from easeoff.core.printable import LINE_LENGTH_LIMIT, message
-from easeoff.core.processes import forked_process
-from easeoff.core.reading import netcdf_file
-from easeoff.core.reading.netcdf_file import read_dataset, read_tree
-from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
+from easeoff.core.errors import LINE_LENGTH_LIMIT, message
+from easeoff.core.netcdf_file import read_dataset, read_tree
+from easeoff.core.regular_file import TOML_SIZE_LIMIT, read_text
 from easeoff.friction import lubricant
 from easeoff.friction.ehl.study import study_design
 from easeoff.friction.ehl.study.friction_formula import read_formula

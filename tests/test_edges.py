@@ -17,7 +17,7 @@ from easeoff.cases import gear_pair
 from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
-from easeoff.contact.compliance.free_end import MODES
+from easeoff.contact.compliance.spread_deflection import MODES
 from easeoff.contact.lines.closest_approach import OppositePoints, across_line, one_step, pinion_points
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines

@@ -21,18 +21,26 @@ from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
-from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions
-from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.elastic_body import (
+    ElasticBody,
+    brick_gradients,
+    elastic_body,
+    functionals,
+    gauss_rule,
+    shape_functions,
+)
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
+    StressResponse,
+    by_station,
     feet_of_normals,
     flank_loads,
     flank_shares,
     foot_displacements,
     spread_shares,
     square_root,
+    stress_functionals,
 )
-from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
 from easeoff.geometry import GearPair, LatticeSize, ToothLattice, deviation_from_formula, pair_geometry, tooth_lattice
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.flanks.flank import solve_flank

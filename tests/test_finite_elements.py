@@ -16,16 +16,19 @@ from scipy.sparse.linalg import splu, spsolve
 from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, Material
-from easeoff.contact.compliance.finite_elements.bricks import (
+from easeoff.contact.compliance.finite_elements.elastic_body import (
     ShapeFunctions,
+    Substructures,
     brick_gradients,
     brick_stiffness,
+    elastic_body,
+    functionals,
     gauss_rule,
+    lattice_places,
     shape_functions,
     stiffness,
+    substructures,
 )
-from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
-from easeoff.contact.compliance.finite_elements.substructures import Substructures, lattice_places, substructures
 from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
 from easeoff.verification.toothed_sector import serendipity_functions
 

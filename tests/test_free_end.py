@@ -14,7 +14,7 @@ from tooth_models import coarse_solid_shells
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, ElasticModel, Material, MeshCycle
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
-from easeoff.contact.compliance.free_end import (
+from easeoff.contact.compliance.spread_deflection import (
     MODES,
     NEAREST_END,
     end_decay,

@@ -10,8 +10,7 @@ from scipy.integrate import quad
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ContactProblem, Material, solve
-from easeoff.contact.compliance.pressed_strip import strip_half_width
-from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
+from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact, strip_half_width
 
 BRONZE = Material(105000.0, 0.34)
 

@@ -18,7 +18,7 @@ from scipy.optimize import minimize
 import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, shipped_cases
-from easeoff.cases.recording import with_blanks
+from easeoff.cases.writing import with_blanks
 from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions
 from easeoff.geometry.design.blank import (
     ISO_INPUT_SYMBOLS,

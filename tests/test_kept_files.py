@@ -19,7 +19,7 @@ from netCDF4 import Dataset
 
 import easeoff
 from easeoff import InputError
-from easeoff.core.reading import netcdf_file
+from easeoff.core import netcdf_file
 from easeoff.study.sweep.sweep_file import read_sweep
 
 VERSIONS = sorted(path.name for path in KEPT.iterdir())

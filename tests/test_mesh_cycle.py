@@ -18,9 +18,8 @@ from tooth_models import few_bricks
 from easeoff import InputError, analyze
 from easeoff.cases import Deflections, gear_pair, read_case
 from easeoff.contact import ElasticModel, Material, MeshCycle, Shell, lines_in_mesh
-from easeoff.contact.compliance.elastic_model import solid_shells
+from easeoff.contact.compliance.elastic_model import Loads, UnitLoads, solid_shells
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
-from easeoff.contact.compliance.unit_loads import Loads, UnitLoads
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.cycle_numbers import mesh_stiffness, mesh_stiffnesses

@@ -19,7 +19,7 @@ from easeoff import InputError
 from easeoff.cases import Design, LoadCase, designed_blanks, gear_pair, read_case, read_design, read_load_cases
 from easeoff.cases.conversion import blank_design
 from easeoff.cases.reading import DESIGN
-from easeoff.cases.schema.inch_lengths import refuse_inches
+from easeoff.cases.schema.case_schema import refuse_inches
 from easeoff.core.toml_text import toml_tables
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly

@@ -22,15 +22,17 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.neighbouring_teeth import (
+from easeoff.contact.compliance.finite_elements.tooth_ring import (
     SURFACE_NODES,
+    RingCompliance,
     body_modes,
     modes_of,
     nodal_areas,
+    pitch_angle,
+    ring_compliance,
     ring_size,
     with_body,
 )
-from easeoff.contact.compliance.finite_elements.tooth_ring import RingCompliance, pitch_angle, ring_compliance
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry, tooth_lattice
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member

@@ -23,7 +23,7 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
 from easeoff.contact.evaluation.pressure_map import LineEnd
-from easeoff.core.imports.notebook_figures import show_figures_in_notebooks
+from easeoff.core.import_hooks import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers
 from easeoff.study.report.notebook.html_table import html_text

@@ -44,8 +44,8 @@ from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.declared import solver_lookup
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
-from easeoff.core.processes import foreign_code as foreign_code_module
-from easeoff.core.processes.foreign_code import ForeignCodeError, foreign_code
+from easeoff.core import foreign_code as foreign_code_module
+from easeoff.core.foreign_code import ForeignCodeError, foreign_code
 from easeoff.study import cli as study_cli
 from easeoff.study.cli import main, run_command
 from easeoff.study.report.summary.result_summary import result_summary

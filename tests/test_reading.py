@@ -21,9 +21,8 @@ from runs import analysed, call, small
 import easeoff
 from easeoff import InputError, study
 from easeoff.cases import gear_pair
-from easeoff.core.processes import forked_process
-from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
-from easeoff.core.reading import netcdf_file
+from easeoff.core import forked_process, netcdf_file
+from easeoff.core.forked_process import ProcessEndedError, in_forked_process
 from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
 from easeoff.study import plot
 from easeoff.study.sweep import percentiles, read_sweep, worst_points

@@ -24,7 +24,7 @@ from easeoff import InputError, analyze, write_result
 from easeoff.cases import Deflections, LoadCase
 from easeoff.contact import Status
 from easeoff.contact.evaluation.pressure_map import pressure_map
-from easeoff.core.ordered_values import ordered
+from easeoff.core.attributes import ordered
 from easeoff.friction.loaded_contacts import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
 from easeoff.study import analyze_load_cases, key_numbers, summary_sheet, write_report

@@ -26,7 +26,7 @@ from runs import output_of, refusal_of, small
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
-from easeoff.core.ordered_values import ordered
+from easeoff.core.attributes import ordered
 from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report.contact_report import given_results
 from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults

@@ -28,9 +28,8 @@ from whole_differences import (
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle
-from easeoff.contact.compliance import body_coupling
-from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
-from easeoff.contact.compliance.finite_elements.stress_response import StressResponse
+from easeoff.contact.compliance import elastic_model
+from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance, StressResponse
 from easeoff.contact.evaluation.cycle_numbers import load_spot
 from easeoff.contact.evaluation.cycle_slopes import CycleSlopes, cycle_slopes
 from easeoff.contact.evaluation.segment_slopes import unloaded_numbers
@@ -74,7 +73,7 @@ GAP_ROUNDING = 4e-15  # [rad]; what rounding leaves of the smallest gap
 @pytest.fixture(autouse=True)
 def all_shared_modes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those that are left out change no digit of a result, but all digits of a difference over 1e-5."""
-    monkeypatch.setattr(body_coupling, "DROPPED_SHARE", 1e-15)
+    monkeypatch.setattr(elastic_model, "DROPPED_SHARE", 1e-15)
 
 
 def settings_of(pair: GearPair) -> list[PairSetting]:

@@ -12,9 +12,14 @@ from numpy.typing import NDArray
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDimensions
+from easeoff.contact.compliance.shell import (
+    PolynomialFamily,
+    TrialFunctions,
+    legendre,
+    rooted_polynomials,
+    stiffness_matrix,
+)
 from easeoff.contact.compliance.shell_kinematics import DisplacementAssumption, five_field
-from easeoff.contact.compliance.shell_stiffness import TrialFunctions, stiffness_matrix
-from easeoff.contact.compliance.trial_polynomials import PolynomialFamily, legendre, rooted_polynomials
 from easeoff.verification.shell_root_stress import monomials, thesis_kinematics
 
 FloatArray = NDArray[np.float64]

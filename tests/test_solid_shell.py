@@ -20,21 +20,20 @@ from easeoff.cases.conversion import finite_elements
 from easeoff.contact import STEEL, root_stress
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
-from easeoff.contact.compliance.finite_elements.bricks import stiffness
-from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals, stiffness
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import (
+    body_stiffness,
+    solid_shell,
+    tooth_shape,
+    tooth_stiffness,
+)
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
     flank_loads,
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.solid_shell import (
-    body_stiffness,
-    solid_shell,
-    tooth_shape,
-    tooth_stiffness,
-)
-from easeoff.contact.compliance.trial_polynomials import legendre
+from easeoff.contact.compliance.shell import legendre
 from easeoff.geometry import LatticeSize, Misalignment, ToothLattice, tooth_lattice
 from easeoff.study import CaseInMesh, WearLaw, wear
 

@@ -31,8 +31,7 @@ from easeoff.cases import (
     shipped_cases,
     write_case,
 )
-from easeoff.cases.changes import changed_case
-from easeoff.cases.recording import with_blanks
+from easeoff.cases.writing import changed_case, with_blanks
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet
 from easeoff.study.design.design_check import rounding_limits

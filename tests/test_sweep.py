@@ -27,7 +27,7 @@ from sweeps import CASE, RADIAL, SETTING, analyse_points_once, case_file
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases.changes import changed_case, numeric_keys
+from easeoff.cases.writing import changed_case, numeric_keys
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import Modification
 from easeoff.study import key_numbers

@@ -17,7 +17,7 @@ from sweeps import CASE, SETTING, analyse_points_once, case_file
 from easeoff import InputError, plot
 from easeoff.cases import read_load_cases
 from easeoff.core.checkpoint import digest
-from easeoff.core.writing.private_folder import private_folder
+from easeoff.core.output_file import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.report.key_numbers import number_names

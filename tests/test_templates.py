@@ -24,9 +24,8 @@ from easeoff.cases import (
     with_supports,
 )
 from easeoff.cases.reading import SUPPORT
+from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, inner_model, template, template_text
 from easeoff.cases.schema.supports_table import SupportFile
-from easeoff.cases.schema.template.file_templates import TEMPLATE_KINDS, template
-from easeoff.cases.schema.template.template_text import inner_model, template_text
 from easeoff.core.errors import InputError
 from easeoff.friction.lubricants.lubricant import KEYS, lubricant
 from easeoff.study import design_case

@@ -21,7 +21,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import STEEL, solve
 from easeoff.contact.unloaded import unloaded_contact
-from easeoff.core.processes.foreign_code import foreign_code
+from easeoff.core.foreign_code import foreign_code
 from easeoff.geometry import (
     Blade,
     FlankName,

@@ -25,8 +25,8 @@ from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
 from easeoff.contact.compliance.finite_elements import array_store
 from easeoff.contact.problem.exchange.programme_file import write_npz
-from easeoff.core.writing import file_lock, permissions, private_folder
-from easeoff.core.writing.output_file import check_folder, check_writable, existing_folder, whole_file
+from easeoff.core import file_lock, output_file
+from easeoff.core.output_file import check_folder, check_writable, existing_folder, whole_file
 
 
 def write(path: Path, text: str = "new") -> None:
@@ -129,7 +129,7 @@ def test_a_group_that_cannot_be_kept_gets_no_more_than_everybody(
     monkeypatch.setattr(os, "chown", refused)
     new = text_file(tmp_path / "new.txt", "new")
     monkeypatch.setattr(Path, "lstat", lambda _: status)
-    permissions.take_over_permissions(new, path)
+    output_file.take_over_permissions(new, path)
     assert stat.S_IMODE(os.stat(new).st_mode) == 0o644
 
 
@@ -144,15 +144,15 @@ def test_an_access_list_is_kept_and_none_is_inherited(tmp_path: Path) -> None:
     )
     value = (2).to_bytes(4, "little") + packed
     try:
-        os.setxattr(path, permissions.ACCESS_LIST, value)
+        os.setxattr(path, output_file.ACCESS_LIST, value)
     except (OSError, AttributeError):
         pytest.skip("no access lists in this file system")
     write(path)
-    assert os.getxattr(path, permissions.ACCESS_LIST) == value
+    assert os.getxattr(path, output_file.ACCESS_LIST) == value
     plain = text_file(tmp_path / "plain.txt", "old")
     os.setxattr(tmp_path, "system.posix_acl_default", value)
     write(plain)
-    assert permissions.ACCESS_LIST not in os.listxattr(plain)
+    assert output_file.ACCESS_LIST not in os.listxattr(plain)
 
 
 # Faults at every step.
@@ -266,7 +266,7 @@ def test_a_file_larger_than_the_limit_of_the_system_is_one_message(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.core.writing import private_folder
 step, path = sys.argv[1], sys.argv[2]
 
@@ -274,7 +274,7 @@ def end(*_, **__):
     os.kill(os.getpid(), signal.SIGKILL)
 
 if step == "lock":
-    private_folder.try_lock = end
+    output_file.try_lock = end
 elif step in ("open", "fsync", "replace", "chmod"):
     setattr(os, step, end)
 with whole_file(path) as temporary:
@@ -317,7 +317,7 @@ def test_a_file_that_is_being_written_is_left_alone(tmp_path: Path) -> None:
     with whole_file(tmp_path / "x.txt") as temporary:
         temporary.write_text("slow", encoding="utf-8")
         write(tmp_path / "y.txt")
-        private_folder.clear_remains(tmp_path)
+        output_file.clear_remains(tmp_path)
         assert temporary.read_text(encoding="utf-8") == "slow"
     assert listing(tmp_path) == ["x.txt", "y.txt"]
 
@@ -366,7 +366,7 @@ def test_a_private_folder_cleared_in_the_instant_of_its_making_is_made_again(
         return original_lock(descriptor)
 
     monkeypatch.setattr(os, "open", cleared)
-    monkeypatch.setattr(private_folder, "try_lock", locked)
+    monkeypatch.setattr(output_file, "try_lock", locked)
     write(tmp_path / "x.txt")
     assert calls == ["cleared", "locked"]
     monkeypatch.undo()
@@ -383,7 +383,7 @@ def test_without_locks_files_are_written_and_remains_left_alone(
     def none(_: int) -> bool:
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(private_folder, "try_lock", none)
+    monkeypatch.setattr(output_file, "try_lock", none)
     write(tmp_path / "y.txt")
     assert listing(tmp_path) == sorted([*left, "y.txt"])
 

@@ -36,8 +36,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from ..contact.compliance.finite_elements.array_store import kept, key_of
-from ..contact.compliance.finite_elements.bricks import quadratic, stiffness
-from ..contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body
+from ..contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body, quadratic, stiffness
 from ..contact.compliance.finite_elements.finite_element_tooth import unfilled
 from ..contact.compliance.material import Material
 from ..core.checks import frozen_arrays, instance

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ..contact.compliance.finite_elements.bricks import quadratic, shape_functions
-from ..contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body
+from ..contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, quadratic, shape_functions
 from ..contact.compliance.finite_elements.flank_compliance import flank_loads, foot_displacements
 from ..contact.compliance.finite_elements.tooth_ring import pitch_angle
 from ..contact.compliance.material import Material

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..core.stored_status import StoredStatus
+from ..core.attributes import StoredStatus
 
 
 class RowStatus(StoredStatus):

@@ -17,14 +17,14 @@ from pydantic import BaseModel
 
 from ...core.checks import instance
 from ...core.errors import EaseoffError
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 from ...geometry.pair.gear_pair import MEMBERS
 from ..conversion import machine_settings
 from ..reading import MID_FLANK
-from ..recording import with_blanks, with_mean_thickness
 from ..schema.case_schema import Case, MemberTable
 from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings
-from .rexs_file import ModelWriter, Value
+from ..writing import with_blanks, with_mean_thickness
+from .rexs_reading import ModelWriter, Value
 from .rexs_vocabulary import (
     APPLICATION,
     BLANK_TERMS,

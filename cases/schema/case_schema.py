@@ -1,29 +1,213 @@
 """The schema of a case file: every key, its unit and its range. Angles in degrees, lengths in mm, torque in N m.
 
 Names follow the REXS standard where it has one. A misspelt key is an error, never ignored.
+
+Cutter radii that were given in inches: absurdly small beside the member, and usual after conversion.
+
+Usual names of the keys of a case file, for tables and pictures: what a gear engineer calls them.
+
+Misalignment in a case file: assembly errors, and a table of deflections over the torque.
 """
 
 from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from ...core.checks import shown
-from ...core.errors import InputError
-from ...core.printable import printable
+from ...core.errors import InputError, printable
+from ...geometry.pair.assembly import Misalignment
+from ..deflections import ERRORS, SYMBOLS, Deflections
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
-from .misalignment_table import MisalignmentTable
 from .schema_table import InputFile, Integer, Number, Table, number
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
+
+INCH = 25.4  # [mm]
+#: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
+ABSURD_RATIO, USUAL_RATIOS = 0.15, (0.25, 3.0)
+
+
+def refuse_inches(table: BlankDesignTable) -> None:
+    """Refuse a cutter radius in inches among basic data.
+
+    Raises
+    ------
+    InputError
+        With the radius in mm.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> refuse_inches(read_design("fm-11x41").blank_design)
+    """
+    diameter = table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
+    if diameter is None:
+        return
+    radius, ratio = table.cutter_radius, 2.0 * table.cutter_radius / diameter
+    if ratio < ABSURD_RATIO and USUAL_RATIOS[0] <= INCH * ratio <= USUAL_RATIOS[1]:
+        raise InputError(
+            f"[blank_design] cutter_radius = {radius:g}: must be in mm, and is absurdly small for a pair of this size; "
+            f"{radius:g} in is {INCH * radius:.6g} mm"
+        )
+
+
+#: Names that settings have in workshops where the key, which follows REXS, says it otherwise.
+USUAL_NAMES: Mapping[str, str] = {
+    "radial_distance": "radial setting",
+    "cradle_angle": "basic cradle angle",
+    "horizontal_distance": "horizontal setting",
+    "vertical_distance": "vertical setting",
+    "machine_root_angle": "machine root angle",
+    "work_offset": "blank offset",
+    "sliding_base": "sliding base",
+    "machine_center_to_crossing_point": "machine centre to back",
+    "cutter_tilt": "tilt",
+    "cutter_swivel": "swivel",
+    "ratio_of_roll": "ratio of roll",
+    "modified_roll_2c": "modified roll 2C",
+    "modified_roll_6d": "modified roll 6D",
+    "modified_roll_24e": "modified roll 24E",
+    "modified_roll_120f": "modified roll 120F",
+    "modified_roll_720g": "modified roll 720G",
+    "blade_point_radius": "cutter point radius",
+    "blade_pressure_angle": "blade angle",
+    "blade_offset_angle": "blade offset angle",
+    "blade_rake_angle": "blade rake angle",
+    "blade_hook_angle": "blade hook angle",
+    "blade_spheric_radius": "profile radius",
+    "blade_reference_height": "reference height",
+    "tool_edge_radius": "edge radius",
+    "toprem_depth": "toprem depth",
+    "toprem_angle": "toprem angle",
+    "toprem_radius": "toprem radius",
+    "flankrem_depth": "flankrem depth",
+    "flankrem_angle": "flankrem angle",
+    "flankrem_radius": "flankrem radius",
+    "number_of_blade_groups": "blade groups",
+}
+#: Names of the motions that have one.
+MOTION_NAMES: Mapping[str, str] = {
+    "sliding_base": "helical motion",
+    "work_offset": "vertical motion",
+    "radial_distance": "radial motion",
+}
+
+
+def usual_name(key: str) -> str:
+    """Usual name of what a key of a case file holds; the key in words if it has no other.
+
+    Examples
+    --------
+    >>> usual_name("cutter_tilt"), usual_name("hypoid_offset")
+    ('tilt', 'hypoid offset')
+    """
+    return USUAL_NAMES.get(key, key.replace("_", " "))
+
+
+def motion_name(key: str) -> str:
+    """Name of the motion of a setting.
+
+    Examples
+    --------
+    >>> motion_name("sliding_base"), motion_name("cutter_tilt")
+    ('helical motion', 'motion of tilt')
+    """
+    return MOTION_NAMES.get(key, f"motion of {usual_name(key)}")
+
+
+DEFLECTION_ROW_COUNT_LIMIT = 1000
+
+
+class DeflectionRow(Table):
+    """A row of a table of deflections. A key must be in all rows or in none, where it counts as zero.
+
+    Examples
+    --------
+    >>> DeflectionRow(torque=250.0, E=0.05).P is None
+    True
+    """
+
+    torque: Number = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
+    E: Number | None = number("increase of the offset", "mm", default=None, gt=-10, lt=10)
+    P: Number | None = number("pinion away from the crossing point", "mm", default=None, gt=-10, lt=10)
+    G: Number | None = number("gear away from the crossing point", "mm", default=None, gt=-10, lt=10)
+    Sigma: Number | None = number("increase of the shaft angle", "deg", default=None, gt=-5, lt=5)
+    flank: Literal["drive", "coast"] | None = Field(default=None, description="in mesh; both if left out")
+
+
+def _rows(value: Any) -> Any:
+    if isinstance(value, dict):
+        raise ValueError("a row of deflections is a table [[misalignment.deflections]], with two brackets")
+    return value
+
+
+DeflectionRows = Annotated[
+    tuple[DeflectionRow, ...], BeforeValidator(_rows), Field(strict=False, max_length=DEFLECTION_ROW_COUNT_LIMIT)
+]
+
+
+class MisalignmentTable(Table):
+    """Assembly errors; with deflections those are added to them."""
+
+    offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
+    pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    shaft_angle: Number = number("Sigma: increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
+    deflections: DeflectionRows = ()
+
+    @model_validator(mode="after")
+    def _has_a_curve(self) -> Self:
+        if self.deflections:
+            deflections_of(self.deflections)
+        return self
+
+
+def deflections_of(rows: Sequence[DeflectionRow], constant: Misalignment | None = None) -> Deflections:
+    """Deflections from rows of a table, in rad.
+
+    Parameters
+    ----------
+    rows
+        One or more, of each flank in the order of their torques.
+    constant
+        Added at every torque; none if left out.
+
+    Raises
+    ------
+    ValueError
+        If a key is in some rows and not in others, or torques do not rise.
+
+    Examples
+    --------
+    >>> deflections_of([DeflectionRow(torque=0.0, Sigma=0.0), DeflectionRow(torque=300.0, Sigma=180.0 / 100)]).at(300.0)
+    Misalignment(offset=0.0, pinion_axial=0.0, gear_axial=0.0, shaft_angle=0.031415926535897934)
+    """
+    columns: dict[str, list[Any]] = {}
+    for symbol in (*SYMBOLS, "flank"):
+        values = [getattr(row, symbol) for row in rows]
+        without = [row.torque for row, value in zip(rows, values, strict=True) if value is None]
+        if 0 < len(without) < len(rows):
+            raise ValueError(
+                f"{symbol} is in some rows of the deflections and not in that of torque = {without[0]:g}: give it in "
+                "every row, or in none"
+            )
+        columns[symbol] = [] if without else values
+    columns["Sigma"] = [math.radians(value) for value in columns["Sigma"]]
+    own = {error: columns[symbol] for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
+    try:
+        torques = [row.torque for row in rows]
+        return Deflections(torques, **own, flank=columns["flank"], constant=constant or Misalignment())
+    except InputError as error:
+        raise ValueError(str(error)) from error
 
 
 class Blank(Table):

@@ -9,9 +9,8 @@ from pydantic import Field, field_validator, model_validator
 from ...geometry.cutting.named_settings import scale_of
 from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
-from .case_schema import ComplianceTable, ContactTable, PairTable, Steel, TargetTable
+from .case_schema import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
-from .misalignment_table import MisalignmentTable
 from .schema_table import InputFile, Integer, Number, Table, number
 
 EDGE_RADIUS = (

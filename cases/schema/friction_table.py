@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from ...core.checks import is_number
-from ...core.errors import InputError
-from ...core.printable import printable, shortened
-from ...core.reading.regular_file import leads_outside
+from ...core.errors import InputError, printable, shortened
+from ...core.regular_file import leads_outside
 from ..mistakes import written
 from .schema_table import Number, Table, number
 

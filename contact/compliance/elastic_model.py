@@ -1,8 +1,16 @@
-"""Elastic model of a tooth pair, and its bending compliance under loads along the contact normals."""
+"""Elastic model of a tooth pair, and its bending compliance under loads along the contact normals.
+
+Coupling of tooth pairs through the bodies of pinion and gear, as modes that all pairs of a mesh position share.
+
+Unit loads on the segments of a mesh cycle, and the bending compliance at a mesh position by modes of tooth pairs.
+
+Segments on different tooth pairs are coupled through the bodies of the members alone.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -10,11 +18,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import check_fields, instances, positive, two_whole
-from ...core.ordered_values import ordered
+from ...core.attributes import ordered
+from ...core.checks import check_fields, frozen, frozen_arrays, instances, positive, two_whole
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
-from .body_coupling import BodyCoupling
+from ..problem.modal_basis import ModalBasis, SharedModes, basis_of_blocks, compressed_block
 from .elastic_foundation import ElasticFoundation
 from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
@@ -23,6 +31,69 @@ from .shell import Shell
 from .tooth_dimensions import ToothDimensions
 
 Array = NDArray[Any]
+DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which change no digit of a result, are left out
+EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class BodyCoupling:
+    """Compliance between tooth pairs through the bodies of the members.
+
+    Parameters
+    ----------
+    members
+        Of each member the compliance between the modes of its teeth by their distance (N, q, q) [mm/N], see
+        ``SharedBody``, and the pitches from the tooth of one pair to that of the next.
+    """
+
+    members: tuple[tuple[Array, int], ...]
+    known: dict[tuple[int, ...], Array] = field(default_factory=dict, repr=False, compare=False)
+
+    def compliance(self, pairs: Sequence[int] | NDArray[np.int64]) -> Array:
+        """Compliance (p, q, p, q) [mm/N] between the modes of tooth pairs (p), those of all members one by one."""
+        numbers = np.asarray(pairs)
+        distance = numbers[:, None] - numbers
+        size = sum(coupling.shape[1] for coupling, _ in self.members)
+        result = np.zeros((numbers.size, size, numbers.size, size))
+        start = 0
+        for coupling, pitches in self.members:
+            own = slice(start, start + coupling.shape[1])
+            result[:, own, :, own] = np.moveaxis(coupling[np.mod(pitches * distance, len(coupling))], 1, 2)
+            start = own.stop
+        return result
+
+    def shared_modes(
+        self, pairs: Sequence[int] | NDArray[np.int64], segments: Sequence[NDArray[np.intp]], loads: Array
+    ) -> SharedModes:
+        """Modes of the bodies that tooth pairs share.
+
+        Parameters
+        ----------
+        pairs
+            Numbers of the pairs (p).
+        segments
+            Segments of each pair.
+        loads
+            Unit loads on the segments in the modes of the bodies (n, q).
+        """
+        root = self._root(tuple(int(pair) for pair in pairs))
+        on_root = np.concatenate([loads[rows] @ own for rows, own in zip(segments, root, strict=True)])
+        values, vectors = np.linalg.eigh(on_root.T @ on_root)
+        kept = values > DROPPED_SHARE * values[-1]
+        return SharedModes(loads, root @ vectors[:, kept])
+
+    def _root(self, pairs: tuple[int, ...]) -> Array:
+        """Y (p, q, r) such that the compliance between the modes of tooth pairs is Y Y^T."""
+        if pairs not in self.known:
+            whole = self.compliance(pairs)
+            values, vectors = np.linalg.eigh(whole.reshape(len(pairs) * whole.shape[1], -1))
+            kept = values > EIGENVALUE_RATIO_LIMIT * values[-1]
+            root = (vectors[:, kept] * np.sqrt(values[kept])).reshape(*whole.shape[:2], -1)
+            self.known[pairs] = frozen(root)
+        return self.known[pairs]
+
+
 PlateName = Literal["even", "fitted"]
 ElasticTooth = Shell | FlankCompliance
 STEEL = Material(206000.0, 0.3)
@@ -272,3 +343,87 @@ def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | 
     ways = zip(bodies, PITCHES_PER_PAIR, strict=True)
     known = [(body.coupling, pitches) for body, pitches in ways if body is not None]
     return BodyCoupling(tuple(known)) if known else None
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class Loads:
+    """Unit loads on segments (n).
+
+    Parameters
+    ----------
+    own
+        Whitened, in parts (n, k): the inner products of rows, summed over the parts, are bending compliances of
+        segments on one tooth pair. They are not one array, which would take longer to fill than to use.
+    on_bodies
+        In the modes of the bodies of both members (n, q).
+    """
+
+    own: tuple[Array, ...]
+    on_bodies: Array
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class UnitLoads:
+    """Unit loads on both teeth, and the bodies through which tooth pairs are coupled.
+
+    Parameters
+    ----------
+    on_lines
+        Of the segments of contact lines (n).
+    on_edges
+        Of pieces of edges (m), whose numbers follow those of the segments of lines; ``None`` for none.
+    coupling
+        Of tooth pairs through the bodies; ``None`` if each tooth has a body of its own.
+    known
+        Compressed blocks of segments of lines, by the numbers of these: kept for the next mesh with other edges.
+    """
+
+    on_lines: Loads
+    on_edges: Loads | None = None
+    coupling: BodyCoupling | None = None
+    known: dict[bytes, Array] = field(default_factory=dict, repr=False, compare=False)
+
+    def with_edges(self, on_edges: Loads) -> UnitLoads:
+        """The same contact lines with pieces of edges."""
+        return replace(self, on_edges=on_edges)
+
+    def bending(self, pairs: NDArray[np.int64], rows: NDArray[np.int64]) -> ModalBasis:
+        """Bending compliance of the segments (s) of a mesh position.
+
+        Parameters
+        ----------
+        pairs
+            Their tooth pairs (s).
+        rows
+            Their numbers (s), those on lines before those on edges.
+        """
+        numbers = np.unique(pairs)
+        blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
+        shared = None
+        if self.coupling is not None:
+            shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, lambda loads: (loads.on_bodies,)))
+        return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks], shared)
+
+    def _compressed(self, rows: NDArray[np.int64]) -> Array:
+        """Modes of one tooth pair with the segments of given numbers (s)."""
+        key = rows.tobytes()
+        if key in self.known:
+            return self.known[key]
+        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
+        if np.all(rows < len(self.on_lines.on_bodies)):
+            self.known[key] = compressed
+        return compressed
+
+    def _rows(self, rows: NDArray[np.int64], parts: Callable[[Loads], tuple[Array, ...]]) -> Array:
+        """Rows of given numbers (s), those on lines first, of parts of the loads side by side."""
+        lines = parts(self.on_lines)
+        count = int(np.count_nonzero(rows < len(lines[0])))
+        result = np.empty((rows.size, sum(part.shape[1] for part in lines)))
+        np.concatenate([part[rows[:count]] for part in lines], axis=1, out=result[:count])
+        if count < rows.size:
+            assert self.on_edges is not None
+            beyond = rows[count:] - len(lines[0])
+            np.concatenate([part[beyond] for part in parts(self.on_edges)], axis=1, out=result[count:])
+        return result

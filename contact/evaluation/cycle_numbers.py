@@ -24,8 +24,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
-from ...core.ordered_values import ordered
+from ...core.attributes import labelled, ordered
 from ..compliance.weber_line_contact import WeberLineContact
 from ..lines.contact_lines import boundary_distance
 from ..lines.flank_splines import FlankSplines

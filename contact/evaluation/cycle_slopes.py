@@ -26,10 +26,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
+from ...core.attributes import labelled, ordered
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
-from ...core.ordered_values import ordered
 from ...geometry.pair.field_slopes import field_slopes
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.pair.near_pair import PairSetting

@@ -20,10 +20,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.attributes import ordered
 from ...core.checks import frozen_arrays, number
 from ...core.errors import InputError
 from ...core.kernels import kernel
-from ...core.ordered_values import ordered
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
 from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_inside

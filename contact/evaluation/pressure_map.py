@@ -19,8 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.ordered_values import ordered
-from ...core.stored_status import StoredStatus
+from ...core.attributes import StoredStatus, ordered
 from ..lines.flank_splines import FlankSplines
 
 Array = NDArray[Any]

@@ -17,8 +17,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
-from ...core.ordered_values import ordered
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 Array = NDArray[Any]

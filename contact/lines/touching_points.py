@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.ordered_values import ordered
+from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import PairGeometry
 from .closest_approach import PASSING_FIELDS, PINION_FRACTIONS, gap_beside, still_opens
 from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap

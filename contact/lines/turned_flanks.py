@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.ordered_values import ordered
+from ...core.attributes import ordered
 from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
 from ...geometry.flanks.flank import Flank, pick, seed_lattice, solve_parts
 from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, determinant

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError, MissingSolverError
-from ...core.processes.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code, reason_of
+from ...core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code, reason_of
 from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.compliance_matrix import ModalCompliance

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.attributes import StoredStatus
 from ...core.checks import frozen_arrays, one_of, positive, whole
-from ...core.stored_status import StoredStatus
 
 if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import PairGeometry

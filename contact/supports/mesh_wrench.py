@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
-from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import PairGeometry, first_contact
 from ..lines.flank_splines import FlankSplines, fit
 from .support import unit_wrenches

@@ -54,8 +54,8 @@ from dataclasses import astuple, dataclass, field, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.attributes import StoredStatus
 from ...core.checks import frozen_arrays
-from ...core.stored_status import StoredStatus
 from . import hierarchical_matrix as hierarchical
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...core import checks
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
-from ...core.processes.memory import require_memory
+from ...core.memory import require_memory
 from .asperities import Profile, smooth
 from .film import FEWEST_NODES, MOST_NODES, Film, domain, touching_start
 from .hierarchical_matrix import Deflection

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, instance, number, one_of
 from ...core.errors import InputError
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 from .lubricant import KELVIN, THERMAL_CONDUCTIVITY, WALTHER_VISCOSITY, Array, Lubricant
 
 #: s [1/Pa] and t of ISO/TS 6336-22, Eq. 9 to 11, with the viscosity in Pa s.

@@ -20,10 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import array, frozen_arrays, instance, number, one_of, shown
-from ...core.errors import InputError
-from ...core.reading.regular_file import named
-from ...core.reading.text_file import TOML_SIZE_LIMIT, read_text
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
+from ...core.regular_file import TOML_SIZE_LIMIT, named, read_text
 from ...core.toml_text import toml_tables
 
 Array = NDArray[Any]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.checks import instance
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.machine import MOVING_SETTINGS
 from ..cutting.named_settings import (

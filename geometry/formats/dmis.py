@@ -21,7 +21,7 @@ import xarray as xr
 
 from ...core.checks import one_of
 from ...core.errors import InputError
-from ...core.reading.text_file import LINE_LENGTH_LIMIT
+from ...core.regular_file import LINE_LENGTH_LIMIT
 from . import csv_points as cmm_csv
 from .separated_text import excerpt
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...core.attributes import labelled
 from ...core.checks import array, file_path, instance, one_of
 from ...core.errors import InputError
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 from ..deviation.deviation import Deviation, Method
 from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from ...core.attributes import labelled, units_of
 from ...core.checks import file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
-from ...core.reading.netcdf_file import read_dataset
-from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
-from ...core.writing.netcdf_output import write_netcdf
-from ...core.writing.output_file import whole_file
+from ...core.netcdf_file import read_dataset, write_netcdf
+from ...core.output_file import whole_file
+from ...core.regular_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import file_path
 from ...core.errors import InputError
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 from ..vectors import rotate_z
 from .step import merged, oriented, rotations
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...core import checks
 from ...core.checks import file_path, instance
 from ...core.errors import InputError, MissingPackageError, how_to_install
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 
 Array = NDArray[Any]
 

@@ -11,8 +11,8 @@ import xarray as xr
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.deflection_table import MisalignmentSource
+from ...cases.reading import with_supports
 from ...cases.schema.case_schema import Case
-from ...cases.supported_case import with_supports
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import SolverChoice
 from ...core.checks import instance

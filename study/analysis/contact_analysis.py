@@ -19,7 +19,7 @@ from ...contact.solvers import SolverChoice, require_solver
 from ...contact.tooth_root_stress import root_stress
 from ...core.checks import distinct
 from ...core.errors import InputError
-from ...core.processes.blas_threads import one_blas_thread
+from ...core.process_settings import one_blas_thread
 from ...geometry.pair.tooth_thickness import contradictions
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviations.deviation_source import require_line_contact

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...core.checks import instance, one_of, shown, words
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
 from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import TERM_POWERS

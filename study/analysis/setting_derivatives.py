@@ -11,7 +11,7 @@ import xarray as xr
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
 from ...core.checks import instance
-from ...core.processes.blas_threads import one_blas_thread
+from ...core.process_settings import one_blas_thread
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case

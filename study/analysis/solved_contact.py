@@ -17,7 +17,7 @@ from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.checks import shown, truth
 from ...core.errors import InputError
-from ...core.processes.blas_threads import one_blas_thread
+from ...core.process_settings import one_blas_thread
 from ..case_in_mesh import CaseInMesh
 from ..sweep.swept_quantity import swept_quantity
 from .contact_analysis import case_torques

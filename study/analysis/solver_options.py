@@ -13,8 +13,7 @@ from ...cases.schema.case_schema import ComplianceTable, ContactTable
 from ...contact.solvers import SOLVERS, SolverChoice, require_solver
 from ...contact.solvers.solver_limits import Limits
 from ...core.checks import one_of, shown
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
 
 #: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.
 OPTIONS = ("tolerance", "time_limit", "max_iterations", "polish", "form")

@@ -14,7 +14,7 @@ from typing import Any, NoReturn, TextIO
 
 import click
 
-from ...core import printable
+from ...core import errors
 from ...core.errors import EaseoffError
 from .command import PROGRAM, as_given
 from .exit_codes import EXIT_MISTAKE
@@ -62,7 +62,7 @@ def _show_warning(
 
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
-    said = printable.message(as_given(error.format_message()))
+    said = errors.message(as_given(error.format_message()))
     return click.UsageError(said, error.ctx) if isinstance(error, click.UsageError) else _Mistake(said)
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from ...core.processes.garbage_collection import without_garbage_collection
-from ...core.writing.file_name import check_text
+from ...core.output_file import check_text
+from ...core.process_settings import without_garbage_collection
 
 DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
 PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)

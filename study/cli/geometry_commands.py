@@ -106,8 +106,8 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
     from ...core.errors import InputError
-    from ...core.reading.regular_file import named
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
+    from ...core.regular_file import named
     from ..export.contact_mesh import export_contact
     from ..result import read_result
 
@@ -128,7 +128,7 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
 
 def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: dict[str, Any]) -> None:
     from ...cases import read_case
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
     from ...geometry.formats import EdgeMargins
     from ..export.geometry_export import export as write
 
@@ -218,7 +218,7 @@ def correct(
     """
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
-    from ...core.writing.output_file import check_folder, check_writable
+    from ...core.output_file import check_folder, check_writable
     from ..deviations.case_correction import correct_case
     from ..report.correction_report import correction_report
 

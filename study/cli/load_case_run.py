@@ -48,7 +48,7 @@ def run_load_cases(
     """
     from ...cases import Deflections, read_load_cases
     from ...cases.analysis_size import AnalysisSize
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
     from ..load_cases.load_case_analysis import analyze_load_cases
     from ..report.summary.load_case_summary import load_case_summary
     from ..result import write_result

@@ -106,7 +106,7 @@ def modify(
     """
     from ...cases import write_case
     from ...cases.writing import require_replaceable
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
     from ..design.fitted_settings import fit_modification, recorded_modification
     from ..design.optimal_modification import modify as modified
     from ..report.modification_report import modification_report

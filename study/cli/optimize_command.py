@@ -178,7 +178,7 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     """
     from ...cases import parse_case, read_case, write_case
     from ...cases.writing import require_replaceable
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
     from ..design.optimization.setting_optimization import USUAL_OBJECTIVES
     from ..design.optimization.setting_optimization import optimize as optimized
     from ..report.setting_report import setting_report

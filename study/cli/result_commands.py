@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...core.printable import printable
+from ...core.errors import printable
 from .command import Command, quick_start
 from .options.shared_options import echo, marking, names, torques
 from .terminal.terminal_bar import working
@@ -24,7 +24,7 @@ def show(result: Path) -> None:
     RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear', or of contact problems.
     """
     quick_start()
-    from ...core.reading.netcdf_file import tree_or_none
+    from ...core.netcdf_file import tree_or_none
     from ..report.contact_report.given_results import checked_given, kind_of
     from ..report.summary.load_case_summary import load_case_summary
     from ..report.summary.problem_summary import holds_problems, problem_summary
@@ -107,7 +107,7 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
     FOLDER are replaced or removed.
     """
     quick_start()
-    from ...core.writing.output_file import check_folder
+    from ...core.output_file import check_folder
     from ..plot.figures.drawn_file import read_drawn
 
     if (folder is None) == (output is None):
@@ -145,7 +145,7 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """
     quick_start()
     from ...core.errors import InputError
-    from ...core.writing.output_file import check_writable
+    from ...core.output_file import check_writable
     from ..report.contact_report.given_results import read_given
     from ..report.contact_report.report_file import write_report
 
@@ -182,7 +182,7 @@ def cite(result: Path | None, bibtex: bool) -> None:
     if result is None:
         echo(citation(bibtex=bibtex))
         return
-    from ...core.reading.netcdf_file import read_tree
+    from ...core.netcdf_file import read_tree
 
     echo(citation(read_tree(result), bibtex=bibtex))
 

@@ -65,7 +65,7 @@ def run(
     if load_cases is None:
         quick_start(alone=options["solver"] == "auto")
     from ...cases.analysis_size import AnalysisSize
-    from ...core.writing.output_file import check_folder, check_writable
+    from ...core.output_file import check_folder, check_writable
     from ..analysis.case_analysis import analyze
     from ..analysis.contact_analysis import case_torques
     from ..analysis.friction_analysis import operation_of

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...core.magnitude import time_in_words
-from ...core.processes.child_environment import THREAD_VARIABLES
+from ...core.errors import time_in_words
+from ...core.process_settings import THREAD_VARIABLES
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
@@ -141,7 +141,7 @@ def sweep(
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     from ...core.errors import EaseoffError
-    from ...core.writing.output_file import check_folder, check_writable
+    from ...core.output_file import check_folder, check_writable
     from ..report.sweep_report import outcome, sweep_summary
     from ..sweep.parameter_sweep import batch_store, run_plan
     from ..sweep.sweep_file import write_sweep

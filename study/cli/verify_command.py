@@ -73,8 +73,8 @@ def verify(
     that is not stands what that means. Rows are printed as they come. The exit code is 1 if a difference is outside
     its limit.
     """
-    from ...core.writing.netcdf_output import write_netcdf
-    from ...core.writing.output_file import check_writable
+    from ...core.netcdf_file import write_netcdf
+    from ...core.output_file import check_writable
     from ...verification.case_verification import closing, head_lines, row_lines
     from ...verification.case_verification import verify as run_verification
 

@@ -92,7 +92,7 @@ def vh(
     """
     quick_start()
     from ...cases import read_case
-    from ...core.writing.output_file import check_folder, check_writable
+    from ...core.output_file import check_folder, check_writable
     from ..report.vh_table import vh_table
     from ..vh.vh_check import vh_check, write_vh_check
 

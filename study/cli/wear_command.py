@@ -74,8 +74,8 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from ...core.writing.netcdf_output import write_netcdf
-    from ...core.writing.output_file import check_writable
+    from ...core.netcdf_file import write_netcdf
+    from ...core.output_file import check_writable
     from ..flank_wear.wear_simulation import WearLaw
     from ..flank_wear.wear_simulation import wear as worn
     from ..report.wear_report import wear_summary

@@ -16,7 +16,7 @@ from ...contact.solvers.declared.solver_lookup import declares_place, entry_poin
 from ...core.checkpoint import Checkpoint
 from ...core.checks import array, file_path, instance, number, one_of, words
 from ...core.errors import InputError
-from ...core.writing.output_file import check_folder
+from ...core.output_file import check_folder
 from .comparison_plan import Cell, Choice, cells
 from .comparison_table import Row, comparison_table
 from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt

@@ -15,9 +15,8 @@ from ...contact.problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMIT
 from ...core.attributes import labelled
 from ...core.checks import instance, is_number
 from ...core.errors import InputError
-from ...core.reading.netcdf_file import read_dataset
-from ...core.writing.netcdf_output import write_netcdf
-from ...core.writing.output_file import whole_file
+from ...core.netcdf_file import read_dataset, write_netcdf
+from ...core.output_file import whole_file
 from .measurement.attempt import Attempt
 from .measurement.method import Method
 from .measurement.posed_problem import PosedProblem

@@ -18,7 +18,7 @@ import numpy as np
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.problem.exchange.problem_set import ProblemSet
 from ...core.errors import InputError
-from ...core.writing.output_file import check_folder, check_writable, whole_file
+from ...core.output_file import check_folder, check_writable, whole_file
 
 SCRIPT = "contact_qpbenchmark.py"
 TABLE = "problems.csv"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from ...cases.conversion import blank_design, ease_off_target, misalignment, setting_limits, standard_steps
 from ...cases.deflections import misalignment_at
-from ...cases.recording import blank_table, flank_settings, recorded_thicknesses
 from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
+from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ...geometry.design.edge_radius import require_whole_tooth

@@ -11,8 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
-from ...cases.recording import flank_settings
 from ...cases.schema.case_schema import Case
+from ...cases.writing import flank_settings
 from ...geometry.design.synthesis import Synthesis, fit_pinion
 from ...geometry.flanks.flank import solve_flank
 from ...geometry.pair.ease_off import exact_ease_off

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...cases.conversion import gear_pair
-from ...cases.recording import flank_settings
 from ...cases.schema.case_schema import Case
+from ...cases.writing import flank_settings
 from ...core.checks import instance, number, truth
 from ...core.errors import GeometryError, InputError
 from ...geometry.deviation.corrective_settings import Correction, corrective_settings

@@ -15,8 +15,7 @@ import xarray as xr
 from ...cases.reading import shipped_deviations
 from ...core.attributes import units_of
 from ...core.checks import instance, one_of
-from ...core.errors import GeometryError, InputError
-from ...core.printable import printable, shortened
+from ...core.errors import GeometryError, InputError, printable, shortened
 from ...geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from ...geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ...geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.lines.flank_splines import FlankSplines, fit
-from ...core.ordered_values import ordered
+from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
 

@@ -13,11 +13,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.attributes import ordered
 from ...core.checks import file_path, number, two_whole
 from ...core.errors import InputError
-from ...core.ordered_values import ordered
-from ...core.processes.memory import require_memory
-from ...core.writing.output_file import check_writable, whole_file
+from ...core.memory import require_memory
+from ...core.output_file import check_writable, whole_file
 from ...geometry.formats.mesh import vtu_file
 from ...geometry.pair.gear_pair import GearPair
 from ...geometry.tooth.tooth_flanks import MemberName

@@ -12,8 +12,8 @@ from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...core.checks import whole
 from ...core.errors import InputError
-from ...core.processes.memory import require_memory
-from ...core.writing.output_file import check_writable
+from ...core.memory import require_memory
+from ...core.output_file import check_writable
 from ...geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
 from ...geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
 from ...geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
-from ...core.ordered_values import ordered
+from ...core.attributes import ordered
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ...geometry.tooth.tooth_flanks import MemberName

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ...core.checks import number, positive, whole
-from ...core.errors import InputError
-from ...core.magnitude import time_in_words
+from ...core.errors import InputError, time_in_words
 
 WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 REVOLUTIONS_LIMIT = 1e15  # of the pinion; 2000 years at 1e6 1/min

@@ -18,8 +18,8 @@ from ...contact.problem.exchange.problem_file import write_problems
 from ...contact.solvers import ContactSolution, solve
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.processes.blas_threads import one_blas_thread
-from ...core.writing.output_file import check_folder, check_writable
+from ...core.output_file import check_folder, check_writable
+from ...core.process_settings import one_blas_thread
 from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, USUAL_PARTS, Entry, entries
 from .problem_generation import generate
 from .reference_answers import ReferenceAnswer, reference_answers

@@ -24,7 +24,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.solvers import solve
-from ...core.writing.output_file import whole_file
+from ...core.output_file import whole_file
 
 Wide = NDArray[np.longdouble]
 

@@ -19,10 +19,9 @@ from ...cases.schema.case_schema import Case
 from ...cases.schema.load_case_table import LoadCase, named_load_cases
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import Status
-from ...core.attributes import labelled
+from ...core.attributes import StoredStatus, labelled
 from ...core.checks import instance, one_of
 from ...core.errors import EaseoffError, InputError
-from ...core.stored_status import StoredStatus
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName

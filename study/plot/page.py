@@ -13,8 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.printable import printable
-from ...core.writing.output_file import whole_file
+from ...core.errors import printable
+from ...core.output_file import whole_file
 from ..report.departures import deviations, modification
 from ..report.model_name import model_name
 from ..report.summary.deflection_report import misalignment_over_torque

@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...core.checks import distinct, words
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
 from .page import evenly_chosen, page
 
 #: One Axes of the caller, or as many as a picture has panels.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ...core.printable import printable
+from ...core.errors import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

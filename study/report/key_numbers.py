@@ -10,10 +10,9 @@ import xarray as xr
 from ...contact.evaluation.marking_print import flank_share
 from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
-from ...core.attributes import labelled
+from ...core.attributes import labelled, ordered
 from ...core.checks import instance
 from ...core.errors import InputError
-from ...core.ordered_values import ordered
 
 HARMONIC_COUNT = 3  # of the transmission error
 GRID = ("lengthwise", "profile")

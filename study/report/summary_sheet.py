@@ -10,10 +10,9 @@ from html import escape
 
 from tabulate import tabulate
 
-from ...cases.recording import with_blanks
-from ...cases.schema.case_schema import Case
+from ...cases.schema.case_schema import Case, motion_name, usual_name
 from ...cases.schema.cutting_table import FlankSettings
-from ...cases.schema.usual_names import motion_name, usual_name
+from ...cases.writing import with_blanks
 from ...core.checks import instance
 from ...geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
 from ...geometry.pair.gear_pair import FlankName

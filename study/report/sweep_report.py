@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
-from ...core.errors import InputError
-from ...core.printable import printable
+from ...core.errors import InputError, printable
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_layout import PointStatus
 from .summary.contact_tables import WIDTH

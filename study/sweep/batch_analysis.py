@@ -13,15 +13,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.changes import changed_case
 from ...cases.conversion import misalignment as own_misalignment
 from ...cases.deflections import Deflections
+from ...cases.writing import changed_case
 from ...contact.solvers import Status
+from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
-from ...core.errors import EaseoffError, GeometryError, InputError
-from ...core.ordered_values import ordered
-from ...core.printable import printable, shortened
-from ...core.processes.garbage_collection import without_garbage_collection
+from ...core.errors import EaseoffError, GeometryError, InputError, printable, shortened
+from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
 from ..analysis.contact_analysis import contact_analysis

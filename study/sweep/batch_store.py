@@ -17,15 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.array_file import read_arrays
 from ...core.checkpoint import DAMAGED, Checkpoint, digest
-from ...core.errors import InputError
-from ...core.printable import printable
-from ...core.reading.array_file import read_arrays
-from ...core.reading.json_text import parsed_json
-from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
-from ...core.writing.output_file import check_folder, whole_file
-from ...core.writing.private_folder import NAME as PRIVATE_NAME
-from ...core.writing.private_folder import clear_remains
+from ...core.errors import InputError, printable
+from ...core.output_file import NAME as PRIVATE_NAME
+from ...core.output_file import check_folder, clear_remains, whole_file
+from ...core.regular_file import TABLE_SIZE_LIMIT, parsed_json, read_text
 from .batch_analysis import Block
 from .sweep_layout import PointStatus
 

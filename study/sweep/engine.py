@@ -22,15 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
-from ...core.magnitude import time_in_words
-from ...core.processes.child_environment import (
+from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install, time_in_words
+from ...core.process_settings import (
     THREAD_VARIABLES,
     child_environment,
     children_without_interrupts,
     end_with_parent,
+    keep_freed_memory,
 )
-from ...core.processes.freed_memory import keep_freed_memory
 from .batch_analysis import Batch, Block, analyze_batch
 from .sweep_layout import PointStatus
 

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ...cases.deflections import read_table_rows
 from ...cases.reading import shipped_deviations
-from ...cases.table_rows import read_table_rows
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.reading.regular_file import leads_outside
-from ...core.reading.text_file import TABLE_SIZE_LIMIT
+from ...core.regular_file import TABLE_SIZE_LIMIT, leads_outside
 from ...friction.lubricants.lubricant import is_shipped
 from .axis import Axis, column
 from .swept_quantity import Stage, swept_quantity

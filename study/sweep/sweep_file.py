@@ -7,10 +7,9 @@ import os
 import xarray as xr
 
 from ...core.errors import InputError
-from ...core.reading.file_origin import layout_fault, unreadable
-from ...core.reading.netcdf_file import read_dataset
-from ...core.reading.regular_file import named
-from ...core.writing.netcdf_output import write_netcdf
+from ...core.file_origin import layout_fault, unreadable
+from ...core.netcdf_file import read_dataset, write_netcdf
+from ...core.regular_file import named
 from .sweep_layout import SWEEP_SCHEMA_VERSION, sweep_faults
 
 MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ...core.attributes import StoredStatus
 from ...core.errors import InputError
-from ...core.stored_status import StoredStatus
 from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, form_faults
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 

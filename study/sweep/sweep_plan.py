@@ -19,8 +19,8 @@ from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import require_solver
 from ...core.checks import instance, shown
 from ...core.errors import InputError
-from ...core.processes.memory import require_memory
-from ...core.reading.regular_file import require_file
+from ...core.memory import require_memory
+from ...core.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
 from ..analysis.contact_analysis import case_torques
 from ..analysis.friction_analysis import friction_settings, operation_of

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, get_args
 
-from ...cases.changes import numeric_keys, require_numeric_key
+from ...cases.writing import numeric_keys, require_numeric_key
 from ...core.checks import number, one_of, shown
-from ...core.errors import InputError
-from ...core.suggestion import suggestion
+from ...core.errors import InputError, suggestion
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import TERM_POWERS
 

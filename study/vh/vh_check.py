@@ -19,7 +19,7 @@ from ...cases.schema.case_schema import Case, ComplianceTable
 from ...contact.evaluation.marking_print import checked_thickness
 from ...core.attributes import labelled
 from ...core.checks import number, two_whole, whole
-from ...core.writing.netcdf_output import write_netcdf
+from ...core.netcdf_file import write_netcdf
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification

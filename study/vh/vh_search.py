@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.attributes import StoredStatus
 from ...core.checks import frozen_arrays
-from ...core.stored_status import StoredStatus
 
 Array = NDArray[Any]
 #: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.

@@ -16,9 +16,9 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
+from ....core.array_file import read_arrays
 from ....core.errors import InputError
-from ....core.reading.array_file import read_arrays
-from ....core.writing.output_file import whole_file
+from ....core.output_file import whole_file
 
 Array = NDArray[Any]
 #: Shape of every array by name; ``None`` stands for any length.

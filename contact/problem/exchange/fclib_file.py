@@ -30,13 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.checks import shown
-from ....core.errors import InputError
-from ....core.magnitude import memory_in_words
-from ....core.processes.forked_process import ProcessEndedError, in_forked_process
-from ....core.reading.hdf5_links import check_links
-from ....core.reading.netcdf_file import unpacked_size_limit
-from ....core.reading.regular_file import faults_in_words, named, require_file
-from ....core.writing.output_file import whole_file
+from ....core.errors import InputError, memory_in_words
+from ....core.forked_process import ProcessEndedError, in_forked_process
+from ....core.netcdf_file import check_links, unpacked_size_limit
+from ....core.output_file import whole_file
+from ....core.regular_file import faults_in_words, named, require_file
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 from .reference_solutions import reference

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
-from ....core.processes.forked_process import ProcessEndedError, in_forked_process
-from ....core.reading.netcdf_file import unpacked_size_limit
-from ....core.reading.regular_file import faults_in_words, named, require_file
-from ....core.writing.output_file import whole_file
+from ....core.forked_process import ProcessEndedError, in_forked_process
+from ....core.netcdf_file import unpacked_size_limit
+from ....core.output_file import whole_file
+from ....core.regular_file import faults_in_words, named, require_file
 from ..contact_problem import ContactProblem
 from ..problem_dataset import ATTRIBUTES
 from .problem_set import ProblemSet

@@ -37,8 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 from ....core.attributes import units_of
 from ....core.checks import instance, shown
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.netcdf_output import write_netcdf
+from ....core.netcdf_file import read_dataset, write_netcdf
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays

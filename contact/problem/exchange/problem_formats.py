@@ -15,7 +15,7 @@ import numpy as np
 
 from ....core.checks import file_path, one_of
 from ....core.errors import InputError
-from ....core.writing.output_file import check_folder, check_writable
+from ....core.output_file import check_folder, check_writable
 from ..contact_problem import ContactProblem
 from .fclib_file import read_fclib, write_fclib
 from .matlab_file import read_mat, write_mat

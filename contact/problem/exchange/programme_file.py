@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.array_file import read_arrays
 from ....core.checks import one_of, shown
 from ....core.errors import InputError
-from ....core.reading.array_file import read_arrays
-from ....core.writing.output_file import whole_file
+from ....core.output_file import whole_file
 from ..contact_problem import ContactProblem
 from ..forms.dual_form import dual_qp
 from ..forms.lifted_form import lifted_qp

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from ....core.checks import one_of, shown
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import unpacked_size_limit
-from ....core.reading.regular_file import faults_in_words, require_file
-from ....core.writing.output_file import whole_file
+from ....core.netcdf_file import unpacked_size_limit
+from ....core.output_file import whole_file
+from ....core.regular_file import faults_in_words, require_file
 from ..contact_problem import ContactProblem
 from .problem_units import ProblemUnits, problem_data
 from .qps_sections import QpsProgramme, qps_programme

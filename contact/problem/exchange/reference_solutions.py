@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ....core.checks import instances, shown
 from ....core.errors import InputError
-from ....core.reading.netcdf_file import read_dataset
+from ....core.netcdf_file import read_dataset
 from ..answer import Answer, no_answer, with_certificate
 from ..contact_problem import ContactProblem
 

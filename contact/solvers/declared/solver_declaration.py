@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ....core.checks import instance, number, one_of, shown, truth
 from ....core.errors import InputError
-from ....core.processes.foreign_code import ForeignCodeError, foreign_code
+from ....core.foreign_code import ForeignCodeError, foreign_code
 from ...problem.certificate import EXACT_TOLERANCE
 from ...problem.forms.complementarity_form import eliminated_system
 from ...problem.forms.lifted_form import lifted_programme

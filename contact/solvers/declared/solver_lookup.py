@@ -18,7 +18,7 @@ from typing import Any
 
 from ....core.checks import shown
 from ....core.errors import InputError
-from ....core.processes.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code
+from ....core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code
 from ..solver_table import SOLVERS
 from .solver_declaration import Solver
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.attributes import StoredStatus
 from ....core.checks import frozen_arrays
-from ....core.stored_status import StoredStatus
 
 Array = NDArray[np.float64]
 

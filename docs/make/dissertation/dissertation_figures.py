@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage, two_cycles
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.page import (
     BLUE,

@@ -10,7 +10,7 @@ from real_flanks_pictures import draw
 from real_flanks_studies import own_wear, shortcut, wear_by_torque
 from real_flanks_tables import amplitudes, said_measured, said_worn
 
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 
 HERE = Path(__file__).parent
 

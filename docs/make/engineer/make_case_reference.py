@@ -20,8 +20,9 @@ from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.case_schema import DeflectionRow, MisalignmentTable
+from easeoff.cases.schema.file_templates import allowed, described, sub_table, written
 from easeoff.cases.schema.friction_table import FrictionTable
-from easeoff.cases.schema.misalignment_table import DeflectionRow, MisalignmentTable
 from easeoff.cases.schema.supports_table import (
     BearingTable,
     HousingTable,
@@ -30,7 +31,6 @@ from easeoff.cases.schema.supports_table import (
     ShaftTable,
     SupportsTable,
 )
-from easeoff.cases.schema.template.key_description import allowed, described, sub_table, written
 
 PAGE = REFERENCE / "case_file.md"
 DESIGN_PAGE = REFERENCE / "design_file.md"

@@ -33,7 +33,7 @@ from easeoff.cases import gear_pair
 from easeoff.cases.conversion import materials
 from easeoff.contact import MeshLines, lines_in_mesh
 from easeoff.contact.evaluation.pressure_map import Line, PressureMap, pressure_map, surface
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.geometry import GearPair
 from easeoff.geometry.tooth.tooth_flanks import MemberName
 from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet

@@ -18,7 +18,7 @@ from folders import DATA
 from tabulate import tabulate
 from tqdm import tqdm
 
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl.study import Design, fit_friction, run_study
 from easeoff.friction.ehl.study.friction_formula import (

@@ -15,7 +15,7 @@ from folders import HOW_IT_WORKS
 from tabulate import tabulate
 
 from easeoff.cases import shipped_cases
-from easeoff.core.writing.output_file import whole_file
+from easeoff.core.output_file import whole_file
 from easeoff.geometry import FlankName
 from easeoff.verification import RowStatus, Verification, VerificationRow, verify
 

@@ -28,9 +28,8 @@ from numpy.typing import ArrayLike, NDArray
 from ....core import checks
 from ....core.checks import frozen_arrays
 from ....core.errors import InputError
-from ....core.reading.json_text import parsed_json
-from ....core.reading.text_file import TOML_SIZE_LIMIT, read_text
-from ....core.writing.output_file import check_writable, whole_file
+from ....core.output_file import check_writable, whole_file
+from ....core.regular_file import TOML_SIZE_LIMIT, parsed_json, read_text
 from ...conditions import STEEL_MODULUS, ContactConditions
 from ...kolivand_formula import Flags, combined_flags
 from ..reynolds_equation import Status

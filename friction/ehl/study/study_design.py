@@ -29,10 +29,9 @@ from ....core import checks
 from ....core.attributes import labelled
 from ....core.checkpoint import Checkpoint, digest
 from ....core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
-from ....core.processes.child_environment import child_environment
-from ....core.reading.netcdf_file import read_dataset
-from ....core.writing.netcdf_output import write_netcdf
-from ....core.writing.output_file import check_writable
+from ....core.netcdf_file import read_dataset, write_netcdf
+from ....core.output_file import check_writable
+from ....core.process_settings import child_environment
 from ...conditions import STEEL_MODULUS
 from ...lubricants.lubricant import lubricant
 from ..asperities import Asperities, generated_profile

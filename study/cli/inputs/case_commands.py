@@ -80,7 +80,7 @@ def design(
     from ....cases import read_design, write_case
     from ....cases.conversion import machine_resolution
     from ....cases.writing import require_replaceable
-    from ....core.writing.output_file import check_writable
+    from ....core.output_file import check_writable
     from ...design.case_design import design_case
     from ...design.design_check import rounding_limits
     from ...design.rounded_settings import rounded_case, rounding_effect
@@ -130,7 +130,7 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     from ....cases import read_case, read_rexs, read_session_script, write_case, write_rexs
     from ....cases.conversion import given_pair
     from ....cases.writing import require_replaceable
-    from ....core.writing.output_file import check_writable
+    from ....core.output_file import check_writable
     from ....geometry.pair.tooth_thickness import contradictions
     from ...compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
     from ...compare.problem_export import convert_problems

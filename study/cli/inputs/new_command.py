@@ -43,9 +43,9 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
     a shipped one; of supports and oil the name of a shipped one; of load cases the shipped case whose torques they
     take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
     """
-    from ....cases.schema.template.file_templates import TEMPLATE_KINDS, template
+    from ....cases.schema.file_templates import TEMPLATE_KINDS, template
     from ....cases.writing import require_replaceable, write_sealed
-    from ....core.writing.output_file import check_writable
+    from ....core.output_file import check_writable
 
     if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
         output, name = Path(name), None

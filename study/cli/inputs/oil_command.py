@@ -37,7 +37,7 @@ def oil(
     into the file.
     """
     from ....core.errors import InputError
-    from ....core.writing.output_file import check_writable
+    from ....core.output_file import check_writable
     from ....friction import data_sheet_lubricant, write_lubricant
 
     check_writable(output)

@@ -48,9 +48,9 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     """
     quick_start()
     from ....cases import read_case, write_rexs
-    from ....cases.recording import with_blanks
+    from ....cases.writing import with_blanks
     from ....core.errors import InputError
-    from ....core.writing.output_file import check_writable, whole_file
+    from ....core.output_file import check_writable, whole_file
     from ...design.rounded_settings import rounded_case
     from ...report.summary_sheet import summary_sheet
 

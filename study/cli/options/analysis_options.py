@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from ....core.magnitude import time_in_words
+from ....core.errors import time_in_words
 from ..terminal.terminal_bar import terminal_bar
 from ..terminal.word_completion import case_names, solver_names, support_names
 from .shared_options import (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ....core.printable import printable_lines
+from ....core.errors import printable_lines
 from ..command import as_given
 from ..terminal.word_completion import deviation_names
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas

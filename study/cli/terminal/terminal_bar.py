@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Self
 
-from ....core.magnitude import time_in_words
-from ....core.printable import printable
+from ....core.errors import printable, time_in_words
 
 FIRST_LINE = 2.0  # [s] from the start
 LEAST_INTERVAL, INTERVAL_SHARE = 5.0, 0.25  # between lines: [s], and of the time so far

@@ -84,7 +84,7 @@ def template_names(ctx: click.Context, _param: click.Parameter, incomplete: str)
     """Completion of what the numbers of a template are taken from."""
     from click.shell_completion import CompletionItem
 
-    from ....cases.schema.template.file_templates import TEMPLATE_KINDS
+    from ....cases.schema.file_templates import TEMPLATE_KINDS
 
     kind = TEMPLATE_KINDS.get(str(ctx.params.get("kind")))
     return [CompletionItem(name) for name in (kind.names() if kind else []) if name.startswith(incomplete)]

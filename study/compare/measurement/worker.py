@@ -19,12 +19,7 @@ from ....contact.problem.contact_problem import ContactProblem
 from ....contact.solvers import Solver
 from ....contact.solvers.backend_solution import GRACE_TIME
 from ....core.errors import EaseoffError, InputError, MissingSolverError
-from ....core.processes.child_environment import (
-    THREAD_VARIABLES,
-    child_environment,
-    children_without_interrupts,
-    end_with_parent,
-)
+from ....core.process_settings import THREAD_VARIABLES, child_environment, children_without_interrupts, end_with_parent
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter, plain
 from .method import Method
 from .posed_problem import UNMEASURED_FACTOR, multiplied

@@ -11,8 +11,8 @@ import xarray as xr
 
 from ....core.checks import shown
 from ....core.errors import InputError
-from ....core.reading.json_text import parsed_json
-from ....core.writing.output_file import whole_file
+from ....core.output_file import whole_file
+from ....core.regular_file import parsed_json
 from ..statistics.method_statistics import MethodName, by_problem, methods
 from ..statistics.work_precision import has_sweep
 from .answer_tables import failure_table, kind_table, residual_tables, success_note, success_tables

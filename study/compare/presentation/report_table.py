@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ....core.writing.output_file import whole_file
+from ....core.output_file import whole_file
 
 #: What stands for a number that there is not.
 NOTHING = "-"

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ....cases.deflections import Deflections
-from ....core.errors import InputError
-from ....core.suggestion import suggestion
+from ....core.errors import InputError, suggestion
 from ....geometry.pair.assembly import Misalignment
 from ...sweep.distribution import Distribution, sample_values
 

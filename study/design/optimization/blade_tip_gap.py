@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ....geometry.design.root_line import RootLine
 from ....geometry.pair.gear_pair import GearPair, Member
 from ....geometry.pair.near_pair import PairSetting, is_angle

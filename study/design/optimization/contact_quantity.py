@@ -10,10 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....core.attributes import ordered
 from ....core.checks import number, shown
-from ....core.errors import InputError
-from ....core.ordered_values import ordered
-from ....core.suggestion import suggestion
+from ....core.errors import InputError, suggestion
 from ....geometry.pair.gear_pair import FlankName
 from .composite import Composite, Kind
 

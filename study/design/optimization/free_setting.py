@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....cases.conversion import gear_pair
-from ....cases.recording import flank_settings
 from ....cases.schema.case_schema import Case
+from ....cases.writing import flank_settings
 from ....core.checks import array, shown, words
-from ....core.errors import InputError
-from ....core.suggestion import suggestion
+from ....core.errors import InputError, suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
 from ....geometry.cutting.named_settings import (
     MODIFIED_ROLL_ORDERS,

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ....contact.evaluation.tooth_passage import two_cycles
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ..page import GREY, INK, PANEL_COUNT_LIMIT, SMALL_SIZE, plain_axes, torque_colours, torque_name
 from ..panel_grid import OwnAxes, chosen_parts, chosen_torques, panels

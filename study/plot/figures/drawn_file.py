@@ -7,8 +7,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from ....core.reading.netcdf_file import tree_or_none
-from ....core.reading.regular_file import named
+from ....core.netcdf_file import tree_or_none
+from ....core.regular_file import named
 from ...result import checked_result, read_result
 from ...result_layout import require_layout
 from ...sweep.sweep_file import checked_sweep, is_sweep

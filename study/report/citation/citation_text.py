@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from ....core.printable import shortened
+from ....core.errors import shortened
 from .published_work import WORKS, package
 from .result_sources import distinct_works, result_sources
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import xarray as xr
 
-from ....core.printable import printable, shortened
-from ....core.reading.json_text import parsed_json
+from ....core.errors import printable, shortened
+from ....core.regular_file import parsed_json
 from ...compare.comparison_table import FORMAT as COMPARISON_FORMAT
 from ..model_name import MODEL_NAMES
 from .published_work import WORKS, PublishedWork

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....contact.evaluation.tooth_passage import unloaded_curves
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ..notes.ranges import TOLD_SHARE
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ....cases.conversion import gear_pair
 from ....cases.schema.case_schema import Case
 from ....contact.evaluation.marking_print import ProjectionPlane
+from ....core.attributes import ordered
 from ....core.errors import EaseoffError
-from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
 from ...plot.tooth_view import ToothView, fine_grid

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ....contact.evaluation.carrying_error import CarryingError
 from ....contact.evaluation.marking_print import MarkingPrint
 from ....contact.lines.contact_lines import boundary_distance
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ....friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...plot.pattern_lines import contact_pattern
 from ...plot.tooth_view import ToothView, fine_grid

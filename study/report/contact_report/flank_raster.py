@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....contact.evaluation.pressure_map import pressure_map
 from ....contact.lines.flank_splines import FlankSplines
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ...plot.tooth_view import ToothView, fine_grid
 
 Array = NDArray[Any]

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ....core.errors import InputError
-from ....core.printable import printable
-from ....core.reading.netcdf_file import tree_or_none
+from ....core.errors import InputError, printable
+from ....core.netcdf_file import tree_or_none
 from ...result import checked_result, read_result
 from ...result_layout import DAMAGED, FAULT_COUNT_LIMIT, faults, require_layout
 from ...sweep.sweep_file import MARK

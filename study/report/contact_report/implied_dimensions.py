@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....cases.conversion import given_pair
-from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
+from ....cases.writing import with_blanks
 from ....core.errors import EaseoffError
 from ....geometry.design.blank import MeanPointAngles, angles_of_normal
 from ....geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle

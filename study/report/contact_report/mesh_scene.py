@@ -10,8 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
+from ....core.attributes import ordered
 from ....core.errors import EaseoffError
-from ....core.ordered_values import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ....geometry.tooth.tooth_surface import tooth_patches
 from ...export.mesh_placement import flank_places, member_turns, pair_of_result

@@ -15,9 +15,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ....core.checks import instance
-from ....core.errors import InputError
-from ....core.printable import printable
-from ....core.writing.output_file import whole_file
+from ....core.errors import InputError, printable
+from ....core.output_file import whole_file
 from ....friction.operation import named_models
 from ...plot.page import evenly_chosen
 from ...plot.tooth_view import tooth_view

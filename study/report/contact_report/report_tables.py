@@ -10,11 +10,10 @@ import numpy as np
 import xarray as xr
 from pydantic import BaseModel
 
-from ....cases.recording import with_blanks
-from ....cases.schema.case_schema import Case
-from ....cases.schema.usual_names import usual_name
-from ....core.ordered_values import ordered
-from ....core.printable import printable
+from ....cases.schema.case_schema import Case, usual_name
+from ....cases.writing import with_blanks
+from ....core.attributes import ordered
+from ....core.errors import printable
 from ....geometry.pair.gear_pair import MEMBERS
 from ..key_numbers import key_numbers
 from ..summary.contact_tables import end_name

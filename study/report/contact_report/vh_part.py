@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ..vh_table import SIGNS, reasons, totals, vh_rows
 from .packed_array import packed
 

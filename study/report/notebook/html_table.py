@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-from ....core.printable import printable
+from ....core.errors import printable
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ....core.errors import InputError
-from ....core.reading.netcdf_file import in_memory
-from ....core.suggestion import suggestion
+from ....core.errors import InputError, suggestion
+from ....core.netcdf_file import in_memory
 from ...result_layout import VARIABLES, faults, load_case_faults
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from ....core.reading.netcdf_file import in_memory
+from ....core.netcdf_file import in_memory
 from ..contact_report.report_tables import loaded_numbers, misalignment_rows, supports_rows
 from ..key_numbers import key_numbers
 from ..summary.contact_tables import unloaded_rows

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ....core.errors import InputError
-from ....core.suggestion import suggestion
+from ....core.errors import InputError, suggestion
 from ...sweep.sweep_file import is_sweep, write_sweep
 from ...sweep.sweep_layout import sweep_faults
 from ..sweep_report import sweep_summary

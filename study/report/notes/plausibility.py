@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 from ....contact.evaluation.marking_print import flank_share
-from ....core.attributes import ROOT_RESOLUTION
-from ....core.ordered_values import ordered
+from ....core.attributes import ROOT_RESOLUTION, ordered
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
 EASE_OFF_LIMIT = 1000.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from ..summary.supports_report import bearing_loads, towards_heel
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ....contact.problem.exchange.problem_file import FORMAT, read_attributes, read_labels, read_problems
-from ....core.printable import printable, shortened
+from ....core.errors import printable, shortened
 
 #: Attributes that a summary names, in words, and the longest text of one.
 WORDS = {

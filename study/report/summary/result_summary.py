@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tabulate import tabulate
 
 from ....contact.solvers import Status
-from ....core.reading.netcdf_file import in_memory
+from ....core.netcdf_file import in_memory
 from ..departures import deviations, modification
 from ..key_numbers import key_numbers
 from ..model_name import model_name

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from tabulate import tabulate
 
-from ....core.ordered_values import ordered
+from ....core.attributes import ordered
 from ....geometry.pair.gear_pair import MEMBERS
 from .deflection_report import misalignment_words
 

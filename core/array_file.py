@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..magnitude import memory_in_words
+from .errors import InputError, memory_in_words
 from .netcdf_file import unpacked_size_limit
 from .regular_file import faults_in_words, named, require_file
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from .errors import InputError
 from .regular_file import named
 
 FAULT_COUNT_LIMIT = 3  # that a message names

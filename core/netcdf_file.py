@@ -1,6 +1,13 @@
 """netCDF files: what the header declares is checked before any data are read, and every fault is one message.
 
 The libraries for netCDF and HDF5 crash on some damaged files; they read in a process of their own.
+
+Links of an HDF5 file that lead out of it or round in circles; a file that netCDF writes has none of them.
+
+The netCDF library follows links to other files without a question, and ends the process in a circle of groups. Neither
+can be told not to; h5py names a link before it is followed.
+
+netCDF-4 files: a dataset or a tree of them, written whole or not at all.
 """
 
 from __future__ import annotations
@@ -10,18 +17,65 @@ import importlib
 import math
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
 
 import xarray as xr
 
-from ..errors import InputError
-from ..magnitude import memory_in_words
-from ..printable import shortened
-from ..processes.forked_process import ProcessEndedError, in_forked_process
-from ..processes.memory import available_memory
-from .hdf5_links import check_links
+from .errors import InputError, memory_in_words, shortened
+from .forked_process import ProcessEndedError, in_forked_process, netcdf_to_oneself
+from .memory import available_memory
+from .output_file import whole_file
 from .regular_file import faults_in_words, named, reason, require_file
+
+MEMBER_COUNT_LIMIT = 20_000  # groups and variables of a file
+
+
+def check_links(path: str | os.PathLike[str]) -> None:
+    """Refuse an HDF5 file with data in other files, links to names, or a group in itself.
+
+    Parameters
+    ----------
+    path
+        The file; an older format of netCDF, which has no links, passes.
+
+    Raises
+    ------
+    InputError
+        If it has such a link, or more groups and variables than ``MEMBER_COUNT_LIMIT``.
+    """
+    import h5py
+
+    if not h5py.is_hdf5(os.fspath(path)):
+        return
+    with h5py.File(os.fspath(path), "r") as file:
+        waiting: list[Any] = [file]
+        groups, members = {_address(file)}, 0
+        while waiting:
+            group = waiting.pop()
+            members += len(group)
+            if members > MEMBER_COUNT_LIMIT:
+                raise InputError(f"{named(path)} has over {MEMBER_COUNT_LIMIT} groups and variables: it is not read")
+            for name in group:
+                if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                    raise InputError(f"{named(path)} has links to other names or files: it is not read")
+                member = group[name]
+                if isinstance(member, h5py.Dataset):
+                    if member.is_virtual or member.external:
+                        raise InputError(f"{named(path)} has data in other files: it is not read")
+                elif isinstance(member, h5py.Group):
+                    if _address(member) in groups:
+                        raise InputError(f"{named(path)} has a group under two names: it is not read")
+                    groups.add(_address(member))
+                    waiting.append(member)
+
+
+def _address(group: Any) -> int:
+    """Place of a group in its file, the same under all its names."""
+    import h5py
+
+    return int(h5py.h5o.get_info(group.id).addr)
+
 
 Content = TypeVar("Content", xr.Dataset, xr.DataTree)
 
@@ -201,3 +255,73 @@ def _unpacked_size(path: str | os.PathLike[str], variable: Any) -> int:
     chunks = variable.chunking()
     chunk = math.prod(map(int, chunks)) if isinstance(chunks, list | tuple) else 0
     return max(math.prod(map(int, variable.shape)), chunk) * each
+
+
+class _LaterWriter:
+    """Takes the place of xarray's writer and keeps the values back until all variables of the file are defined.
+
+    netCDF writes the whole header anew with the first values after a definition: in turn, the time grows with the
+    square of the number of variables.
+    """
+
+    def __init__(self) -> None:
+        self.kept: list[tuple[Any, Any]] = []
+
+    def add(self, source: Any, target: Any, region: Any = None) -> None:
+        """Keep values and the variable that they are written to; a region is given for parts of a file alone."""
+        assert region is None
+        self.kept.append((source, target))
+
+    def write(self) -> None:
+        """Write the values."""
+        for source, target in self.kept:
+            target[...] = source
+
+
+def write_netcdf(
+    content: xr.Dataset | xr.DataTree,
+    path: str | os.PathLike[str],
+    encoding: Mapping[str, Mapping[str, Any]] | None = None,
+) -> None:
+    """Write a dataset or a tree to a netCDF-4 file.
+
+    Parameters
+    ----------
+    content
+        What is written.
+    path
+        The file, replaced if it exists; missing folders are made.
+    encoding
+        As of ``Dataset.to_netcdf``: by variable, or of a tree by group and variable.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written; nothing is left behind then.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = xr.DataTree.from_dict({"/inner": xr.Dataset({"force": ("segment", [1.0, 2.0])})})
+    >>> with TemporaryDirectory() as folder:
+    ...     write_netcdf(tree, f"{folder}/forces.nc")
+    ...     with xr.open_datatree(f"{folder}/forces.nc") as found:
+    ...         found.identical(tree)
+    True
+    """
+    from netCDF4 import Dataset
+
+    tree, by_group = content, encoding or {}
+    if not isinstance(tree, xr.DataTree):
+        tree, by_group = xr.DataTree(tree), {"/": by_group}
+    groups = [
+        (node.relative_to(tree), in_memory(node.to_dataset(inherit=node is tree)), by_group.get(node.path, {}))
+        for node in tree.subtree
+    ]
+    later = _LaterWriter()
+    with whole_file(path) as temporary, netcdf_to_oneself(), Dataset(temporary, "w", format="NETCDF4") as file:
+        for name, dataset, own in groups:
+            group = file if name == "." else file.createGroup(name)
+            store = xr.backends.NetCDF4DataStore(group, lock=False)  # type: ignore[no-untyped-call]
+            dataset.dump_to_store(store, writer=later, encoding={key: dict(each) for key, each in own.items()})
+        later.write()

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import EaseoffError
-from ..printable import message, shortened
+from .errors import EaseoffError, message, shortened
 
 OUTPUT, ERRORS = 1, 2  # descriptors of the standard output and of standard error of a process
 IMPORT_TIME_LIMIT = 60.0  # [s], in which a package or a module must have been imported
@@ -62,7 +61,7 @@ class foreign_code:  # noqa: N801  # a context, called like a function
     >>> with foreign_code():
     ...     raise SystemExit(0)
     Traceback (most recent call last):
-    easeoff.core.processes.foreign_code.ForeignCodeError: it ended with code 0
+    easeoff.core.foreign_code.ForeignCodeError: it ended with code 0
     """
 
     def __init__(self, time_limit: float | None = None, *, silent: bool = False) -> None:

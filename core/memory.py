@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ..checks import positive
-from ..errors import InputError
-from ..magnitude import MEMORY_UNITS, memory_in_words
+from .checks import positive
+from .errors import MEMORY_UNITS, InputError, memory_in_words
 
 MEMORY_VARIABLE = "EASEOFF_MEMORY"  # [GB] to reckon with, instead of what is free
 UNLIMITED = 2**60  # [byte]; limits above this are none

@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
-from ..errors import EaseoffError, InputError
+from .errors import EaseoffError, InputError
 
 Result = TypeVar("Result")
 
@@ -62,7 +62,7 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     42
     >>> in_forked_process(lambda: os.abort())
     Traceback (most recent call last):
-    easeoff.core.processes.forked_process.ProcessEndedError: the library that reads it crashed
+    easeoff.core.forked_process.ProcessEndedError: the library that reads it crashed
     """
     if not hasattr(os, "fork"):
         return work()

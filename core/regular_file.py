@@ -1,15 +1,20 @@
-"""Files to be read: there, regular, readable, and not larger than their kind ever is."""
+"""Files to be read: there, regular, readable, and not larger than their kind ever is.
+
+Text files in UTF-8, with or without a byte order mark, within limits of their size and of their lines.
+
+JSON whose every fault is a ``ValueError``.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 from collections.abc import Iterator
+from typing import Any
 
-from ..checks import file_path
-from ..errors import InputError
-from ..magnitude import memory_in_words
-from ..printable import printable, shortened
+from .checks import file_path
+from .errors import InputError, memory_in_words, printable, shortened
 
 REASON_LENGTH_LIMIT = 200  # of the reason that a library gives, in a message [characters]
 
@@ -127,3 +132,88 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     if len(content) > limit:
         raise too_large(path, limit)
     return content
+
+
+TOML_SIZE_LIMIT = 1_000_000  # of cases, designs and lubricants [bytes]; a case has some 5 000
+SCRIPT_SIZE_LIMIT = 1_000_000  # of session scripts [bytes]
+TABLE_SIZE_LIMIT = 20_000_000  # of measured grids as text [bytes]
+MODEL_SIZE_LIMIT = 50_000_000  # of REXS files [bytes]
+RECORD_SIZE_LIMIT = 1_000_000_000  # of checkpoints [bytes]
+LINE_LENGTH_LIMIT = 50_000  # of a line of a table or script [characters]
+
+
+def read_text(path: str | os.PathLike[str], limit: int, *, line_limit: int | None = None) -> str:
+    """Content of a text file, with line feeds for ends of lines.
+
+    Parameters
+    ----------
+    path
+        The file.
+    limit
+        Greatest size [bytes].
+    line_limit
+        Greatest length of a line [characters]; any if left out.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read, is larger, is not text in UTF-8, or has a longer line.
+
+    Examples
+    --------
+    >>> read_text(__file__, 100_000).splitlines()[2]
+    'from __future__ import annotations'
+    """
+    content = read_bytes(path, limit)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{named(path)} cannot be read as text: byte {content[error.start]:#04x} in line {line} is not UTF-8; save "
+            "the file as UTF-8"
+        ) from error
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise InputError(f"{named(path)} cannot be read as text: line {line} holds a null character")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if line_limit is not None:
+        for number, line_text in enumerate(text.split("\n"), start=1):
+            if len(line_text) > line_limit:
+                raise InputError(
+                    f"{named(path)}, line {number}: {len(line_text)} characters: must be at most {line_limit}"
+                )
+    return text
+
+
+DIGIT_COUNT_LIMIT = 300  # of a whole number; one of more may be greater than any floating-point number
+
+
+def parsed_json(text: str) -> Any:
+    """Value of a JSON text.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON, is nested too deeply, or has a number of too many digits.
+
+    Examples
+    --------
+    >>> parsed_json('{"bias": 1.5}')
+    {'bias': 1.5}
+    >>> try:
+    ...     parsed_json("[" * 100_000)
+    ... except ValueError as error:
+    ...     print(error)
+    nested too deeply
+    """
+    try:
+        return json.loads(text, parse_int=_whole_number)
+    except RecursionError as error:
+        raise ValueError("nested too deeply") from error
+
+
+def _whole_number(digits: str) -> int:
+    if len(digits) > DIGIT_COUNT_LIMIT:
+        raise ValueError(f"a whole number of {len(digits)} digits")
+    return int(digits)

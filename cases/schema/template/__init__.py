@@ -1,1 +1,0 @@
-"""Commented templates of input files, made from the schemas that check them."""

@@ -1,1 +1,0 @@
-"""Session scripts of Transmission3D and HypoidFaceMilled."""

@@ -1,0 +1,432 @@
+"""Files to be written: whole or not at all, and paths checked before any work is done.
+
+Permissions of a file that replaces another.
+
+Names of files to write: text that every library can write and every message can show.
+
+Private folder in which a file is written before it gets its name, and the remains of processes that were ended.
+
+The folder has a name that nobody can guess and lets in its owner alone, so that no link can wait in it for what is
+written. Its process holds the lock of a file in it: a folder whose lock is free belongs to a process that was ended.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import re
+import secrets
+import stat
+import sys
+import unicodedata
+from collections.abc import Iterator
+from pathlib import Path
+
+from .checks import file_path
+from .errors import InputError
+from .file_lock import try_lock
+
+ACCESS_LIST = "system.posix_acl_access"
+
+
+def take_over_permissions(new: Path, old: Path) -> None:
+    """Give a new file the owner, group, mode and access control list of the file it is to replace, if there is one.
+
+    Only the administrator can give a file to another owner, and only members of a group to that group. A new file of
+    another group grants that group no more than everybody.
+
+    Parameters
+    ----------
+    new, old
+        The two files; a link as the old one has nothing to pass on.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     new, old = Path(folder, "new"), Path(folder, "old")
+    ...     new.touch()
+    ...     old.touch(mode=0o600)
+    ...     take_over_permissions(new, old)
+    ...     oct(new.stat().st_mode & 0o777)
+    '0o600'
+    """
+    try:
+        before = old.lstat()
+    except FileNotFoundError:
+        return
+    if not stat.S_ISREG(before.st_mode):
+        return
+    mode = before.st_mode & 0o777
+    for owner, group in ((before.st_uid, -1), (-1, before.st_gid)):
+        with contextlib.suppress(AttributeError, OSError):
+            os.chown(new, owner, group)
+    if new.stat().st_gid != before.st_gid:
+        mode &= 0o707 | (mode & 0o007) << 3
+    elif hasattr(os, "setxattr"):
+        try:
+            os.setxattr(new, ACCESS_LIST, os.getxattr(old, ACCESS_LIST))
+        except OSError:  # the old file has none, or the file system
+            with contextlib.suppress(OSError):
+                os.removexattr(new, ACCESS_LIST)
+    os.chmod(new, mode)
+
+
+#: Characters that no name may have: general categories, and classes of bidirectional text.
+CONTROLS = ("Cc", "Zl", "Zp")
+TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
+
+
+def check_name(path: str | os.PathLike[str]) -> None:
+    r"""Check that the name of a file to write is one that every library can write and every message can show.
+
+    Raises
+    ------
+    InputError
+        If it is no text, or has a control character or one that turns the direction of writing.
+
+    Examples
+    --------
+    >>> check_name("kegelrad.nc")
+    >>> try:
+    ...     check_name("kegel\nrad.nc")
+    ... except InputError as error:
+    ...     print(error)
+    'kegel\nrad.nc': must be a name without control characters
+    """
+    name = os.fspath(path)
+    check_text(name)
+    if any(unicodedata.category(c) in CONTROLS or unicodedata.bidirectional(c) in TURNS for c in name):
+        raise InputError(f"{name!a}: must be a name without control characters")
+
+
+def check_text(word: str) -> None:
+    r"""Check that a word consists of characters, which the netCDF library and the texts that name a file ask for.
+
+    Raises
+    ------
+    InputError
+        If a byte of it is none of the characters that the system's encoding has.
+
+    Examples
+    --------
+    >>> try:
+    ...     check_text("kegelr\udce4der.nc")
+    ... except InputError as error:
+    ...     print(error)
+    kegelr\udce4der.nc: must be in UTF-8; rename the file
+    """
+    encoding = sys.getfilesystemencoding()
+    try:
+        word.encode(encoding)
+    except UnicodeEncodeError as error:
+        way = (
+            "UTF-8; rename the file" if encoding == "utf-8" else f"{encoding}, as the locale says; or set PYTHONUTF8=1"
+        )
+        raise InputError(f"{word.encode('utf-8', 'backslashreplace').decode()}: must be in {way}") from error
+
+
+NAME = re.compile(r"\.easeoff-[0-9a-f]{16}\.tmp")
+LOCK = "lock"
+#: Folders made before it is given up; one is lost only to another run that clears up at the same instant.
+ATTEMPT_COUNT = 20
+
+
+@contextlib.contextmanager
+def private_folder(parent: Path) -> Iterator[Path]:
+    """Make a private folder in another, and remove it with everything in it on leaving.
+
+    What processes that were ended have left in the other folder is removed first.
+
+    Parameters
+    ----------
+    parent
+        The other folder.
+
+    Yields
+    ------
+    Path
+        The private folder. It holds a file ``lock``; other names are free.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as parent:
+    ...     with private_folder(Path(parent)) as folder:
+    ...         oct(folder.stat().st_mode & 0o777)
+    ...     folder.exists()
+    '0o700'
+    False
+    """
+    clear_remains(parent)
+    folder, lock = _made(parent)
+    try:
+        yield folder
+    finally:
+        _remove(folder, lock)
+
+
+def clear_remains(parent: Path) -> None:
+    """Remove the private folders of processes that were ended: those of this user whose lock is free.
+
+    Parameters
+    ----------
+    parent
+        Folder to clear; it need not exist.
+
+    Examples
+    --------
+    >>> clear_remains(Path("no such folder"))
+    """
+    with contextlib.suppress(OSError), os.scandir(parent) as entries:
+        found = [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]
+        for folder in found:
+            with contextlib.suppress(OSError):
+                _clear(folder)
+
+
+def _clear(folder: Path) -> None:
+    status = folder.lstat()
+    if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "geteuid") and status.st_uid != os.geteuid()):
+        return
+    try:
+        lock = os.open(folder / LOCK, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
+    except FileNotFoundError:
+        # Ended before it had a lock, or after it had removed it; one that is about to make its lock makes another.
+        folder.rmdir()
+        return
+    try:
+        dead = try_lock(lock)
+    except OSError:  # no locks in this file system: nothing tells the living from the dead
+        dead = False
+    if dead:
+        _remove(folder, lock)
+    else:
+        os.close(lock)
+
+
+def _made(parent: Path) -> tuple[Path, int]:
+    """Private folder, and the descriptor that holds its lock."""
+    for _ in range(ATTEMPT_COUNT):
+        folder = parent / f".easeoff-{secrets.token_hex(8)}.tmp"
+        folder.mkdir(mode=0o700)
+        try:
+            lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        except FileNotFoundError:  # cleared in this instant
+            continue
+        except OSError:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+            raise
+        try:
+            held = try_lock(lock)
+        except OSError:  # no locks in this file system
+            held = True
+        if held and os.fstat(lock).st_nlink:
+            return folder, lock
+        os.close(lock)
+    raise OSError(f"a temporary folder was removed {ATTEMPT_COUNT} times by another process")
+
+
+def _remove(folder: Path, lock: int) -> None:
+    """Remove a private folder; the lock goes last, so that the rest of an interrupted removal is found again."""
+    with contextlib.suppress(OSError):
+        for entry in sorted(folder.rglob("*"), reverse=True):
+            if entry != folder / LOCK:
+                with contextlib.suppress(OSError):
+                    entry.rmdir() if entry.is_dir() and not entry.is_symlink() else entry.unlink()
+    os.close(lock)
+    with contextlib.suppress(OSError):
+        (folder / LOCK).unlink()
+        folder.rmdir()
+
+
+#: Format of a suffix, in messages.
+FORMATS = {".nc": "netCDF", ".toml": "TOML", ".html": "HTML", ".csv": "text in columns"}
+SUFFIX_LENGTH_LIMIT = 10  # of a name under which a file is written
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Write a file in a private folder beside it, and give it its name when it is complete and on the disk.
+
+    A file that is replaced leaves its permissions (mode, access control list, owner and group where the system allows
+    it) to the new one. A link is replaced, not the file it points to. Of two processes that write the same file, one
+    leaves its whole file. What an earlier process left that was ended while writing is removed.
+
+    Parameters
+    ----------
+    path
+        The file, replaced if it exists; missing folders are made.
+
+    Yields
+    ------
+    Path
+        Path to write to. If writing fails, nothing is left behind and an earlier file stays as it was.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     with whole_file(f"{folder}/new/table.txt") as temporary:
+    ...         _ = temporary.write_text("complete")
+    ...     Path(f"{folder}/new/table.txt").read_text()
+    'complete'
+    """
+    target = file_path("path", path)
+    _check_replaceable(target)
+    try:
+        with existing_folder(target.parent), private_folder(target.parent) as folder:
+            # A plain name: not every library that writes files takes every name. Absolute: one takes ~ for home.
+            suffix = target.suffix if target.suffix.isascii() and len(target.suffix) <= SUFFIX_LENGTH_LIMIT else ""
+            temporary = Path(os.path.abspath(folder / f"content{suffix}"))
+            yield temporary
+            take_over_permissions(temporary, target)
+            _synchronize(temporary, os.O_RDWR)
+            os.replace(temporary, target)
+        with contextlib.suppress(PermissionError):  # a folder that may be written to, but not read
+            _synchronize(target.parent, os.O_RDONLY)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
+    except UnicodeEncodeError as error:
+        raise InputError(f"{target} cannot be written: {error}") from error
+    except RuntimeError as error:
+        # The netCDF library raises this for every failure; a full disk is the usual reason.
+        if not str(error).startswith("NetCDF"):
+            raise
+        raise InputError(f"{target} cannot be written: {error}; is there room on the disk?") from error
+
+
+@contextlib.contextmanager
+def existing_folder(folder: Path) -> Iterator[None]:
+    """Make a folder and those above it that are missing; if what follows fails, those that are empty are removed.
+
+    Raises
+    ------
+    OSError
+        If a folder cannot be made.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as parent:
+    ...     with contextlib.suppress(ValueError), existing_folder(Path(parent, "new", "deep")):
+    ...         raise ValueError
+    ...     os.listdir(parent)
+    []
+    """
+    missing = [parent for parent in (folder, *folder.parents) if not os.path.exists(parent)]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for parent in missing:
+            with contextlib.suppress(OSError):
+                parent.rmdir()
+        raise
+
+
+def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str], suffix: str | None = None) -> None:
+    """Check that a file can be written; nothing is left behind.
+
+    Parameters
+    ----------
+    path
+        The file to be written.
+    *sources
+        Its sources: files that must not be overwritten, or names that are no files.
+    suffix
+        Required suffix of the name; any if left out.
+
+    Raises
+    ------
+    InputError
+        If the name has another suffix or is too long, the folder does not exist and cannot be made, may not be written
+        to, or the path is a folder, a device or one of the sources.
+    """
+    target = file_path("path", path)
+    _check_replaceable(target)
+    for source in sources:
+        if os.path.isfile(target) and os.path.isfile(source) and os.path.samefile(target, source):
+            raise InputError(f"{target} is the file that is read: writing would destroy it; give another name")
+    if suffix is not None and target.suffix.lower() != suffix:
+        raise InputError(f"{target}: must be a name that ends in {suffix}; the file is written as {FORMATS[suffix]}")
+    _check_access(target.parent, target)
+
+
+def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
+    """Check that a folder can be written to; nothing is left behind.
+
+    Parameters
+    ----------
+    path
+        The folder; it need not exist.
+    purpose
+        Its contents, as messages name them.
+
+    Raises
+    ------
+    InputError
+        If it is a file, its name is too long, or it cannot be made or written to.
+    """
+    target = Path(path)
+    check_name(target)
+    if os.path.exists(target) and not os.path.isdir(target):
+        raise InputError(f"{target} is a file: give a folder for the {purpose}")
+    _check_access(target, target)
+
+
+def _check_replaceable(target: Path) -> None:
+    """Check that a path can be that of a file, and that a file or link which is there may be replaced."""
+    check_name(target)
+    if os.path.isdir(target):
+        raise InputError(f"{target} is a folder: give the name of a file")
+    if os.path.exists(target) and not os.path.isfile(target):
+        raise InputError(f"{target} is a device or a pipe, not a file: give the name of a file")
+    if os.path.exists(target) and not os.access(target, os.W_OK):
+        raise InputError(f"{target} cannot be written: no permission")
+    if os.path.lexists(target) and hasattr(os, "geteuid"):
+        folder, user = os.stat(target.parent), os.geteuid()
+        if folder.st_mode & stat.S_ISVTX and user not in (0, folder.st_uid, os.lstat(target).st_uid):
+            raise InputError(f"{target} cannot be written: it is another user's, and only they can replace it there")
+
+
+def _check_access(folder: Path, target: Path) -> None:
+    """Check that a folder can be made and written to, and that a name in it can exist."""
+    there = next(parent for parent in (folder, *folder.parents) if os.path.lexists(parent))
+    if os.path.exists(there) and not os.access(there, os.W_OK):
+        raise InputError(f"{target} cannot be written: no permission")
+    try:
+        # Only making them tells whether folders and names can be made.
+        with private_folder(there) as trial:
+            copy = trial.joinpath("trial", *(part for part in folder.relative_to(there).parts if part != ".."))
+            copy.mkdir(parents=True)
+            if target != folder:
+                (copy / target.name).touch(exist_ok=False)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
+
+
+def _synchronize(path: Path, flags: int) -> None:
+    """Wait until a file or folder is on the disk, as far as the file system can tell."""
+    if flags == os.O_RDONLY and os.name == "nt":
+        return  # folders cannot be opened there
+    descriptor = os.open(path, flags)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(descriptor)
