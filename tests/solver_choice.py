@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
+from easeoff.contact.solvers.backend_solution import adapter_of
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 
 Array = NDArray[np.float64]
@@ -56,15 +56,10 @@ def dense(problem: ContactProblem) -> ContactProblem:
     return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
-def adapter(name: str) -> Any:
-    return importlib.import_module(f"easeoff.contact.solvers.adapters.{name}")
-
-
 def answer_of(name: str, problem: ContactProblem, **settings: Any) -> ScaledAnswer:
     """What the backend answers to the scaled problem, before anybody judges it."""
     scaled = problem.scaled()
-    found: ScaledAnswer = adapter(name).solve_scaled(scaled, {**SOLVERS[name].settings, **settings})
-    return found
+    return adapter_of(name)(scaled, {**SOLVERS[name].settings, **settings})
 
 
 def rotation_and_gap(problem: ContactProblem) -> tuple[float, Array, float]:

@@ -28,7 +28,7 @@ from solver_choice import (
 
 from easeoff.contact import SOLVERS, ContactProblem, Status, solve
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
-from easeoff.contact.solvers.adapters import cvxpy_programme
+from easeoff.contact.solvers.adapters import cvxpy
 from easeoff.study.library import entries, generate, reference_answers
 from easeoff.study.library.library_entries import USUAL_PARTS
 from easeoff.verification import problems
@@ -186,13 +186,13 @@ def translations(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
     """Shapes of the programmes that CVXPY had to translate, with an empty shelf."""
     made: list[tuple[int, int]] = []
 
-    class Counted(cvxpy_programme.ParametrisedProgramme):
-        def __init__(self, root: cvxpy_programme.Root) -> None:
+    class Counted(cvxpy.ParametrisedProgramme):
+        def __init__(self, root: cvxpy.Root) -> None:
             super().__init__(root)
             made.append(root.shape)
 
-    monkeypatch.setattr(cvxpy_programme, "ParametrisedProgramme", Counted)
-    monkeypatch.setattr(cvxpy_programme, "_shelf", type(cvxpy_programme._shelf)())
+    monkeypatch.setattr(cvxpy, "ParametrisedProgramme", Counted)
+    monkeypatch.setattr(cvxpy, "_shelf", type(cvxpy._shelf)())
     return made
 
 
@@ -228,11 +228,11 @@ def test_programme_is_translated_once_for_each_form(translations: list[tuple[int
 
 def test_every_number_of_the_programme_is_a_parameter(translations: list[tuple[int, int]]) -> None:
     for problem in mesh_cycle():
-        root = cvxpy_programme.compliance_root(problem.scaled(), lifted=True)
+        root = cvxpy.compliance_root(problem.scaled(), lifted=True)
         np.testing.assert_allclose(
             (root.matrix @ root.matrix.T).toarray(), problem.scaled().compliance, rtol=1e-12, atol=1e-15
         )
-        assert cvxpy_programme.ParametrisedProgramme(root).programme.is_dpp()
+        assert cvxpy.ParametrisedProgramme(root).programme.is_dpp()
 
 
 def test_answer_does_not_depend_on_what_was_solved_before(translations: list[tuple[int, int]]) -> None:
@@ -259,11 +259,11 @@ def test_written_out_and_parametrised_agree(translations: list[tuple[int, int]])
 def test_shelf_is_small_and_keeps_nothing_that_failed(translations: list[tuple[int, int]]) -> None:
     problem = dense(next(problems("realistic", 1)))
     assert not solve(problem, "cvxpy", backend="nobody").certified
-    assert not cvxpy_programme._shelf
-    for size in range(2, 4 + cvxpy_programme.MAX_KEPT_PROGRAMMES):
+    assert not cvxpy._shelf
+    for size in range(2, 4 + cvxpy.MAX_KEPT_PROGRAMMES):
         parts = (np.full(size, 2e-6), np.zeros((size, 0)))
         assert_right(dense(ContactProblem(np.zeros(size), np.full(size, 40.0), 1e5, parts)))
-    assert len(cvxpy_programme._shelf) == cvxpy_programme.MAX_KEPT_PROGRAMMES
+    assert len(cvxpy._shelf) == cvxpy.MAX_KEPT_PROGRAMMES
 
 
 def test_backend_behind_cvxpy_has_a_programme_of_its_own(translations: list[tuple[int, int]]) -> None:

@@ -11,14 +11,13 @@ import qpsolvers
 from solver_choice import (
     AGREEMENT,
     BACKENDS,
-    adapter,
     answer_of,
     installed,
     rotation_and_gap,
 )
 
 from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, certify, solve
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.backend_solution import adapter_of
 from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.measurement.worker import Request, workers
 from easeoff.verification import problems
@@ -168,7 +167,7 @@ def test_no_backend_writes_into_the_problem(name: str) -> None:
         scaled = problem.scaled()
         parts = (scaled.compliance, scaled.separation, scaled.lever_arm)
         before = [part.copy() for part in parts]
-        answer: ScaledAnswer = adapter(name).solve_scaled(scaled, SOLVERS[name].settings)
+        answer = adapter_of(name)(scaled, SOLVERS[name].settings)
         assert all(np.array_equal(a, b) for a, b in zip(parts, before, strict=True))
         rotation, _, _ = rotation_and_gap(problem)
         assert answer.rotation == pytest.approx(rotation, rel=AGREEMENT[name][0])

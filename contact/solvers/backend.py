@@ -1,14 +1,17 @@
 """Call of a backend behind qpsolvers, and its forces and rotation.
 
-To add a backend: a row in `solver_table`, and a module in ``adapters`` named after it with a function
-``solve_scaled(problem, settings) -> ScaledAnswer``. The answer may be anything; it is certified by the caller.
+To add a backend: a row in `solver_table`. One that qpsolvers does not know has a module in ``adapters`` named after it
+with a function ``solve_scaled(problem, settings) -> ScaledAnswer``. The answer may be anything; it is certified by the
+caller.
 """
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
+from importlib import import_module
+from operator import attrgetter
 from time import perf_counter
 from typing import Any
 
@@ -20,8 +23,8 @@ from ..problem.forms.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
 from .solution import CallTimes, Status
-from .solver_limits import limit_hint
-from .solver_table import SOLVERS
+from .solver_limits import limit_hint, limit_met
+from .solver_table import SOLVERS, Report
 
 #: Forms in which a backend may get the problem.
 FORMS = ("auto", "dense", "sparse", "lifted", "lcp", "products")
@@ -29,15 +32,6 @@ FORMS = ("auto", "dense", "sparse", "lifted", "lcp", "products")
 
 #: Where the times of a call stand among the extras of its solution.
 CALL_TIMES = "call_times"
-#: Unit [s] and names of set-up and solve time in what a backend reports; an empty name where it reports none.
-_REPORTED_TIMES = {
-    "clarabel": (1.0, "", "solve_time"),
-    "osqp": (1.0, "setup_time", "solve_time"),
-    "piqp": (1.0, "setup_time", "solve_time"),
-    "proxqp": (1e-6, "setup_time", "solve_time"),
-    "qpalm": (1.0, "setup_time", "solve_time"),
-    "scs": (1e-3, "setup_time", "solve_time"),
-}
 
 
 class NoAnswerError(EaseoffError):
@@ -47,6 +41,33 @@ class NoAnswerError(EaseoffError):
         super().__init__(message)
         self.suspicion = suspicion
         self.claim = claim
+
+
+def solve_scaled(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Solve the scaled problem with a backend behind qpsolvers, as its row in the table of solvers says."""
+    entry = SOLVERS[name]
+    report = entry.report or Report()
+    refuse_unknown(name, settings)
+    start = perf_counter()
+    solution = run_qpsolvers(name, problem, settings)
+    met = None if solution.found else limit_met(name, settings, perf_counter() - start)
+    message = ""
+    if not solution.found and met is None and entry.second_attempt and not entry.second_attempt.keys() & settings:
+        message = f"with {', '.join(entry.second_attempt)}"
+        solution = run_qpsolvers(name, problem, {**settings, **entry.second_attempt})
+        met = None if solution.found else limit_met(name, settings, perf_counter() - start)
+    info = solution.extras.get(report.place, solution.extras)
+    if report.status:
+        message = str(_entry(info, report.status)).rpartition(".")[2]
+    end = _entry(info, report.end) if report.end else message
+    suspicion = report.ends.get(end, report.other_end) if report.ends or report.other_end else met
+    iterations = np.ravel(_entry(info, report.iterations))[0] if report.iterations else -1
+    return read_answer(solution, iterations=int(iterations), message=message, suspicion=suspicion)
+
+
+def _entry(info: Any, name: str) -> Any:
+    """What a backend reports by a name; None where it does not."""
+    return info.get(name) if isinstance(info, Mapping) else getattr(info, name, None)
 
 
 def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> Any:
@@ -87,11 +108,11 @@ def call_times(name: str, solution: Any, call: float) -> CallTimes:
     call
         Wall time of the call [s].
     """
-    if name in _REPORTED_TIMES:
-        unit, *keys = _REPORTED_TIMES[name]
-        info = solution.extras.get("info", solution.extras)
-        values = [info.get(key) if isinstance(info, Mapping) else getattr(info, key, None) for key in keys]
-        setup, solve = (unit * float(value) if value else math.nan for value in values)
+    report = SOLVERS[name].report
+    if report is not None and report.solve_time:
+        info = solution.extras.get(report.place, solution.extras)
+        values = [_entry(info, key) if key else None for key in (report.set_up_time, report.solve_time)]
+        setup, solve = (report.unit * float(value) if value else math.nan for value in values)
         if solve > 0.0:
             return CallTimes(call, setup, solve, "solver")
     if solution.solve_time is None:
@@ -175,7 +196,7 @@ def read_answer(
     return ScaledAnswer(unknowns[bounded], rotation, iterations, message, claim, gap, times)
 
 
-def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
+def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
     """Refuse misspelt settings, which some backends ignore in silence.
 
     Parameters
@@ -184,16 +205,22 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
         Of the backend.
     settings
         Keywords for it.
-    *known
-        Collections of names, or objects whose attributes are the settings there are.
 
     Raises
     ------
     InputError
-        A setting that is none.
+        A setting that is not among those that the table of solvers knows.
     """
+    entry = SOLVERS[name]
+    if not entry.known:
+        return
+    package = import_module(entry.package)
+    known = {"form", "initvals"}
+    for word in entry.known:
+        kind, made, attribute = word.partition("()")
+        owner = getattr(package, kind)() if made else None
+        known |= set(dir(attrgetter(attribute[1:])(owner) if attribute else owner)) if made else {word}
     for key in settings:
-        listed = any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known)
-        if key not in ("form", "initvals") and not listed:
+        if key not in known:
             hint = limit_hint(name, [key])
             raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting{hint}")

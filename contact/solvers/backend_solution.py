@@ -6,7 +6,7 @@ import importlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from time import perf_counter
 from typing import Any
 
@@ -21,7 +21,7 @@ from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledModes, ScaledProblem
 from .active_set.polish import Polish, PolishRule, polished_answer
-from .backend import NoAnswerError, chosen_form
+from .backend import NoAnswerError, chosen_form, solve_scaled
 from .declared.solver_declaration import Solver
 from .scaled_answer import ScaledAnswer
 from .solution import OWN_ENDS, RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
@@ -46,18 +46,21 @@ def adapter_of(solver: str) -> Adapter:
     MissingSolverError
         Its package is installed, and cannot be loaded.
     """
-    adapter: Adapter = _loaded(solver).solve_scaled
+    if SOLVERS[solver].report:
+        _load(solver)
+        return partial(solve_scaled, solver)
+    adapter: Adapter = _load(solver, f".adapters.{solver}").solve_scaled
     return adapter
 
 
 @cache
-def _loaded(solver: str) -> Any:
-    """The module of an adapter, once its package is loaded."""
+def _load(solver: str, adapter: str = "") -> Any:
+    """Load the package of a solver and the module of its adapter, if it has one."""
     try:
         with foreign_code(IMPORT_TIME_LIMIT, silent=True):
             for package in filter(None, ("qpsolvers", SOLVERS[solver].package)):
                 importlib.import_module(package)
-            return importlib.import_module(f".adapters.{solver}", __package__)
+            return importlib.import_module(adapter, __package__) if adapter else None
     except ForeignCodeError as error:
         raise MissingSolverError(f"solver {solver!r} cannot be loaded: {error}") from error
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..problem.certificate import EXACT_TOLERANCE
+from .solution import Status
 
 #: Seconds after which a backend that can be stopped is stopped.
 TIME_LIMIT = 10.0
@@ -21,6 +22,37 @@ INTERIOR_POINT_TOLERANCE = 1e-4
 LARGEST_DENSE = 2001
 #: Segments beyond which Lemke's tableau is refused: it is dense, and its rounding errors grow with the pivots.
 LARGEST_PIVOTING = 1000
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a backend behind qpsolvers reports its end, among the extras of its solution.
+
+    Attributes
+    ----------
+    place
+        Name among the extras; empty for the extras themselves.
+    status, iterations
+        Names of the words of its end and of the number of its steps; empty where it reports none.
+    ends
+        What its ends without an answer mean; with none a limit that was met counts.
+    end
+        Name of what ``ends`` go by, if not by the status.
+    other_end
+        What every other end without an answer means.
+    unit, set_up_time, solve_time
+        Unit [s] and names of the times that it reports; empty where it reports none.
+    """
+
+    place: str = ""
+    status: str = ""
+    iterations: str = ""
+    ends: Mapping[str | int, Status] = field(default_factory=dict)
+    end: str = ""
+    other_end: Status | None = None
+    unit: float = 1.0
+    set_up_time: str = ""
+    solve_time: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,6 +95,13 @@ class SolverSettings:
         Its names for a time limit [s] and a limit of its iterations; empty where it has none.
     warm_start
         Whether it makes use of the forces of a neighbouring problem. The others ignore them, or have no use for them.
+    report
+        How it reports its end, if it is called behind qpsolvers; None for one with an adapter of its own.
+    known
+        Settings there are, of a backend that ignores others in silence: their names, or objects of its package that
+        have them as attributes, such as ``"Settings()"``.
+    second_attempt
+        Settings of another attempt where it finds nothing.
 
     Examples
     --------
@@ -86,6 +125,9 @@ class SolverSettings:
     time_setting: str = ""
     step_setting: str = ""
     warm_start: bool = False
+    report: Report | None = None
+    known: tuple[str, ...] = ()
+    second_attempt: Mapping[str, Any] = field(default_factory=dict)
 
 
 _EXTRA = "easeoff[solvers]"
@@ -126,6 +168,16 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance_power=2,
         time_setting="time_limit",
         step_setting="max_iter",
+        report=Report(
+            status="status",
+            ends={
+                "PrimalInfeasible": Status.INFEASIBLE,
+                "DualInfeasible": Status.UNBOUNDED,
+                "MaxTime": Status.TIME_LIMIT,
+                "MaxIterations": Status.NOT_CONVERGED,
+            },
+            solve_time="solve_time",
+        ),
     ),
     "osqp": SolverSettings(
         "osqp",
@@ -149,6 +201,20 @@ SOLVERS: dict[str, SolverSettings] = {
         time_setting="time_limit",
         step_setting="max_iter",
         warm_start=True,
+        report=Report(
+            "info",
+            "status",
+            "iter",
+            ends={
+                "primal infeasible": Status.INFEASIBLE,
+                "dual infeasible": Status.UNBOUNDED,
+                "problem non convex": Status.NOT_POSITIVE_SEMIDEFINITE,
+                "run time limit reached": Status.TIME_LIMIT,
+                "maximum iterations reached": Status.NOT_CONVERGED,
+            },
+            set_up_time="setup_time",
+            solve_time="solve_time",
+        ),
     ),
     "daqp": SolverSettings(
         "daqp",
@@ -165,6 +231,9 @@ SOLVERS: dict[str, SolverSettings] = {
         time_setting="time_limit",
         step_setting="iter_limit",
         warm_start=True,
+        report=Report(),
+        # Proximal iterations, for matrices that are numerically singular, where the plain method finds nothing.
+        second_attempt={"eps_prox": 1e-4, "eta_prox": 1e-13},
     ),
     "piqp": SolverSettings(
         "piqp",
@@ -188,6 +257,19 @@ SOLVERS: dict[str, SolverSettings] = {
         ),
         tolerance_power=2,
         step_setting="max_iter",
+        report=Report(
+            "info",
+            "status",
+            "iter",
+            ends={
+                "PIQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE,
+                "PIQP_DUAL_INFEASIBLE": Status.UNBOUNDED,
+                "PIQP_MAX_ITER_REACHED": Status.NOT_CONVERGED,
+            },
+            set_up_time="setup_time",
+            solve_time="solve_time",
+        ),
+        known=("backend", "DenseSolver().settings"),
     ),
     "proxqp": SolverSettings(
         "proxsuite",
@@ -200,6 +282,19 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance_settings=("eps_abs",),
         step_setting="max_iter",
         warm_start=True,
+        report=Report(
+            "info",
+            "status",
+            "iter",
+            ends={
+                "PROXQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE,
+                "PROXQP_DUAL_INFEASIBLE": Status.UNBOUNDED,
+                "PROXQP_MAX_ITER_REACHED": Status.NOT_CONVERGED,
+            },
+            unit=1e-6,
+            set_up_time="setup_time",
+            solve_time="solve_time",
+        ),
     ),
     "highs": SolverSettings(
         "highspy",
@@ -224,6 +319,8 @@ SOLVERS: dict[str, SolverSettings] = {
         least_tolerance=1e-10,
         time_setting="time_limit",
         step_setting="qp_iteration_limit",
+        report=Report(),
+        known=("HighsOptions()",),
     ),
     "scs": SolverSettings(
         "scs",
@@ -241,6 +338,19 @@ SOLVERS: dict[str, SolverSettings] = {
         time_setting="time_limit_secs",
         step_setting="max_iters",
         warm_start=True,
+        report=Report(
+            status="status",
+            iterations="iter",
+            ends={
+                "infeasible": Status.INFEASIBLE,
+                "unbounded": Status.UNBOUNDED,
+                "solved (inaccurate - reached time_limit_secs)": Status.TIME_LIMIT,
+                "solved (inaccurate - reached max_iters)": Status.NOT_CONVERGED,
+            },
+            unit=1e-3,
+            set_up_time="setup_time",
+            solve_time="solve_time",
+        ),
     ),
     "sip": SolverSettings(
         "sip_qp_python",
@@ -258,6 +368,17 @@ SOLVERS: dict[str, SolverSettings] = {
         time_setting="time_limit",
         step_setting="max_iterations",
         warm_start=True,
+        report=Report(
+            "sip_output",
+            "exit_status",
+            "num_iterations",
+            ends={
+                "LOCALLY_INFEASIBLE": Status.INFEASIBLE,
+                "TIMEOUT": Status.TIME_LIMIT,
+                "ITERATION_LIMIT": Status.NOT_CONVERGED,
+            },
+        ),
+        known=("eps_abs", "eps_rel", "time_limit", "Settings()", "Settings().sip"),
     ),
     "pyqpmad": SolverSettings(
         "pyqpmad",
@@ -270,6 +391,7 @@ SOLVERS: dict[str, SolverSettings] = {
         settings={"tolerance": 1e-14, "max_iter": 10_000},
         step_setting="max_iter",
         tolerance_settings=("tolerance",),
+        known=("SolverParameters()",),
     ),
     "qpalm": SolverSettings(
         "qpalm",
@@ -286,6 +408,20 @@ SOLVERS: dict[str, SolverSettings] = {
         ),
         time_setting="time_limit",
         step_setting="max_iter",
+        report=Report(
+            "info",
+            "status",
+            "iter",
+            ends={
+                "primal infeasible": Status.INFEASIBLE,
+                "dual infeasible": Status.UNBOUNDED,
+                "time limit exceeded": Status.TIME_LIMIT,
+                "maximum iterations reached": Status.NOT_CONVERGED,
+            },
+            set_up_time="setup_time",
+            solve_time="solve_time",
+        ),
+        known=("Settings()",),
     ),
     "quadprog": SolverSettings(
         "quadprog",
@@ -295,6 +431,7 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-6,
         largest=LARGEST_DENSE,
         definite=True,
+        report=Report(iterations="iterations"),
     ),
     "cvxopt": SolverSettings(
         "cvxopt",
@@ -312,6 +449,9 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance_power=2,
         step_setting="maxiters",
         warm_start=True,
+        # Its only other status is "unknown": the iterations are used up, or a matrix could not be factored.
+        report=Report(status="status", iterations="iterations", other_end=Status.NOT_CONVERGED),
+        known=("maxiters", "abstol", "reltol", "feastol", "refinement", "kktreg", "use_correction"),
     ),
     "ecos": SolverSettings(
         "ecos",
@@ -329,6 +469,19 @@ SOLVERS: dict[str, SolverSettings] = {
         ),
         tolerance_power=2,
         step_setting="max_iters",
+        # Exit flags; those from 10 on have the same meanings, for an answer that misses the tolerances.
+        report=Report(
+            status="infostring",
+            iterations="iter",
+            ends={
+                1: Status.INFEASIBLE,
+                2: Status.UNBOUNDED,
+                11: Status.INFEASIBLE,
+                12: Status.UNBOUNDED,
+                -1: Status.NOT_CONVERGED,
+            },
+            end="exitFlag",
+        ),
     ),
     "cvxpy": SolverSettings(
         "cvxpy",

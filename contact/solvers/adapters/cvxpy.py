@@ -2,23 +2,158 @@
 
 Most of the time of a call goes into translating what is written into what a solver takes. Where that pays, it is
 written with every number a parameter, translated once and used again for other numbers: see `cvxpy_programme`.
+
+The contact problem in CVXPY with every number a parameter: translated once, used for many problems.
+
+    minimise 1/2 |W'F|^2 + S'F   subject to   r'F = T,  F >= 0,      C = W W'
+
+By the rules of disciplined parametrised programming (Agrawal et al. 2019, doi 10.48550/arXiv.1910.12430) a matrix that
+is a parameter may stand in a linear expression, not in a quadratic form: hence the root W of the compliance. Of W the
+pattern is fixed, and zeros are left out: the lower triangle of a Cholesky factor, or the blocks of the
+tooth pairs and a diagonal.
+
+Programmes are kept by this pattern and the solver they are for, the last few that were used. Whoever uses one takes it
+out of the shelf and puts it back; in the meantime others in the same process make their own. So no two threads ever
+share one, without locks, which a fork could leave closed for ever. One that was left by an exception is not put back.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 import warnings
-from collections.abc import Mapping
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status
 from ..solver_table import SOLVERS
-from .cvxpy_programme import Root, compliance_root, parametrised
+
+#: Programmes kept in a process. Along a mesh cycle there are two or three numbers of segments.
+MAX_KEPT_PROGRAMMES = 8
+
+_shelf: OrderedDict[tuple[Any, ...], ParametrisedProgramme] = OrderedDict()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Root:
+    """A sparse matrix W with C = W W'.
+
+    Attributes
+    ----------
+    shape
+        Rows n and columns k.
+    rows, columns
+        Of each entry (m).
+    values
+        The entries (m).
+    """
+
+    shape: tuple[int, int]
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    values: NDArray[np.float64]
+
+    @property
+    def matrix(self) -> Any:
+        """W in compressed sparse rows."""
+        from scipy.sparse import csr_array
+
+        return csr_array((self.values, (self.rows, self.columns)), shape=self.shape)
+
+
+def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
+    """Return a root of the compliance: modes and local part of a structured one if `lifted`, or a Cholesky factor."""
+    size = problem.separation.size
+    if lifted:
+        assert problem.modal is not None
+        basis, local = problem.modal.basis, np.arange(size)
+        blocks, _, rank = basis.modes.shape
+        filled = basis.index < size
+        # All entries of a block, also where its modes happen to vanish: other problems will have numbers there.
+        rows = np.broadcast_to(basis.index[:, :, np.newaxis], basis.modes.shape)[filled].ravel()
+        mode = np.arange(blocks * rank).reshape(blocks, 1, rank)
+        columns = np.broadcast_to(mode, basis.modes.shape)[filled].ravel()
+        shared = basis.shared_factor
+        every, wide = np.indices(shared.shape).reshape(2, -1), blocks * rank + shared.shape[1]
+        return Root(
+            (size, wide + size),
+            np.concatenate([rows, every[0], local]),
+            np.concatenate([columns, blocks * rank + every[1], wide + local]),
+            np.concatenate([basis.modes[filled].ravel(), shared.ravel(), np.sqrt(problem.modal.diagonal)]),
+        )
+    try:
+        root = np.linalg.cholesky(problem.compliance)
+        rows, columns = np.tril_indices(size)
+    except np.linalg.LinAlgError:  # singular to rounding
+        values, vectors = np.linalg.eigh(problem.compliance)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        rows, columns = (index.ravel() for index in np.indices(root.shape))
+    return Root((size, size), rows, columns, root[rows, columns])
+
+
+class ParametrisedProgramme:
+    """A contact problem whose numbers can be set.
+
+    Parameters
+    ----------
+    root
+        Of whose shape and pattern the compliance will be; its values do not matter yet.
+    """
+
+    def __init__(self, root: Root) -> None:
+        import cvxpy as untyped
+        from scipy.sparse import csr_array
+
+        cvxpy: Any = untyped
+        size, width = root.shape
+        count = root.values.size
+        self._values = cvxpy.Parameter(count)
+        self._separation, self._lever_arm = cvxpy.Parameter(size), cvxpy.Parameter(size)
+        self._torque = cvxpy.Parameter()
+        # CVXPY has sparse parameters, but takes long to check them.
+        pattern = (root.columns + width * root.rows, np.arange(count))
+        spread = csr_array((np.ones(count), pattern), shape=(width * size, count))
+        transposed = cvxpy.reshape(spread @ self._values, (width, size), order="F")
+        force = cvxpy.Variable(size)
+        energy = 0.5 * cvxpy.sum_squares(transposed @ force) + self._separation @ force
+        constraints = [self._lever_arm @ force == self._torque, force >= 0.0]
+        #: The `cvxpy.Problem`; its constraints are the balance and the bounds.
+        self.programme = cvxpy.Problem(cvxpy.Minimize(energy), constraints)
+
+    def set_values(self, problem: ScaledProblem, root: Root) -> None:
+        """Set all numbers to those of a problem."""
+        self._values.value = root.values
+        self._separation.value, self._lever_arm.value = problem.separation, problem.lever_arm
+        self._torque.value = problem.torque
+
+
+@contextlib.contextmanager
+def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
+    """Take a programme for roots of this form off the shelf, or make one; put it back if nothing was raised.
+
+    Parameters
+    ----------
+    root
+        Of the compliance.
+    backend
+        Solver behind CVXPY: each has a translation of its own.
+    """
+    key = (root.shape, root.rows.tobytes(), root.columns.tobytes(), backend)
+    programme = _shelf.pop(key, None) or ParametrisedProgramme(root)
+    yield programme
+    _shelf[key] = programme
+    while len(_shelf) > MAX_KEPT_PROGRAMMES:
+        with contextlib.suppress(KeyError):  # another thread was quicker
+            _shelf.popitem(last=False)
+
 
 #: Largest number of segments for which the parametrised form of a dense problem is faster: it cannot have the
 #: compliance as it is, but only its root, with which the solver has twice the unknowns.

@@ -22,7 +22,7 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     import pyqpmad
 
     parameters = pyqpmad.SolverParameters()
-    refuse_unknown("pyqpmad", settings, parameters)
+    refuse_unknown("pyqpmad", settings)
     for name, value in settings.items():
         setattr(parameters, name, value)
     size = problem.separation.size

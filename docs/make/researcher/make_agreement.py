@@ -6,7 +6,6 @@ those of two gears: how far its multipliers are from rotation and gaps of the na
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ from tabulate import tabulate
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.active_set.polish import polished_answer
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
+from easeoff.contact.solvers.backend_solution import adapter_of
 from easeoff.study import CaseInMesh
 from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.verification import problems
@@ -60,7 +60,7 @@ class Agreement:
 
 def agreement(name: str, chosen: Iterable[ContactProblem], form: str = "auto") -> Agreement:
     """Compare a solver's own multipliers with the answer of the native solver."""
-    adapter = importlib.import_module(f"easeoff.contact.solvers.adapters.{name}")
+    adapter = adapter_of(name)
     entry = SOLVERS[name]
     number, errors = 0, []
     for problem in chosen:
@@ -69,7 +69,7 @@ def agreement(name: str, chosen: Iterable[ContactProblem], form: str = "auto") -
         assert reference.certified
         settings = {**entry.settings, **({"form": "lifted"} if chosen_form(name, scaled, form) == "lifted" else {})}
         try:
-            answer = adapter.solve_scaled(scaled, settings)
+            answer = adapter(scaled, settings)
         except NoAnswerError:
             continue
         found = polished_answer(problem, scaled, answer, None).answer
