@@ -537,7 +537,7 @@ def test_package_of_a_solver_that_cannot_be_loaded_says_so(tmp_path: Path, monke
     for name in [name for name in sys.modules if name.partition(".")[0] == "pyqpmad"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.syspath_prepend(tmp_path)
-    backend_solution_module._loaded.cache_clear()
+    backend_solution_module._load.cache_clear()
     with pytest.raises(MissingSolverError, match="solver 'pyqpmad' cannot be loaded: it ended with code broken"):
         solve(PROBLEM, "pyqpmad")
 
