@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from .study.analysis.case_analysis import analyze
     from .study.design.optimal_modification import modify
     from .study.design.optimization.setting_optimization import optimize
-    from .study.report.notebook.result_accessor import ResultAccessor
-    from .study.report.notebook.sweep_accessor import SweepAccessor
+    from .study.notebook.result_accessor import ResultAccessor
+    from .study.notebook.sweep_accessor import SweepAccessor
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
 
@@ -89,12 +89,12 @@ def _register_accessor() -> None:
     import xarray as xr
 
     def accessor(tree: xr.DataTree) -> ResultAccessor:
-        from .study.report.notebook.result_accessor import ResultAccessor
+        from .study.notebook.result_accessor import ResultAccessor
 
         return ResultAccessor(tree)
 
     def sweep_accessor(dataset: xr.Dataset) -> SweepAccessor:
-        from .study.report.notebook.sweep_accessor import SweepAccessor
+        from .study.notebook.sweep_accessor import SweepAccessor
 
         return SweepAccessor(dataset)
 

@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 from easeoff.cases.schema.case_schema import Case
 from easeoff.study.case_in_mesh import CaseInMesh, prepared_pair
-from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, usual_root_line_change
+from easeoff.study.design.optimization.analysed_settings import blade_tip_gaps, usual_root_line_change
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
 from numpy.typing import NDArray
 

@@ -23,7 +23,7 @@ from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact import ContactProblem
 from easeoff.contact import available_solvers, solve, solve_many
 from easeoff.contact.solvers.compiled.compiled_answer import scaled_answer
-from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf
 from tabulate import tabulate

@@ -14,9 +14,10 @@ from ..core.checks import shown
 from ..core.errors import InputError, suggestion
 from ..core.regular_file import TOML_SIZE_LIMIT, named
 from ..geometry.pair.assembly import Misalignment
-from .deflections import SYMBOLS, Deflections, read_table_rows
+from .deflections import SYMBOLS, Deflections
 from .mistakes import mistakes
 from .schema.case_schema import DEFLECTION_ROW_COUNT_LIMIT, DeflectionRow, deflections_of
+from .table_rows import read_table_rows
 
 COLUMNS = tuple(DeflectionRow.model_fields)
 ALLOWED = 'a mapping such as {"E": 0.05, "Sigma": 0.1}, a Misalignment, Deflections, or the path of a table of them'

@@ -1,26 +1,19 @@
-"""Misalignment that depends on the torque: rows of a table of deflections, and the curve through them.
-
-Rows of a table as text in columns, read alike for load cases, of an analysis or a sweep, and for deflections.
-"""
+"""Misalignment that depends on the torque: rows of a table of deflections, and the curve through them."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.checks import array, frozen_arrays, one_of, words
-from ..core.errors import InputError, printable, shortened
-from ..core.regular_file import LINE_LENGTH_LIMIT, named, read_text
-from ..geometry.formats.separated_text import cells, comment, excerpt, separator
+from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
-from .mistakes import LINE_COUNT_LIMIT
 from .schema.usual_torques import TORQUE_LIMIT
 
 if TYPE_CHECKING:
@@ -176,126 +169,3 @@ def misalignment_at(given: Misalignment | Deflections, torque: float, flank: Fla
     0.1
     """
     return given if isinstance(given, Misalignment) else given.at(torque, flank)
-
-
-Row = TypeVar("Row")
-
-
-def read_table_rows(
-    path: str | os.PathLike[str],
-    is_text: Callable[[str], bool],
-    checked: Callable[[Mapping[str, Any]], Row],
-    *,
-    size_limit: int,
-    count_limit: int | None = None,
-    needed: str | None = None,
-    complete: bool = False,
-    what: str = "load case",
-    head: str = "torque,E,P,share",
-) -> tuple[Row, ...]:
-    r"""Rows of a table: a head with the names of the columns, then a row a line.
-
-    Columns are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. Lines that begin
-    with ``#`` are comments.
-
-    Parameters
-    ----------
-    path
-        The file.
-    is_text
-        Whether a column holds texts, and not numbers; raises ``ValueError`` if there is no such column.
-    checked
-        A row from its values by column, without those of empty cells; raises ``ValueError`` with a mistake a line.
-    size_limit
-        Of the file [bytes].
-    count_limit
-        Of the rows; none if left out.
-    needed
-        A column that must be there.
-    complete
-        Whether no cell may be empty.
-    what, head
-        What a row is, and a head for an example; for messages.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read as such; naming line, column, value and what is allowed.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     table = Path(folder, "duty.csv")
-    ...     _ = table.write_text("name;torque;E\ncruise;100,5\n;300;0,05\n")
-    ...     read_table_rows(table, lambda column: column == "name", dict, size_limit=1000)
-    ({'name': 'cruise', 'torque': 100.5}, {'torque': 300.0, 'E': 0.05})
-    """
-    source = named(path)
-    content = read_text(path, size_limit, line_limit=LINE_LENGTH_LIMIT)
-    lines = [
-        (at, line)
-        for at, line in enumerate(content.splitlines(), start=1)
-        if line.strip(' \t;,"') and comment(line) is None
-    ]
-    if not lines:
-        raise InputError(f"{source} has no {what}s: give a head such as {head} and a {what} a line")
-    if count_limit is not None and len(lines) - 1 > count_limit:
-        raise InputError(f"{source} has {len(lines) - 1} {what}s: must have at most {count_limit}")
-    mark = separator(lines[0][1])
-    texts = _columns(lines[0], mark, source, is_text, needed)
-    if len(lines) == 1:
-        raise InputError(f"{source} has a head but no {what}s: give a {what} a line")
-    found, wrong = [], []
-    for at, line in lines[1:]:
-        try:
-            found.append(checked(_values(line, mark, texts, complete=complete)))
-        except ValueError as error:
-            wrong += [f"line {at}, {mistake.strip()}" for mistake in str(error).splitlines()]
-    if wrong:
-        if len(wrong) == 1:
-            raise InputError(f"{source}, {wrong[0]}")
-        left = len(wrong) - LINE_COUNT_LIMIT
-        told = [*wrong[:LINE_COUNT_LIMIT], *([f"and {left} more"] if left > 0 else [])]
-        raise InputError("\n  ".join([f"{source} has {len(wrong)} mistakes:", *told]))
-    return tuple(found)
-
-
-def _columns(
-    head: tuple[int, str], mark: str, source: str, is_text: Callable[[str], bool], needed: str | None
-) -> dict[str, bool]:
-    """Whether the columns hold texts, by their names; each is known and given once."""
-    at, line = head
-    columns = cells(line, mark)
-    texts = {}
-    for column in columns:
-        try:
-            texts[column] = is_text(column)
-        except ValueError as error:
-            raise InputError(f"{source}, line {at}: {error}") from error
-        if columns.count(column) > 1:
-            raise InputError(f"{source}, line {at}: the column {column} comes twice")
-    if needed is not None and needed not in columns:
-        raise InputError(f"{source}, line {at}: {excerpt(line)}: the column {needed} is missing")
-    return texts
-
-
-def _values(line: str, mark: str, texts: Mapping[str, bool], *, complete: bool) -> dict[str, Any]:
-    """Values of a line by column, without those of empty cells."""
-    values = cells(line, mark)
-    if len(values) > len(texts):
-        comma = "; a decimal has a point" if mark == "," else ""
-        raise ValueError(f"{excerpt(line)}: {len(values)} values, but the head has {len(texts)} columns{comma}")
-    row: dict[str, Any] = {}
-    for (column, text), value in zip(texts.items(), values, strict=False):
-        if not value:
-            continue
-        try:
-            row[column] = value if text else float(value)
-        except ValueError as error:
-            raise ValueError(f"{column} = {shortened(printable(repr(value)))}: must be a number") from error
-    missing = [column for column in texts if column not in row]
-    if missing and complete:
-        raise ValueError(f"{missing[0]}: is missing; every column must have a value in every row here")
-    return row

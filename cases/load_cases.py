@@ -15,10 +15,11 @@ from ..core.regular_file import TOML_SIZE_LIMIT, named
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
 from .conversion import misalignment as case_misalignment
-from .deflections import ERRORS, SYMBOLS, Deflections, misalignment_at, read_table_rows
+from .deflections import ERRORS, SYMBOLS, Deflections, misalignment_at
 from .mistakes import mistakes
 from .schema.case_schema import Case
 from .schema.load_case_table import LOAD_CASE_COUNT_LIMIT, LoadCase, named_load_cases
+from .table_rows import read_table_rows
 
 COLUMNS = tuple(LoadCase.model_fields)
 TEXT_COLUMNS = ("name", "flank")

@@ -16,19 +16,14 @@ if TYPE_CHECKING:
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .mesh_cycle import MeshCycle
     from .problem.certificate import Certificate, certify
+    from .problem.compliance_matrix import OperatorCompliance
     from .problem.contact_problem import ContactProblem
-    from .problem.exchange.problem_checksum import problem_checksum
-    from .problem.exchange.problem_file import read_problems, write_problems
+    from .problem.exchange.fclib_file import read_references
+    from .problem.exchange.problem_file import ProblemSet, problem_checksum, read_problems, write_problems
     from .problem.exchange.problem_formats import export_problems, import_problems
-    from .problem.exchange.problem_set import ProblemSet
     from .problem.exchange.programme_file import read_npz
-    from .problem.exchange.reference_solutions import read_references
-    from .problem.forms.complementarity_form import LCP, lcp
-    from .problem.forms.dual_form import DualQP, dual_qp
-    from .problem.forms.lifted_form import LiftedQP, lifted_qp
-    from .problem.modal_basis import ModalBasis, SharedModes
-    from .problem.operator_compliance import OperatorCompliance
-    from .problem.shared_modes import with_shared_modes
+    from .problem.modal_basis import ModalBasis, SharedModes, with_shared_modes
+    from .problem.programme_forms import LCP, DualQP, LiftedQP, dual_qp, lcp, lifted_qp
     from .solvers import (
         SOLVERS,
         ContactSolution,
@@ -39,9 +34,7 @@ if TYPE_CHECKING:
         solve,
         solve_many,
     )
-    from .solvers.parametric.problem_gradient import ProblemGradient
-    from .solvers.parametric.sensitivity import Sensitivity
-    from .solvers.parametric.solution_change import Differentiability, SolutionChange
+    from .solvers.parametric.sensitivity import Differentiability, ProblemGradient, Sensitivity, SolutionChange
     from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
     from .supports.assembly_rounds import AssemblyRounds
@@ -118,19 +111,14 @@ _ORIGINS = {
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_cycle": ["MeshCycle"],
     ".problem.certificate": ["Certificate", "certify"],
+    ".problem.compliance_matrix": ["OperatorCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
-    ".problem.exchange.problem_checksum": ["problem_checksum"],
-    ".problem.exchange.problem_file": ["read_problems", "write_problems"],
+    ".problem.exchange.fclib_file": ["read_references"],
+    ".problem.exchange.problem_file": ["ProblemSet", "problem_checksum", "read_problems", "write_problems"],
     ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
-    ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz"],
-    ".problem.exchange.reference_solutions": ["read_references"],
-    ".problem.forms.complementarity_form": ["LCP", "lcp"],
-    ".problem.forms.dual_form": ["DualQP", "dual_qp"],
-    ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
-    ".problem.modal_basis": ["ModalBasis", "SharedModes"],
-    ".problem.operator_compliance": ["OperatorCompliance"],
-    ".problem.shared_modes": ["with_shared_modes"],
+    ".problem.modal_basis": ["ModalBasis", "SharedModes", "with_shared_modes"],
+    ".problem.programme_forms": ["DualQP", "LCP", "LiftedQP", "dual_qp", "lcp", "lifted_qp"],
     ".solvers": [
         "ContactSolution",
         "ContactSolutions",
@@ -141,9 +129,7 @@ _ORIGINS = {
         "solve",
         "solve_many",
     ],
-    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
-    ".solvers.parametric.sensitivity": ["Sensitivity"],
-    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
+    ".solvers.parametric.sensitivity": ["Differentiability", "ProblemGradient", "Sensitivity", "SolutionChange"],
     ".solvers.parametric.solution_sensitivity": ["sensitivity"],
     ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".supports.assembly_rounds": ["AssemblyRounds"],

@@ -2,8 +2,6 @@
 
 Permissions of a file that replaces another.
 
-Names of files to write: text that every library can write and every message can show.
-
 Private folder in which a file is written before it gets its name, and the remains of processes that were ended.
 
 The folder has a name that nobody can guess and lets in its owner alone, so that no link can wait in it for what is
@@ -18,14 +16,13 @@ import os
 import re
 import secrets
 import stat
-import sys
-import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
 
 from .checks import file_path
 from .errors import InputError
 from .file_lock import try_lock
+from .file_name import check_name
 
 ACCESS_LIST = "system.posix_acl_access"
 
@@ -71,60 +68,6 @@ def take_over_permissions(new: Path, old: Path) -> None:
             with contextlib.suppress(OSError):
                 os.removexattr(new, ACCESS_LIST)
     os.chmod(new, mode)
-
-
-#: Characters that no name may have: general categories, and classes of bidirectional text.
-CONTROLS = ("Cc", "Zl", "Zp")
-TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
-
-
-def check_name(path: str | os.PathLike[str]) -> None:
-    r"""Check that the name of a file to write is one that every library can write and every message can show.
-
-    Raises
-    ------
-    InputError
-        If it is no text, or has a control character or one that turns the direction of writing.
-
-    Examples
-    --------
-    >>> check_name("kegelrad.nc")
-    >>> try:
-    ...     check_name("kegel\nrad.nc")
-    ... except InputError as error:
-    ...     print(error)
-    'kegel\nrad.nc': must be a name without control characters
-    """
-    name = os.fspath(path)
-    check_text(name)
-    if any(unicodedata.category(c) in CONTROLS or unicodedata.bidirectional(c) in TURNS for c in name):
-        raise InputError(f"{name!a}: must be a name without control characters")
-
-
-def check_text(word: str) -> None:
-    r"""Check that a word consists of characters, which the netCDF library and the texts that name a file ask for.
-
-    Raises
-    ------
-    InputError
-        If a byte of it is none of the characters that the system's encoding has.
-
-    Examples
-    --------
-    >>> try:
-    ...     check_text("kegelr\udce4der.nc")
-    ... except InputError as error:
-    ...     print(error)
-    kegelr\udce4der.nc: must be in UTF-8; rename the file
-    """
-    encoding = sys.getfilesystemencoding()
-    try:
-        word.encode(encoding)
-    except UnicodeEncodeError as error:
-        way = (
-            "UTF-8; rename the file" if encoding == "utf-8" else f"{encoding}, as the locale says; or set PYTHONUTF8=1"
-        )
-        raise InputError(f"{word.encode('utf-8', 'backslashreplace').decode()}: must be in {way}") from error
 
 
 NAME = re.compile(r"\.easeoff-[0-9a-f]{16}\.tmp")

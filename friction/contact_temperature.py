@@ -20,8 +20,6 @@ where Q is the heat per length of the band and k the conductivity. All temperatu
 
 Greatest temperature under a moving band of elliptic heat, at any Peclet number, quickly.
 
-Thermal properties of the teeth.
-
 Both flanks at one temperature at every point of the contact: how the heat divides, from a linear system.
 
 Blok's partition matches the greatest temperatures alone. Here the band is cut into strips of uniform heat, each with
@@ -41,8 +39,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ellipe, ellipk, k0e, kve
 
-from ..core.checks import array, frozen_arrays, instances, number, positive, two, whole
-from ..core.errors import InputError
+from ..core.checks import array, frozen_arrays, instances, positive, two, whole
+from .thermal_material import ThermalMaterial
 
 Array = NDArray[Any]
 OVER = ("torque", "speed", "temperature", "roughness")
@@ -324,73 +322,6 @@ def greatest_temperature(peclet: Array) -> Array:
     found = np.where(number > FAST, FAST_LIMIT / np.sqrt(number), found)
     slow = (np.log(4.0 / number) - np.euler_gamma + 0.5) / np.pi
     return np.asarray(np.where(number < SLOW, slow, found))
-
-
-#: Of steel: thermal conductivity [W/(m K)], density [kg/m^3], specific heat capacity [J/(kg K)].
-CONDUCTIVITY, DENSITY, HEAT_CAPACITY = 46.0, 7850.0, 460.0
-CONDUCTIVITY_RANGE, DENSITY_RANGE, HEAT_CAPACITY_RANGE = (0.01, 1e4), (10.0, 1e5), (1.0, 1e5)
-
-
-@dataclass(frozen=True)
-class ThermalMaterial:
-    """Material of a member.
-
-    Parameters
-    ----------
-    conductivity
-        Thermal conductivity [W/(m K)].
-    density
-        [kg/m^3].
-    heat_capacity
-        Specific heat capacity [J/(kg K)].
-
-    Examples
-    --------
-    >>> print(f"{ThermalMaterial().thermal_contact_coefficient:.0f}")
-    12888
-    """
-
-    conductivity: float = CONDUCTIVITY
-    density: float = DENSITY
-    heat_capacity: float = HEAT_CAPACITY
-
-    def __post_init__(self) -> None:
-        for name, unit, (least, most) in (
-            ("conductivity", "W/(m K)", CONDUCTIVITY_RANGE),
-            ("density", "kg/m^3", DENSITY_RANGE),
-            ("heat_capacity", "J/(kg K)", HEAT_CAPACITY_RANGE),
-        ):
-            object.__setattr__(self, name, number(name, getattr(self, name), unit, least=least, most=most))
-
-    @property
-    def diffusivity(self) -> float:
-        """Conductivity over density and heat capacity [m^2/s]."""
-        return self.conductivity / (self.density * self.heat_capacity)
-
-    @property
-    def thermal_contact_coefficient(self) -> float:
-        """Root of conductivity, density and heat capacity [J/(m^2 K s^0.5)], also called effusivity."""
-        return float(np.sqrt(self.conductivity * self.density * self.heat_capacity))
-
-
-def by_member(name: str, value: Any, unit: str, bounds: tuple[float, float]) -> tuple[float, float]:
-    """A property of pinion and gear, given as one number for both or as a pair.
-
-    Raises
-    ------
-    InputError
-        If it is neither, or out of its bounds.
-
-    Examples
-    --------
-    >>> by_member("tooth_conductivity", 46.0, "W/(m K)", CONDUCTIVITY_RANGE)
-    (46.0, 46.0)
-    """
-    pair = value if isinstance(value, tuple | list) else (value, value)
-    if len(pair) != 2:
-        raise InputError(f"{name} = {value!r}: must be a number, or a pair for pinion and gear [{unit}]")
-    first, second = (number(name, each, unit, least=bounds[0], most=bounds[1]) for each in pair)
-    return first, second
 
 
 STEEL_PAIR = (ThermalMaterial(), ThermalMaterial())

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
-from .contact_temperature import (
+from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
+from .loaded_contacts import SurfaceVelocities
+from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
+from .thermal_material import (
     CONDUCTIVITY,
     CONDUCTIVITY_RANGE,
     DENSITY,
@@ -22,9 +25,6 @@ from .contact_temperature import (
     ThermalMaterial,
     by_member,
 )
-from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
-from .loaded_contacts import SurfaceVelocities
-from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
 
 Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array

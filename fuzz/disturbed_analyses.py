@@ -36,8 +36,8 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
     from easeoff.core.errors import EaseoffError
     from easeoff.study import CaseInMesh
     from easeoff.study.analysis.contact_analysis import contact_analysis
-    from easeoff.study.report.summary.result_summary import result_summary
-    from easeoff.study.report.summary.result_summary import uncertified
+    from easeoff.study.summary.result_summary import result_summary
+    from easeoff.study.summary.result_summary import uncertified
 
     torques = arguments.get("torques")
     edges = arguments.get("edge_contact")

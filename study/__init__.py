@@ -12,27 +12,25 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..cases.reading import shipped_deviations
     from . import compare, library, plot, sweep
-    from .analysis.joined_analysis import Analysis
-    from .analysis.named_setting import derivative_settings
-    from .analysis.setting_derivatives import contact_derivatives, derivatives
+    from .analysis.contact_analysis import Analysis
+    from .analysis.key_numbers import key_numbers
+    from .analysis.setting_derivatives import contact_derivatives, derivative_settings, derivatives
+    from .case_correction import CaseCorrection, correct_case
     from .case_in_mesh import CaseInMesh
     from .design.case_design import design_case
     from .design.design_check import DesignReport
     from .design.rounded_settings import rounded_case, rounding_effect
-    from .deviations.case_correction import CaseCorrection, correct_case
-    from .deviations.deviation_source import measured_file
-    from .export.contact_mesh import export_contact
-    from .flank_wear.wear_law import WearLaw
-    from .flank_wear.wear_simulation import wear
-    from .load_cases.duty_means import equivalent_torque
-    from .load_cases.load_case_analysis import analyze_load_cases
+    from .deviation_source import measured_file
+    from .load_case_analysis import analyze_load_cases, equivalent_torque
+    from .notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
+    from .notebook.sweep_accessor import SweepAccessor, SweepPlots, SweepSummary
     from .plot import write_pictures
-    from .report.contact_report.report_file import write_report
-    from .report.key_numbers import key_numbers
-    from .report.notebook.result_accessor import ResultAccessor, ResultPlots, ResultSummary
-    from .report.notebook.sweep_accessor import SweepAccessor, SweepPlots, SweepSummary
-    from .report.summary_sheet import SummarySheet, summary_sheet
-    from .vh.vh_check import vh_check
+    from .report.contact_mesh import export_contact
+    from .report.report_file import write_report
+    from .report.written_comparison import write_comparison
+    from .summary.summary_sheet import SummarySheet, summary_sheet
+    from .vh import vh_check
+    from .wear_simulation import WearLaw, wear
 
 __all__ = [
     "Analysis",
@@ -67,48 +65,50 @@ __all__ = [
     "sweep",
     "vh_check",
     "wear",
+    "write_comparison",
     "write_pictures",
     "write_report",
 ]
 
 _MODULES = {
-    "Analysis": ".analysis.joined_analysis",
-    "CaseCorrection": ".deviations.case_correction",
+    "Analysis": ".analysis.contact_analysis",
+    "CaseCorrection": ".case_correction",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.design_check",
-    "ResultAccessor": ".report.notebook.result_accessor",
-    "ResultPlots": ".report.notebook.result_accessor",
-    "ResultSummary": ".report.notebook.result_accessor",
-    "SummarySheet": ".report.summary_sheet",
-    "SweepAccessor": ".report.notebook.sweep_accessor",
-    "SweepPlots": ".report.notebook.sweep_accessor",
-    "SweepSummary": ".report.notebook.sweep_accessor",
-    "WearLaw": ".flank_wear.wear_law",
-    "analyze_load_cases": ".load_cases.load_case_analysis",
+    "ResultAccessor": ".notebook.result_accessor",
+    "ResultPlots": ".notebook.result_accessor",
+    "ResultSummary": ".notebook.result_accessor",
+    "SummarySheet": ".summary.summary_sheet",
+    "SweepAccessor": ".notebook.sweep_accessor",
+    "SweepPlots": ".notebook.sweep_accessor",
+    "SweepSummary": ".notebook.sweep_accessor",
+    "WearLaw": ".wear_simulation",
+    "analyze_load_cases": ".load_case_analysis",
     "contact_analysis": ".analysis.contact_analysis",
     "contact_derivatives": ".analysis.setting_derivatives",
-    "correct_case": ".deviations.case_correction",
-    "derivative_settings": ".analysis.named_setting",
+    "correct_case": ".case_correction",
+    "derivative_settings": ".analysis.setting_derivatives",
     "derivatives": ".analysis.setting_derivatives",
     "design_case": ".design.case_design",
-    "duty_means": ".load_cases.duty_means",
-    "equivalent_torque": ".load_cases.duty_means",
-    "export_contact": ".export.contact_mesh",
-    "fit_modification": ".design.fitted_settings",
-    "flank_deviations": ".deviations.deviation_source",
-    "key_numbers": ".report.key_numbers",
-    "measured_file": ".deviations.deviation_source",
-    "plausibility": ".report.notes.plausibility",
-    "recorded_modification": ".design.fitted_settings",
-    "result_summary": ".report.summary.result_summary",
+    "duty_means": ".load_case_analysis",
+    "equivalent_torque": ".load_case_analysis",
+    "export_contact": ".report.contact_mesh",
+    "fit_modification": ".design.case_design",
+    "flank_deviations": ".deviation_source",
+    "key_numbers": ".analysis.key_numbers",
+    "measured_file": ".deviation_source",
+    "plausibility": ".summary.plausibility",
+    "recorded_modification": ".design.case_design",
+    "result_summary": ".summary.result_summary",
     "rounded_case": ".design.rounded_settings",
     "rounding_effect": ".design.rounded_settings",
     "shipped_deviations": "..cases.reading",
-    "summary_sheet": ".report.summary_sheet",
-    "vh_check": ".vh.vh_check",
-    "wear": ".flank_wear.wear_simulation",
+    "summary_sheet": ".summary.summary_sheet",
+    "vh_check": ".vh",
+    "wear": ".wear_simulation",
+    "write_comparison": ".report.written_comparison",
     "write_pictures": ".plot",
-    "write_report": ".report.contact_report.report_file",
+    "write_report": ".report.report_file",
 }
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from easeoff.contact import Status
 from easeoff.contact.problem.scaled_problem import ScaledProblem
-from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.solution import ScaledAnswer
 
 
 def declared(solver: Callable[[ScaledProblem, Mapping[str, Any]], Any]) -> Callable[..., Any]:

@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from runs import read_only
 
-from easeoff.study.analysis.joined_analysis import Analysis
+from easeoff.study.analysis.contact_analysis import Analysis
 from easeoff.study.case_in_mesh import CaseInMesh
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.backend_solution import adapter_of
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.solution import ScaledAnswer
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ import pytest
 from runs import small
 
 from easeoff.cases import write_case
-from easeoff.study.analysis.joined_analysis import Analysis
+from easeoff.study.analysis.contact_analysis import Analysis
 from easeoff.study.sweep.batch_analysis import _Assembly
-from easeoff.study.sweep.sweep_setup import SweepSetup
+from easeoff.study.sweep.sweep_plan import SweepSetup
 
 CASE = small(compliance="shell")
 SETTING = "pinion.concave.machine.radial_distance"

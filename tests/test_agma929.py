@@ -27,7 +27,7 @@ from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
 from easeoff.geometry.tooth import tooth_surface as tooth_surface_module
 from easeoff.geometry.tooth.tooth_flanks import MemberName, PlacedFlank, placed_flanks, side
 from easeoff.geometry.tooth.tooth_surface import ToothSide, contact_heights, land_widths, tooth_side, tooth_surface
-from easeoff.study.design.tooth_spaces import ToothSpaces, tooth_spaces
+from easeoff.study.design.design_check import ToothSpaces, tooth_spaces
 
 DATA = Path(__file__).parent / "data"
 SAMPLES: dict[str, Any] = tomllib.loads((DATA / "agma929_samples.toml").read_text())

@@ -29,7 +29,7 @@ from easeoff.study import WearLaw, wear
 MEASURE = """
 import json, re, sys
 from pathlib import Path
-import easeoff, easeoff.contact, easeoff.friction, easeoff.study.report.summary.result_summary
+import easeoff, easeoff.contact, easeoff.friction, easeoff.study.summary.result_summary
 
 def peak():  # of this program; what getrusage says counts that of the process it was started from
     return int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])

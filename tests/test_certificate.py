@@ -31,18 +31,22 @@ from easeoff.contact import (
     solve,
     solve_many,
 )
-from easeoff.contact.problem import contact_problem
-from easeoff.contact.problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, violations
+from easeoff.contact.problem import contact_problem, error_free
+from easeoff.contact.problem.certificate import (
+    EXACT_TOLERANCE,
+    RESOLUTION_LIMIT,
+    Sizes,
+    exact_residuals,
+    rounded_residuals,
+    violations,
+)
+from easeoff.contact.problem.conditioning import is_unbounded
+from easeoff.contact.problem.first_contact import FirstContact, first_contact
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.problem.proof import error_free
-from easeoff.contact.problem.proof.first_contact import FirstContact, first_contact
-from easeoff.contact.problem.proof.residuals import Sizes, exact_residuals, rounded_residuals
-from easeoff.contact.problem.proof.unboundedness import is_unbounded
 from easeoff.contact.solvers import registry
 from easeoff.contact.solvers.backend import NoAnswerError
 from easeoff.contact.solvers.backend_solution import backend_solution
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.contact.solvers.solution import OWN_ENDS
+from easeoff.contact.solvers.solution import OWN_ENDS, ScaledAnswer
 from easeoff.contact.solvers.solver_limits import Limits
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
@@ -321,7 +325,7 @@ def test_large_structured_problems_are_bounded_by_their_local_part(monkeypatch: 
     problem = next(problems("realistic", 1))
     found = solve(problem)
     whole = replace(found).conditioning
-    monkeypatch.setattr("easeoff.contact.problem.proof.conditioning.EIGENVALUE_SIZE_LIMIT", 2)
+    monkeypatch.setattr("easeoff.contact.problem.conditioning.EIGENVALUE_SIZE_LIMIT", 2)
     local = replace(found).conditioning
     assert local.unique
     assert 0.0 < local.smallest_eigenvalue <= whole.smallest_eigenvalue
@@ -395,8 +399,8 @@ def test_nothing_is_claimed_falsely(first: int, count: int) -> None:
     ("fault", "name", "value"),
     [
         ("violation", "easeoff.contact.problem.certificate.Certificate.passes", lambda *_: True),
-        ("bound", "easeoff.contact.problem.proof.conditioning._smallest_eigenvalue", lambda *_: 1e3),
-        ("unique", "easeoff.contact.problem.proof.conditioning._smallest_eigenvalue", lambda *_: 1e-3),
+        ("bound", "easeoff.contact.problem.conditioning._smallest_eigenvalue", lambda *_: 1e3),
+        ("unique", "easeoff.contact.problem.conditioning._smallest_eigenvalue", lambda *_: 1e-3),
         ("negative eigenvalue", "easeoff.contact.ContactProblem.is_positive_semidefinite", property(lambda _: False)),
     ],
 )

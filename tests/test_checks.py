@@ -27,9 +27,9 @@ from easeoff.cases import (
 from easeoff.core import checks
 from easeoff.friction import ehl
 from easeoff.geometry import ease_off, formats, pair_geometry, tooth_angle
-from easeoff.study.analysis.named_setting import chosen_settings
+from easeoff.study.analysis.setting_derivatives import chosen_settings
 from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.study.plot.figures.drawn_result import require_result
+from easeoff.study.plot.drawn_result import require_result
 from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques, panels
 from easeoff.study.sweep import percentiles
 

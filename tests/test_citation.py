@@ -22,10 +22,16 @@ from easeoff.contact.problem.exchange.problem_file import read_attributes, read_
 from easeoff.friction import COEFFICIENTS, FrictionModel
 from easeoff.friction.film_thickness import FILM_FACTORS, FILMS, THERMAL_FACTORS
 from easeoff.study.compare.comparison_table import comparison_table
-from easeoff.study.report.citation.citation_text import citation
-from easeoff.study.report.citation.published_work import WORKS, PublishedWork, package
-from easeoff.study.report.citation.result_sources import MODELS, OWN, result_sources
-from easeoff.study.report.citation.solver_works import SOLVER_WORKS
+from easeoff.study.summary.citation import (
+    MODELS,
+    OWN,
+    SOLVER_WORKS,
+    WORKS,
+    PublishedWork,
+    citation,
+    package,
+    result_sources,
+)
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -31,8 +31,8 @@ from easeoff.study.cli import main
 from easeoff.study.cli.command import PROGRAM
 from easeoff.study.compare.problem_export import check_problem_output
 from easeoff.study.plot import write_pictures
-from easeoff.study.plot.figures.picture_list import PICTURES
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.plot.written_pictures import PICTURES
+from easeoff.study.summary.result_summary import result_summary
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
 WEAR = ["wear", "nasa-12x36", "--torque", "5", "--revolutions", "1"]

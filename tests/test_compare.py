@@ -31,20 +31,18 @@ from easeoff import InputError
 from easeoff.contact import SOLVERS as SOLVER_TABLE
 from easeoff.contact import ContactProblem, read_problems, write_problems
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
-from easeoff.study.compare import compare, write_comparison
+from easeoff.study import write_comparison
+from easeoff.study.compare import compare, worker
+from easeoff.study.compare.attempt import Method, attempt, load_adapter
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_table import RESIDUALS, read_table
-from easeoff.study.compare.measurement import environment, worker
-from easeoff.study.compare.measurement.attempt import attempt, load_adapter
-from easeoff.study.compare.measurement.method import Method
-from easeoff.study.compare.presentation import comparison_figures
-from easeoff.study.compare.presentation.comparison_report import comparison_report, write_report
-from easeoff.study.compare.presentation.former_report import FIGURE_NAMES, TABLE_NAMES
-from easeoff.study.compare.presentation.profile_figures import draw_performance_profile
-from easeoff.study.compare.presentation.time_figures import draw_growth
-from easeoff.study.compare.statistics.method_statistics import by_problem
+from easeoff.study.compare.method_statistics import by_problem
 from easeoff.study.compare.test_set import write_test_set
 from easeoff.study.plot.page import save
+from easeoff.study.report import comparison_figures
+from easeoff.study.report.comparison_figures import draw_growth, draw_performance_profile
+from easeoff.study.report.comparison_report import comparison_report, write_report
+from easeoff.study.report.written_comparison import FIGURE_NAMES, TABLE_NAMES
 from easeoff.verification import problems
 
 FAKES = ["lie", "stale", "fault", "hang", "fail", "deny"]
@@ -296,7 +294,7 @@ def test_process_that_imports_ends_with_the_comparison_however_that_does(tmp_pat
         encoding="utf-8",
     )
     (tmp_path / "killed.py").write_text(
-        "from easeoff.study.compare.measurement.worker import Worker\n"
+        "from easeoff.study.compare.worker import Worker\n"
         "if __name__ == '__main__':\n    Worker('slow:solver').launch()\n    input()\n",
         encoding="utf-8",
     )
@@ -375,7 +373,7 @@ def test_measurements_of_another_machine_are_stale(
     if changed == "kernels":
         monkeypatch.setenv("OPENBLAS_CORETYPE", "Haswell" if "OPENBLAS_CORETYPE" not in os.environ else "Zen")
     if changed == "processor":
-        monkeypatch.setattr(environment, "processor", lambda: "another")
+        monkeypatch.setattr(worker, "processor", lambda: "another")
     monkeypatch.setattr(worker.Worker, "launch", nobody)
     with pytest.raises(AssertionError, match="measured again"):
         compare(
@@ -385,16 +383,16 @@ def test_measurements_of_another_machine_are_stale(
 
 
 def test_change_of_the_code_makes_measurements_stale(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = environment.machine()
-    assert environment.machine() == before
-    source = Path(environment.__file__).read_bytes()
+    before = worker.machine()
+    assert worker.machine() == before
+    source = Path(worker.__file__).read_bytes()
     honest = Path.read_bytes
 
     def read(self: Path) -> bytes:
         return source + b"#" if self.name == "newton_kernel.py" else honest(self)
 
     monkeypatch.setattr(Path, "read_bytes", read)
-    assert {name for name, value in environment.machine().items() if value != before[name]} == {"code of easeoff"}
+    assert {name for name, value in worker.machine().items() if value != before[name]} == {"code of easeoff"}
 
 
 def test_other_data_are_measured_anew(file: Path, folder: Path, dataset: xr.Dataset, tmp_path: Path) -> None:

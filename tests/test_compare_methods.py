@@ -14,20 +14,24 @@ import qpsolvers
 from solver_choice import BACKENDS, installed
 
 from easeoff.contact import SOLVERS, ContactProblem, solve, write_problems
-from easeoff.contact.problem.answer import no_answer, with_certificate
+from easeoff.contact.problem.certificate import no_answer, with_certificate
 from easeoff.study.compare import compare
-from easeoff.study.compare.comparison_plan import Choice, methods_of
-from easeoff.study.compare.measurement.attempt import Attempt, attempt, load_adapter
-from easeoff.study.compare.measurement.method import STARTING_SOLVERS, TOLERANCE_NAMES, Method
-from easeoff.study.compare.measurement.posed_problem import (
+from easeoff.study.compare.attempt import (
     FACTOR_STEP,
+    STARTING_SOLVERS,
+    TOLERANCE_NAMES,
     UNMEASURED_FACTOR,
+    Attempt,
+    Method,
     PosedProblem,
+    attempt,
+    load_adapter,
     load_factor,
     multiplied,
     posed_problems,
+    posed_residual,
 )
-from easeoff.study.compare.measurement.posed_residual import posed_residual
+from easeoff.study.compare.comparison import Choice, methods_of
 from easeoff.study.library.library_files import write_library
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES

@@ -14,22 +14,40 @@ from matplotlib.text import Text
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.problem.certificate import Certificate
+from easeoff.study.compare.attempt import Attempt, Method, PosedProblem
 from easeoff.study.compare.comparison_table import Row, comparison_table
-from easeoff.study.compare.measurement.attempt import Attempt
-from easeoff.study.compare.measurement.method import Method
-from easeoff.study.compare.measurement.posed_problem import PosedProblem
-from easeoff.study.compare.presentation.comparison_figures import write_figure
-from easeoff.study.compare.presentation.comparison_report import comparison_report, report_sections
-from easeoff.study.compare.presentation.figure_style import panels, style
-from easeoff.study.compare.presentation.profile_figures import draw_data_profile, draw_pairs, draw_performance_profile
-from easeoff.study.compare.presentation.report_table import ReportTable
-from easeoff.study.compare.presentation.time_figures import draw_growth, draw_work_precision
-from easeoff.study.compare.presentation.time_tables import size_groups, waiting_note
-from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, run_time_table
-from easeoff.study.compare.statistics.profiles import data_profile, pairwise_matrix, pairwise_share, performance_profile
-from easeoff.study.compare.statistics.run_time_statistics import growth, shifted_geometric_mean
-from easeoff.study.compare.statistics.work_precision import sweep_points, work_precision
+from easeoff.study.compare.method_statistics import (
+    by_problem,
+    data_profile,
+    growth,
+    headline,
+    methods,
+    pairwise_matrix,
+    pairwise_share,
+    performance_profile,
+    run_time_table,
+    shifted_geometric_mean,
+    sweep_points,
+    work_precision,
+)
 from easeoff.study.plot.page import sheet
+from easeoff.study.report.comparison_figures import (
+    draw_data_profile,
+    draw_growth,
+    draw_pairs,
+    draw_performance_profile,
+    draw_work_precision,
+    panels,
+    style,
+    write_figure,
+)
+from easeoff.study.report.comparison_report import (
+    ReportTable,
+    comparison_report,
+    report_sections,
+    size_groups,
+    waiting_note,
+)
 
 LIMIT = 10.0
 ATTRIBUTES = {"repetitions": 1, "time_limit_s": LIMIT, "machine": "{}", "solver_versions": "{}"}

@@ -18,9 +18,9 @@ from solver_choice import LIFTING, installed
 
 from easeoff import InputError
 from easeoff.contact import SOLVERS, ContactProblem, dual_qp, lcp, lifted_qp, read_npz, solve
-from easeoff.contact.problem.answer import Answer
+from easeoff.contact.problem.certificate import Answer
+from easeoff.contact.problem.complementary_pivoting import lemke
 from easeoff.contact.problem.exchange.programme_file import write_npz
-from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.solvers.backend import chosen_form
 from easeoff.study import CaseInMesh

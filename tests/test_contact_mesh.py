@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 import easeoff
 from easeoff import InputError
-from easeoff.study.export.contact_mesh import export_contact
+from easeoff.study.report.contact_mesh import export_contact
 
 Array = NDArray[Any]
 TORQUE, POSITION = 100.0, 0.25

@@ -15,15 +15,23 @@ from easeoff.cases import Case, read_supports, shipped_cases
 from easeoff.cases.reading import with_supports
 from easeoff.contact.evaluation.pressure_map import LineEnd, at_line_end, max_inner_pressure
 from easeoff.geometry import Misalignment
-from easeoff.study.plot import pressure_chart
+from easeoff.study.plot import mesh_cycle_charts
 from easeoff.study.plot.page import page
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report.notes.edge_load import EDGE_SHARE_LIMIT, TOLD_SHARE, edge_notes
-from easeoff.study.report.notes.end_pressure import end_notes
-from easeoff.study.report.notes.pressure_jumps import JUMP_LIMIT, MESH_POSITION_MINIMUM, jump_notes, pressure_jumps
-from easeoff.study.report.notes.supports_notes import axial_face, supports_notes
-from easeoff.study.report.summary.result_summary import doubts, efficiencies, result_summary
-from easeoff.study.vh.shifted_patterns import round_values
+from easeoff.study.summary.plausibility import EDGE_SHARE as TOLD_SHARE
+from easeoff.study.summary.plausibility import (
+    EDGE_SHARE_LIMIT,
+    JUMP_LIMIT,
+    MESH_POSITION_MINIMUM,
+    axial_face,
+    edge_notes,
+    end_notes,
+    jump_notes,
+    pressure_jumps,
+    supports_notes,
+)
+from easeoff.study.summary.result_summary import doubts, efficiencies, result_summary
+from easeoff.study.vh import round_values
 
 
 @cache
@@ -276,7 +284,7 @@ def test_few_positions_are_no_course() -> None:
 
 def test_the_picture_of_the_pressure_says_it() -> None:
     def words(tree: xr.DataTree) -> str:
-        figure: Any = pressure_chart.draw(tree, (tooth_view(tree, "gear"), tooth_view(tree, "pinion")))
+        figure: Any = mesh_cycle_charts.draw_pressure(tree, (tooth_view(tree, "gear"), tooth_view(tree, "pinion")))
         return " ".join(" ".join(text.get_text() for text in figure.texts).split())
 
     assert "the greatest pressure jumps to" in words(planted({(1, 5): 1.5}))

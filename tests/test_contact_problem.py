@@ -12,9 +12,9 @@ import xarray as xr
 
 from easeoff import InputError
 from easeoff.contact import Certificate, ContactProblem, certify, solve
-from easeoff.contact.problem.scaling import power_of_two
-from easeoff.contact.solvers.active_set.active_set_system import solve_active_set
+from easeoff.contact.problem.scaled_problem import power_of_two
 from easeoff.contact.solvers.native import answers
+from easeoff.contact.solvers.touching_system import solve_active_set
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 

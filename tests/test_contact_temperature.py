@@ -22,7 +22,6 @@ from easeoff.friction.contact_temperature import (
     FAST_LIMIT,
     HOTTEST_PARAMETER,
     Distribution,
-    ThermalMaterial,
     band_temperature,
     fast_band,
     greatest_temperature,
@@ -33,8 +32,9 @@ from easeoff.friction.contact_temperature import (
     uniform_band,
 )
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.study.report.key_numbers import key_numbers
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.friction.thermal_material import ThermalMaterial
+from easeoff.study.analysis.key_numbers import key_numbers
+from easeoff.study.summary.result_summary import result_summary
 
 Array = NDArray[Any]
 STEEL = ThermalMaterial()

@@ -47,11 +47,11 @@ from easeoff.geometry import Deviation, Member
 from easeoff.geometry.deviation.corrective_settings import corrective_settings
 from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
 from easeoff.geometry.tooth.tooth_flanks import side
+from easeoff.study import case_correction
 from easeoff.study.compare import comparison
+from easeoff.study.compare.attempt import Attempt
 from easeoff.study.compare.comparison_table import write_table
-from easeoff.study.compare.measurement.attempt import Attempt
-from easeoff.study.deviations import case_correction
-from easeoff.study.deviations.deviation_source import flank_deviations
+from easeoff.study.deviation_source import flank_deviations
 from easeoff.study.library import entries
 from easeoff.study.library.library_files import write_part
 from easeoff.study.sweep import sweep

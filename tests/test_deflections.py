@@ -24,7 +24,7 @@ from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment, Modification
 from easeoff.study import CaseInMesh, WearLaw, analyze_load_cases, vh_check, wear, write_pictures
 from easeoff.study.analysis.contact_analysis import contact_analysis
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.result_summary import result_summary
 from easeoff.study.sweep import sweep
 from easeoff.verification import verify
 from easeoff.verification.verified_pair import VerifiedPair

@@ -41,11 +41,11 @@ from easeoff.geometry.pair.backlash import circular_backlash
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import bodies, grid
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect
+from easeoff.study.analysis.key_numbers import key_numbers
 from easeoff.study.design import case_design
-from easeoff.study.design.pair_warnings import unfinished_teeth
-from easeoff.study.report.design_report import unit_of
-from easeoff.study.report.key_numbers import key_numbers
-from easeoff.study.report.notes.edge_load import edge_notes
+from easeoff.study.design.design_check import unfinished_teeth
+from easeoff.study.summary.design_report import unit_of
+from easeoff.study.summary.plausibility import edge_notes
 
 NAMES = list(shipped_designs())
 WITH_CASE = [name for name in NAMES if name in shipped_cases()]

@@ -40,7 +40,7 @@ from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
 from easeoff.study.design.case_design import design_case
-from easeoff.study.design.pair_warnings import off_the_root
+from easeoff.study.design.design_check import off_the_root
 
 
 def bevel(teeth: tuple[int, int], spiral: float, module: float = 4.0, *, hobbed: bool = False) -> BlankDesign:

@@ -32,13 +32,13 @@ BEGINNINGS = (
     "study.analysis.case_analysis.analyze",
     "study.analysis.contact_analysis.contact_analysis",
     "study.design.optimal_modification.modify",
-    "study.deviations.case_correction.correct_case",
-    "study.flank_wear.wear_simulation.wear",
-    "study.load_cases.load_case_analysis.analyze_load_cases",
+    "study.case_correction.correct_case",
+    "study.wear_simulation.wear",
+    "study.load_case_analysis.analyze_load_cases",
     "study.sweep.parameter_sweep.sweep",
-    "study.vh.vh_check.vh_check",
-    "verification.flank_contact.flank_response.flank_response",
-    "verification.measuring.correction_loop.correction_loop",
+    "study.vh.vh_check",
+    "verification.flank_response.flank_response",
+    "verification.correction_loop.correction_loop",
 )
 
 

@@ -30,9 +30,9 @@ from easeoff.friction.operation import named_models
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh
+from easeoff.study.analysis.case_analysis import operation_of
 from easeoff.study.analysis.contact_analysis import contact_analysis
-from easeoff.study.analysis.friction_analysis import operation_of
-from easeoff.study.report.summary.result_summary import result_summary, uncertified
+from easeoff.study.summary.result_summary import result_summary, uncertified
 
 POSITIONS = 4
 CONTACT = ContactTable(

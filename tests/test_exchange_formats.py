@@ -32,8 +32,7 @@ from easeoff.contact import (
 )
 from easeoff.contact.problem.exchange.fclib_file import read_fclib, write_fclib
 from easeoff.contact.problem.exchange.matlab_file import read_mat, write_mat
-from easeoff.contact.problem.exchange.qps_file import read_qps, write_qps
-from easeoff.contact.problem.exchange.qps_sections import qps_programme
+from easeoff.contact.problem.exchange.programme_file import qps_programme, read_qps, write_qps
 from easeoff.study.compare.test_set import write_test_set
 from easeoff.study.library import Entry, entries, generate, reference_answers
 from easeoff.verification import problems

@@ -21,13 +21,13 @@ import easeoff
 from easeoff import InputError, plot
 from easeoff.cases import LoadCase, with_supports
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
-from easeoff.study.plot.charts.root_stress_chart import greatest_over_pairs
-from easeoff.study.plot.figures import drawn_file
-from easeoff.study.plot.figures.picture_list import FURTHER_PICTURES, PICTURES
-from easeoff.study.plot.friction_map_chart import loaded_map
+from easeoff.study.plot import written_pictures
+from easeoff.study.plot.friction_charts import loaded_map
+from easeoff.study.plot.mesh_cycle_charts import greatest_over_pairs
 from easeoff.study.plot.page import small_print
 from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
 from easeoff.study.plot.tooth_view import EDGE_NAME
+from easeoff.study.plot.written_pictures import FURTHER_PICTURES, PICTURES
 from easeoff.study.sweep.sweep_file import write_sweep
 
 
@@ -423,7 +423,7 @@ def test_the_command_chooses(tree: xr.DataTree, result: Path, tmp_path: Path) ->
 def test_wrong_choices_are_refused_before_anything_is_written(
     tree: xr.DataTree, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], said: list[str]
 ) -> None:
-    monkeypatch.setattr(drawn_file, "read_drawn", lambda _: tree)
+    monkeypatch.setattr(written_pictures, "read_drawn", lambda _: tree)
     done = refusal_of("plot", "out.nc", "-o", tmp_path / "p", *(word.format(tmp=tmp_path) for word in words))
     assert all(part in done for part in said)
     assert list(tmp_path.iterdir()) == []

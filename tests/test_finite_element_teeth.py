@@ -47,8 +47,8 @@ from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.tooth_lattice import graded
 from easeoff.study import CaseInMesh
-from easeoff.study.report.notes.plausibility import plausibility
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.plausibility import plausibility
+from easeoff.study.summary.result_summary import result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)

@@ -35,11 +35,11 @@ from easeoff.friction.ehl.study import shipped_formula
 from easeoff.friction.kolivand_formula import FLAGS
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
-from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
-from easeoff.study.plot.friction_map_chart import draw as draw_maps
+from easeoff.study.plot.friction_charts import draw_efficiency as draw_efficiency
+from easeoff.study.plot.friction_charts import draw_friction_maps as draw_maps
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report.notes.ranges import INPUTS, range_notes
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.plausibility import INPUTS, range_notes
+from easeoff.study.summary.result_summary import result_summary
 
 CONTACT = ContactTable(
     torques=(100.0, 500.0),

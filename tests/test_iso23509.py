@@ -29,8 +29,8 @@ from easeoff.geometry.design.blank import (
 )
 from easeoff.geometry.design.iso23509.pitch_cones import crown_gear
 from easeoff.geometry.design.iso23509.symbols import is_angle
-from easeoff.study.report.contact_report.cycle_charts import _weighted_mean
-from easeoff.study.report.contact_report.implied_dimensions import ROWS, dimension_rows, implied_dimensions
+from easeoff.study.report.cycle_charts import _weighted_mean
+from easeoff.study.report.report_tables import ROWS, dimension_rows, implied_dimensions
 
 SAMPLES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "data" / "iso23509_samples.toml").read_text())
 Vector = NDArray[np.float64]

@@ -26,14 +26,8 @@ from easeoff.contact.evaluation.cycle_numbers import (
     with_loaded_numbers,
     with_unloaded_numbers,
 )
-from easeoff.contact.evaluation.marking_print import (
-    MarkingPrint,
-    ProjectionPlane,
-    flank_share,
-    grid_triangles,
-    least_gap,
-    region_below,
-)
+from easeoff.contact.evaluation.flank_region import ProjectionPlane, flank_share, grid_triangles, region_below
+from easeoff.contact.evaluation.marking_print import MarkingPrint, least_gap
 from easeoff.contact.evaluation.pressure_map import LineEnd, nearest_border
 from easeoff.contact.evaluation.tooth_passage import ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
@@ -42,8 +36,7 @@ from easeoff.friction import FrictionModel, flash_temperature
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.study import CaseInMesh, key_numbers, write_pictures
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report.summary.contact_tables import loaded_table, unloaded_table
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.result_summary import loaded_table, result_summary, unloaded_table
 from easeoff.verification.smallest_gap import flank_gap
 
 Array = NDArray[np.float64]

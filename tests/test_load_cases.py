@@ -16,7 +16,7 @@ from easeoff.cases import Case, LoadCase, case_text, case_toml, parse_case, read
 from easeoff.cases.load_cases import load_case_misalignment
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, equivalent_torque, key_numbers
-from easeoff.study.load_cases.duty_means import DAMAGE_EXPONENTS, duty_means
+from easeoff.study.load_case_analysis import DAMAGE_EXPONENTS, duty_means
 
 ROWS = (
     LoadCase(name="cruise", torque=100.0, speed=2500.0, share=90.0),

@@ -20,7 +20,7 @@ from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.geometry import EaseOffTarget, Misalignment, Modification, ease_off
 from easeoff.geometry.pair.modification import TERM_ORDERS, basis, modified_ease_off, terms
 from easeoff.study import CaseInMesh
-from easeoff.study.design.fitted_settings import fit_modification, recorded_modification
+from easeoff.study.design.case_design import fit_modification, recorded_modification
 
 T, H = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 7), indexing="ij")
 SOME = Modification({"lengthwise_crowning": 8.0, "bias": -5.0, "profile_3": 3.0, "spiral_angle_error": 2.0})

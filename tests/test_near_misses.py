@@ -24,17 +24,17 @@ from easeoff.core.toml_text import toml_tables
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly
 from easeoff.study import analyze_load_cases, vh_check
-from easeoff.study.analysis.solver_options import require_solver_options
+from easeoff.study.analysis.case_analysis import require_solver_options
 from easeoff.study.cli import main
-from easeoff.study.cli.options.shared_options import torques
-from easeoff.study.design.design_advice import (
+from easeoff.study.cli.shared_options import torques
+from easeoff.study.design.design_check import (
     cutter_radius_advice,
     limit_pressure_angle_advice,
     offset_advice,
     small_target_advice,
 )
-from easeoff.study.report.vh_table import vh_table
-from easeoff.study.vh.vh_check import write_vh_check
+from easeoff.study.summary.sweep_report import vh_table
+from easeoff.study.vh import write_vh_check
 from easeoff.verification.case_verification import closing
 from easeoff.verification.flank_rows import flank_rows
 from easeoff.verification.verification_row import VerificationRow

@@ -26,11 +26,10 @@ from easeoff.contact.evaluation.pressure_map import LineEnd
 from easeoff.core.import_hooks import show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers
-from easeoff.study.report.notebook.html_table import html_text
-from easeoff.study.report.summary.contact_tables import unloaded_rows
-from easeoff.study.report.summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, result_summary
-from easeoff.study.report.summary.supports_report import bearing_loads
-from easeoff.study.report.sweep_report import sweep_head, sweep_summary, sweep_tables
+from easeoff.study.notebook.result_accessor import html_text
+from easeoff.study.summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, result_summary, unloaded_rows
+from easeoff.study.summary.supports_report import bearing_loads
+from easeoff.study.summary.sweep_report import sweep_head, sweep_summary, sweep_tables
 from easeoff.study.sweep import read_sweep, sensitivities
 
 

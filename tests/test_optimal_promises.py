@@ -18,7 +18,7 @@ from easeoff.contact.solvers import Status
 from easeoff.geometry import Misalignment
 from easeoff.geometry.cutting.named_settings import MachineResolution
 from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
+from easeoff.study.design.optimization.analysed_settings import sampled_assemblies
 from easeoff.study.design.optimization.composite import Composite
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
 from easeoff.study.design.optimization.step_programme import LocalModel, StepProgramme

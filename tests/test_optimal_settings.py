@@ -35,14 +35,18 @@ from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.near_pair import PairSetting
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.design.case_design import design_case
-from easeoff.study.design.optimization.aim import Aim, Judgement, Objective
-from easeoff.study.design.optimization.analysed_settings import AnalysedSettings, Workshop
-from easeoff.study.design.optimization.assembly_sample import sampled_assemblies
-from easeoff.study.design.optimization.blade_tip_gap import blade_tip_gaps, blade_tip_slopes, usual_root_line_change
-from easeoff.study.design.optimization.contact_quantity import LOST_TIP, ContactQuantity, QuantityLimit
+from easeoff.study.design.optimization.aim import LOST_TIP, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
+from easeoff.study.design.optimization.analysed_settings import (
+    AnalysedSettings,
+    Workshop,
+    blade_tip_gaps,
+    blade_tip_slopes,
+    sampled_assemblies,
+    usual_root_line_change,
+)
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
-from easeoff.study.report.setting_report import setting_report
+from easeoff.study.summary.correction_report import setting_report
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
 TWO = [RADIAL, ROLL]
@@ -89,7 +93,7 @@ def test_a_node_that_the_moved_pair_lacks_asks_for_no_correction(monkeypatch: py
         angle[-1] = np.nan
         return replace(found, angle=angle)
 
-    monkeypatch.setattr("easeoff.study.design.optimization.ease_off_form.exact_ease_off", holed)
+    monkeypatch.setattr("easeoff.study.design.optimization.aim.exact_ease_off", holed)
     missed = form.missed(pair, step)
     assert missed[-1] == 0.0
     assert np.abs(missed).max() < 2.0 * np.abs(whole).max() < 0.1
@@ -155,7 +159,7 @@ def without_derivatives(*_args: Any, **_keywords: Any) -> Any:
 def test_where_there_are_no_exact_derivatives_analyses_lead_on(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pair with undercut was once refused, and a search ended where a contact line began to end there."""
     usual = quick(["max_pressure"], steps=1)["optimal_settings"].to_dataset()
-    monkeypatch.setattr("easeoff.study.analysis.solved_contact.SolvedContact.differentiated", without_derivatives)
+    monkeypatch.setattr("easeoff.study.analysis.setting_derivatives.SolvedContact.differentiated", without_derivatives)
     record = quick(["max_pressure"], steps=1)["optimal_settings"].to_dataset()
     assert record.attrs["differentiated_analyses"] == 0
     assert record["accepted"].item() == 1

@@ -38,17 +38,17 @@ from easeoff.contact import (
     write_problems,
 )
 from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
-from easeoff.contact.problem.forms.complementary_pivoting import lemke
+from easeoff.contact.problem.complementary_pivoting import lemke
 from easeoff.contact.solvers import backend_solution as backend_solution_module
+from easeoff.contact.solvers import solver_declaration
 from easeoff.contact.solvers.backend_solution import backend_solution
-from easeoff.contact.solvers.declared import solver_lookup
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.solution import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
 from easeoff.core import foreign_code as foreign_code_module
 from easeoff.core.foreign_code import ForeignCodeError, foreign_code
 from easeoff.study import cli as study_cli
 from easeoff.study.cli import main, run_command
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.result_summary import result_summary
 from easeoff.verification import problems
 
 PROBLEM = next(iter(problems("realistic", 1)))
@@ -364,7 +364,7 @@ HOSTILE = {
     "class R:\n    def __getattr__(self, name): raise BaseException('name')\n"
     "def solver(problem): return R()": "BaseException: name",
     f"class T(str):\n{DUMB}def solver(problem): return problem.q, T()": "it ended with code 0",
-    "from easeoff.contact.solvers.scaled_answer import ScaledAnswer\n"
+    "from easeoff.contact.solvers.solution import ScaledAnswer\n"
     "def solver(problem): return ScaledAnswer(problem.q, 0.0, 1, '', 'sure')": "suspicion is no Status",
     "class F:\n    @property\n    def __signature__(self): raise BaseException\n"
     "    def __call__(self, problem): return None\nsolver = F()": "no answer",
@@ -407,7 +407,9 @@ def test_hostile_module_is_a_reason_and_changes_nothing(
     text_file(tmp_path / "hostile_solver.py", source)
     monkeypatch.chdir(tmp_path)
     monkeypatch.delitem(sys.modules, "hostile_solver", raising=False)
-    monkeypatch.setattr(solver_lookup, "IMPORT_TIME_LIMIT", 0.1 if "time limit met: it" in HOSTILE[source] else 1e3)
+    monkeypatch.setattr(
+        solver_declaration, "IMPORT_TIME_LIMIT", 0.1 if "time limit met: it" in HOSTILE[source] else 1e3
+    )
     importlib.invalidate_caches()
     before = of_the_process()
     try:

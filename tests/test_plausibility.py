@@ -17,10 +17,10 @@ import easeoff
 from easeoff.cases import Case, gear_pair, parse_case, read_case, shipped_cases, write_case
 from easeoff.geometry import FlankName, Modification
 from easeoff.geometry.pair.tooth_thickness import contradictions
-from easeoff.study.design.pair_warnings import case_warnings
+from easeoff.study.design.design_check import case_warnings
 from easeoff.study.plot.page import small_print
-from easeoff.study.report.notes.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT, plausibility
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT, plausibility
+from easeoff.study.summary.result_summary import result_summary
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 

@@ -26,8 +26,8 @@ from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh
-from easeoff.study.plot import write_pictures
-from easeoff.study.plot.contour_labels import (
+from easeoff.study.plot import write_pictures, written_pictures
+from easeoff.study.plot.contact_pattern_chart import (
     drop_short,
     label_points,
     outlined,
@@ -37,15 +37,14 @@ from easeoff.study.plot.contour_labels import (
     without_steep,
 )
 from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
-from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
-from easeoff.study.plot.figures import written_pictures
-from easeoff.study.plot.figures.picture_list import PICTURES
-from easeoff.study.plot.friction_map_chart import GRID, loaded_map, roughness_name, velocity_maps
-from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
+from easeoff.study.plot.friction_charts import GRID, loaded_map, roughness_name, velocity_maps
+from easeoff.study.plot.friction_charts import draw_efficiency as draw_efficiency
+from easeoff.study.plot.mesh_cycle_charts import draw_transmission_error as draw_transmission_error
+from easeoff.study.plot.mesh_cycle_charts import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
-from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
+from easeoff.study.plot.written_pictures import PICTURES
 
 Array = NDArray[Any]
 

@@ -12,11 +12,10 @@ from solver_choice import installed
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.problem.compliance_matrix import ModalCompliance
 from easeoff.contact.problem.scaled_problem import ScaledProblem
-from easeoff.contact.solvers.active_set import modal_active_set_system as modal_system
-from easeoff.contact.solvers.active_set.active_set_system import solve_active_set
-from easeoff.contact.solvers.active_set.modal_active_set_system import ModalProblem, solve_modal_active_set
-from easeoff.contact.solvers.active_set.polish import MAX_EXCHANGES, STRICT_POLISH, PolishRule, polished_answer
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers import touching_system as modal_system
+from easeoff.contact.solvers.polish import MAX_EXCHANGES, STRICT_POLISH, PolishRule, polished_answer
+from easeoff.contact.solvers.solution import ScaledAnswer
+from easeoff.contact.solvers.touching_system import ModalProblem, solve_active_set, solve_modal_active_set
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 

@@ -36,9 +36,7 @@ from easeoff.study.library.library_entries import (
     TORQUES,
     USUAL_PARTS,
 )
-from easeoff.study.library.library_files import write_library
-from easeoff.study.library.problem_changes import CHANGES, copied_segments, next_contact
-from easeoff.study.library.problem_generation import dense
+from easeoff.study.library.library_files import CHANGES, copied_segments, dense, next_contact, write_library
 from easeoff.study.library.reference_answers import (
     TABLE,
     condition_number,

@@ -20,9 +20,8 @@ import easeoff
 from easeoff.cases import parse_case, write_case
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
-from easeoff.study.cli.options.analysis_options import TOOTH_STAGES, show_stage
-from easeoff.study.cli.terminal import terminal_bar as progress
-from easeoff.study.cli.terminal.terminal_bar import ProgressLines, terminal_bar, working
+from easeoff.study.cli.analysis_options import TOOTH_STAGES, show_stage
+from easeoff.study.terminal_bar import LEAST_INTERVAL, ProgressLines, terminal_bar, working
 
 
 class Clock:
@@ -38,7 +37,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     found = Clock()
-    monkeypatch.setattr("easeoff.study.cli.terminal.terminal_bar.time.perf_counter", found)
+    monkeypatch.setattr("easeoff.study.terminal_bar.time.perf_counter", found)
     monkeypatch.delenv("EASEOFF_PROGRESS", raising=False)
     return found
 
@@ -75,7 +74,7 @@ def test_the_first_line_comes_after_two_seconds_and_then_ever_fewer(
                     assert left > 0.0
     assert at[0] == 2.0
     gaps = [later - earlier for earlier, later in pairwise(at)]
-    assert gaps[0] == progress.LEAST_INTERVAL
+    assert gaps[0] == LEAST_INTERVAL
     assert gaps == sorted(gaps)
     assert len(at) < 20
 
@@ -197,7 +196,7 @@ def test_a_line_is_shown_without_a_terminal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("EASEOFF_PROGRESS", raising=False)
-    monkeypatch.setattr("easeoff.study.cli.terminal.terminal_bar.FIRST_LINE", 0.0)
+    monkeypatch.setattr("easeoff.study.terminal_bar.FIRST_LINE", 0.0)
     easeoff.analyze(coarse(), torques=[100.0], progress=True)
     assert "loaded contact" in capsys.readouterr().err
     easeoff.analyze(coarse(), torques=[100.0])

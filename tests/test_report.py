@@ -29,11 +29,10 @@ from easeoff.friction.loaded_contacts import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
 from easeoff.study import analyze_load_cases, key_numbers, summary_sheet, write_report
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report import summary_sheet as sheet_module
-from easeoff.study.report.contact_report import flank_raster, mesh_scene, packed_array, stored_case
-from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT
-from easeoff.study.report.contact_report.report_file import report_page
-from easeoff.study.report.contact_report.report_tables import case_tables
+from easeoff.study.report import flank_pictures, mesh_scene, packed_array, stored_case
+from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, report_page
+from easeoff.study.report.report_tables import case_tables
+from easeoff.study.summary import summary_sheet as sheet_module
 
 Array = NDArray[Any]
 SIZE_LIMIT = 6e6  # [byte] of a report
@@ -93,7 +92,7 @@ def test_a_raster_of_a_linear_field_is_that_field_inside_its_triangles() -> None
     """And a triangle without area, as at the tips of a load, changes nothing."""
     points = np.array([[0.1, 0.9, 0.2, 0.5], [0.1, 0.3, 0.8, 0.2]])
     values = 2.0 * points[0] - 3.0 * points[1] + 1.0
-    grid = flank_raster.rasterised(points, values, np.array([[0, 1, 2], [0, 3, 1]]), (41, 31))
+    grid = flank_pictures.rasterised(points, values, np.array([[0, 1, 2], [0, 3, 1]]), (41, 31))
     t, h = np.meshgrid(np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31), indexing="ij")
     inside = np.isfinite(grid)
     assert np.allclose(grid[inside], (2.0 * t - 3.0 * h + 1.0)[inside], atol=1e-12)
@@ -105,19 +104,19 @@ def test_a_raster_of_a_linear_field_is_that_field_inside_its_triangles() -> None
 def test_the_pressure_raster_has_the_peak_of_the_pressure_map_in_its_place(drive: xr.DataTree, member: str) -> None:
     at_torque = drive["loaded"].to_dataset().isel(torque=0)
     view = tooth_view(drive, member)  # type: ignore[arg-type]
-    raster, exact = flank_raster.pressure_raster(at_torque, view), pressure_map(at_torque)
+    raster, exact = flank_pictures.pressure_raster(at_torque, view), pressure_map(at_torque)
     assert 0.97 * exact.peak < raster.max() <= exact.peak * (1.0 + 1e-12)
     place = np.array(np.unravel_index(np.argmax(raster), raster.shape)) / (np.array(raster.shape) - 1)
-    wanted = flank_raster.on_member(view.fields, exact.peak_point, member)
+    wanted = flank_pictures.on_member(view.fields, exact.peak_point, member)
     assert np.allclose(place, wanted, atol=0.05)
     assert np.mean(raster > 0.0) > 0.2
 
 
 def test_values_between_contact_lines_follow_a_linear_field(drive: xr.DataTree) -> None:
     view = tooth_view(drive)
-    carries, points = flank_raster.on_lines(drive["loaded"].to_dataset().isel(torque=1))
+    carries, points = flank_pictures.on_lines(drive["loaded"].to_dataset().isel(torque=1))
     x, y = view.plane(points)
-    raster = flank_raster.scattered_rasters(points, (x - 2.0 * y)[None], view)[0]
+    raster = flank_pictures.scattered_rasters(points, (x - 2.0 * y)[None], view)[0]
     middle = tuple(n // 2 for n in raster.shape)
     px, py = view.plane(np.array([0.5, 0.5]))
     assert raster[middle] == pytest.approx(px - 2.0 * py, abs=1e-9)

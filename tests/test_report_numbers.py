@@ -23,7 +23,7 @@ from report_content import (
 
 from easeoff import write_result
 from easeoff.study import write_report
-from easeoff.study.vh.vh_check import write_vh_check
+from easeoff.study.vh import write_vh_check
 
 pytestmark = pytest.mark.thorough
 

@@ -28,13 +28,12 @@ from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
 from easeoff.core.attributes import ordered
 from easeoff.study import analyze_load_cases, write_report
-from easeoff.study.report.contact_report import given_results
-from easeoff.study.report.contact_report.given_results import RESULT_COUNT_LIMIT, GivenResults
-from easeoff.study.report.contact_report.report_file import report_page
-from easeoff.study.report.contact_report.report_tables import load_case_rows
-from easeoff.study.report.summary.result_summary import result_summary
-from easeoff.study.report.summary.supports_report import bearing_loads, supports_tables, supports_words
-from easeoff.study.vh.vh_check import write_vh_check
+from easeoff.study.report import report_file
+from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, report_page
+from easeoff.study.report.report_tables import load_case_rows
+from easeoff.study.summary.result_summary import result_summary
+from easeoff.study.summary.supports_report import bearing_loads, supports_tables, supports_words
+from easeoff.study.vh import write_vh_check
 
 Array = NDArray[Any]
 
@@ -246,7 +245,7 @@ def test_a_vh_check_has_its_prints_in_their_places(check: xr.Dataset) -> None:
 
 def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     assert RESULT_COUNT_LIMIT == 6
-    monkeypatch.setattr(given_results, "RESULT_COUNT_LIMIT", 2)
+    monkeypatch.setattr(report_file, "RESULT_COUNT_LIMIT", 2)
     rows = [LoadCase(name=f"case {n}", torque=40.0 * n, share=1.0) for n in (1, 2, 3)]
     tree = analyze_load_cases(small("fm-11x41", "shell"), rows)
     given = GivenResults.of({"duty": tree})

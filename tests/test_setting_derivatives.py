@@ -51,7 +51,7 @@ from easeoff.geometry.pair.modification import TERM_POWERS, Modification, modifi
 from easeoff.geometry.pair.near_pair import ERROR_STEPS, PLACES, PairSetting, rate
 from easeoff.geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
 from easeoff.study import CaseInMesh, derivatives
-from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
+from easeoff.study.analysis.setting_derivatives import loss_slopes, loss_values
 
 Array = NDArray[Any]
 

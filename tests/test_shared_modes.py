@@ -30,15 +30,14 @@ from easeoff.contact import (
     with_shared_modes,
 )
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
-from easeoff.contact.problem.exchange.programme_file import write_npz
-from easeoff.contact.problem.exchange.qps_file import read_qps, write_qps
-from easeoff.contact.problem.forms.complementary_pivoting import lemke
+from easeoff.contact.problem.certificate import exact_residuals
+from easeoff.contact.problem.complementary_pivoting import lemke
+from easeoff.contact.problem.exchange.programme_file import read_qps, write_npz, write_qps
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
-from easeoff.contact.problem.proof.residuals import exact_residuals
-from easeoff.contact.solvers.active_set.dense_touching import DenseTouching
 from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
 from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
+from easeoff.contact.solvers.touching_system import DenseTouching
 
 Array = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from solver_choice import installed
 from easeoff import EaseoffError, InputError, MissingSolverError
 from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, available_solvers, solve
 from easeoff.contact.problem.scaled_problem import ScaledProblem
-from easeoff.contact.solvers.active_set.dense_touching import DenseTouching
-from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
 from easeoff.contact.solvers.native import METHODS
-from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.solution import ScaledAnswer
+from easeoff.contact.solvers.touching_system import DenseTouching
 from easeoff.core.errors import how_to_install
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
@@ -214,7 +214,7 @@ def test_moving_single_segments_ends_some_cycles(monkeypatch: pytest.MonkeyPatch
         return sum(primal_dual_active_set(scaled, p.scaling.estimated_active) is not None for scaled, p in cases)
 
     safeguarded = solved()
-    monkeypatch.setattr("easeoff.contact.solvers.active_set.primal_dual_active_set.MAX_STALLED_STEPS", 10**9)
+    monkeypatch.setattr("easeoff.contact.solvers.primal_dual_active_set.MAX_STALLED_STEPS", 10**9)
     assert solved() < safeguarded < 60  # not all: hence the further methods
 
 

@@ -34,10 +34,8 @@ from easeoff.cases import (
 from easeoff.cases.writing import changed_case, with_blanks
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet
-from easeoff.study.design.design_check import rounding_limits
-from easeoff.study.design.pair_warnings import case_warnings, unusual_set_ups
+from easeoff.study.design.design_check import ToothSpaces, case_warnings, rounding_limits, unusual_set_ups
 from easeoff.study.design.rounded_settings import FLANKS, step_of_key
-from easeoff.study.design.tooth_spaces import ToothSpaces
 
 SIDES: tuple[Any, Any] = ("drive", "coast")
 COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
@@ -51,7 +49,7 @@ def checked(text: str) -> tuple[ToothSpaces | None, tuple[str, ...]]:
 @pytest.fixture(autouse=True)
 def teeth_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of all sheets of one case."""
-    monkeypatch.setattr("easeoff.study.report.summary_sheet.case_warnings", lambda case: checked(case_toml(case)))
+    monkeypatch.setattr("easeoff.study.summary.summary_sheet.case_warnings", lambda case: checked(case_toml(case)))
 
 
 @pytest.mark.parametrize("name", list(shipped_cases()))

@@ -18,9 +18,8 @@ from easeoff.contact import AssemblyRounds, Supports, read_problems
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh, WearLaw, wear
-from easeoff.study.analysis.contact_analysis import contact_analysis
-from easeoff.study.analysis.supported_analysis import in_assembly_under_load
-from easeoff.study.report.summary.result_summary import doubts
+from easeoff.study.analysis.contact_analysis import contact_analysis, in_assembly_under_load
+from easeoff.study.summary.result_summary import doubts
 
 GROUPS = ["flanks", "ease_off", "teeth", "unloaded", "light_load", "misalignment", "supports", "loaded"]
 
@@ -132,7 +131,7 @@ def test_assembly_that_is_not_found_is_an_error_with_a_reason() -> None:
     state = CaseInMesh.of(case, misalignment=Misalignment(offset=0.1))
     with pytest.MonkeyPatch.context() as patch:
         limited = AssemblyRounds(limit=1e-9, most=1)
-        patch.setattr("easeoff.study.analysis.supported_analysis.case_rounds", lambda case: limited)
+        patch.setattr("easeoff.study.analysis.contact_analysis.case_rounds", lambda case: limited)
         with pytest.raises(GeometryError, match="after 1 rounds the assembly still changes gaps"):
             in_assembly_under_load(state, [300.0])
 

@@ -31,13 +31,11 @@ from easeoff.cases.writing import changed_case, numeric_keys
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import Modification
 from easeoff.study import key_numbers
-from easeoff.study.plot import page
-from easeoff.study.plot.figures import written_pictures
+from easeoff.study.plot import page, written_pictures
 from easeoff.study.plot.page import small_print
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, worst_points
-from easeoff.study.sweep.distribution import Distribution, Sampler, sample_values
-from easeoff.study.sweep.sweep_file import checked_sweep, write_sweep
-from easeoff.study.sweep.sweep_layout import PointStatus
+from easeoff.study.sweep.axis import Distribution, Sampler, sample_values
+from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
 
 OILS = ["75w90", "heavy-mineral"]
 POINTED = RADIAL - 6.0  # with it the pinion's teeth, of solid shells, are pointed

@@ -20,15 +20,13 @@ from easeoff.core.checkpoint import digest
 from easeoff.core.output_file import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
-from easeoff.study.report.key_numbers import number_names
+from easeoff.study.analysis.key_numbers import number_names
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep
 from easeoff.study.sweep.batch_store import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
-from easeoff.study.sweep.sweep_file import checked_sweep, write_sweep
-from easeoff.study.sweep.sweep_layout import PointStatus
-from easeoff.study.sweep.sweep_plan import planned_sweep
-from easeoff.study.sweep.sweep_setup import file_digest
+from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
+from easeoff.study.sweep.sweep_plan import file_digest, planned_sweep
 
 THREE = {"E": [0.0, 0.04, 0.08]}
 SECRET = "kept-to-itself"

@@ -22,11 +22,11 @@ from easeoff.friction import lubricant
 from easeoff.study.cli import main
 from easeoff.study.cli.command import Command
 from easeoff.study.cli.result_commands import draw
-from easeoff.study.plot.figures import written_pictures
-from easeoff.study.plot.figures.picture_list import PICTURES
+from easeoff.study.plot import written_pictures
 from easeoff.study.plot.picture_files import pictures_of_results
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.plot.written_pictures import PICTURES
 from easeoff.study.result_layout import faults
+from easeoff.study.summary.result_summary import result_summary
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
 WEAR = ["wear", "nasa-12x36", "-o", "{tmp}/x.nc"]

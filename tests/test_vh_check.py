@@ -16,11 +16,11 @@ from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
 from easeoff.contact import MeshCycle
 from easeoff.contact.evaluation.cycle_numbers import with_unloaded_numbers
-from easeoff.contact.evaluation.marking_print import ProjectionPlane
+from easeoff.contact.evaluation.flank_region import ProjectionPlane
 from easeoff.geometry import Misalignment, PairGeometry, pair_geometry
 from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.study import vh_check
-from easeoff.study.vh.vh_search import PatternSearch
+from easeoff.study.vh import PatternSearch
 
 PLACES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
 CASES = [(name, flank) for name in shipped_cases() for flank in ("drive", "coast")]

@@ -22,7 +22,7 @@ from easeoff.friction import FrictionModel, Operation
 from easeoff.geometry.pair.modification import Modification, modified_ease_off
 from easeoff.geometry.pair.near_pair import PLACES, PairSetting, rate
 from easeoff.study import CaseInMesh
-from easeoff.study.analysis.loss_slopes import loss_slopes, loss_values
+from easeoff.study.analysis.setting_derivatives import loss_slopes, loss_values
 
 Array = NDArray[Any]
 
@@ -111,7 +111,7 @@ def moves(setting: PairSetting, slopes: xr.Dataset) -> bool:
 
 
 def longest_step(setting: PairSetting, slopes: xr.Dataset) -> float:
-    """The first step of a setting for ``departures``."""
+    """The first step of a setting for ``key_numbers``."""
     return min(LONGEST_STEP / _greatest(slopes["ease_off"]), LONGEST_SHARE * setting.scale)
 
 

@@ -20,12 +20,11 @@ from ..core.checks import frozen_arrays, instance, number, positive
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.named_settings import get_setting, with_settings
 from ..geometry.flanks.flank import solve_flank
-from ..geometry.formats.deviation_table import measured_matrix
-from ..geometry.formats.measured_grid import flank_deviation
+from ..geometry.formats.measured_grid import flank_deviation, measured_matrix
 from ..geometry.pair.gear_pair import Member
 from ..geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
 from ..geometry.vectors import rotate_z
-from ..study.deviations.case_correction import CaseCorrection, correct_case
+from ..study.case_correction import CaseCorrection, correct_case
 from .envelope_condition import distance_along_normals
 
 Array = NDArray[np.float64]

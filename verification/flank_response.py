@@ -119,7 +119,7 @@ def surface_compliance(
     Parameters
     ----------
     nodes, cells
-        The bricks, as ``bricks.stiffness``.
+        The bricks, as ``elastic_body.brick_stiffness``.
     held
         Nodes that do not move.
     material

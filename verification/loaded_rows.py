@@ -18,7 +18,7 @@ from ..cases.schema.case_schema import Case
 from ..contact.evaluation.pressure_map import LineEnd
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SOLVERS, available_solvers, solve
-from ..study.report.key_numbers import key_numbers
+from ..study.analysis.key_numbers import key_numbers
 from .flank_rows import greatest
 from .surface_cells import segment_gaps
 from .verification_row import VerificationRow, not_applicable

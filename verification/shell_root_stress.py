@@ -188,7 +188,7 @@ def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
 
 
 def monomials(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
-    """Values and derivatives of plain powers; parameters and result as ``trial_polynomials.legendre``.
+    """Values and derivatives of plain powers; parameters and result as ``shell.legendre``.
 
     They span the space of the Legendre polynomials, and lose all digits beyond about (5, 5) modes.
 

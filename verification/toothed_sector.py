@@ -9,7 +9,7 @@ Relief of a free end: finite elements of a body with a free end face, at which a
 Under an even line load that goes on for ever a half space is in plane strain, with Flamant's stresses. Where the body
 ends, these must be taken off the end face; the displacements by their opposites are what the end adds. The load itself
 has no part in that: the displacements grow towards the end as a logarithm, and bricks that shrink towards it follow.
-An independent check of ``contact.compliance.free_end``.
+An independent check of ``contact.compliance.spread_deflection``.
 
 Shape functions of the serendipity brick of 20 nodes, the element of CalculiX and other programs.
 """
@@ -266,7 +266,7 @@ def _traction(across: Array, depth: Array, leaning: tuple[float, float], poisson
 
 
 def serendipity_functions(points: Array) -> tuple[Array, Array]:
-    """Shape functions and gradients as ``bricks.shape_functions``, zero for the seven nodes that the brick lacks.
+    """Shape functions and gradients as ``elastic_body.shape_functions``, zero for the seven nodes that the brick lacks.
 
     Examples
     --------

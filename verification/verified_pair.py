@@ -18,9 +18,7 @@ from ..core.checks import frozen_arrays
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
-from ..study.analysis.contact_analysis import case_torques, contact_analysis
-from ..study.analysis.joined_analysis import Analysis
-from ..study.analysis.supported_analysis import in_assembly_under_load
+from ..study.analysis.contact_analysis import Analysis, case_torques, contact_analysis, in_assembly_under_load
 from ..study.case_in_mesh import CaseInMesh
 from .surface_cells import FlanksInMesh, flanks_of
 

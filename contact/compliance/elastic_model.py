@@ -311,7 +311,7 @@ def unit_loads(
         Splines that include ``tooth_fields``.
     points
         Quadrature points (2, n, g) of n segments where pinion and gear are loaded, as fractions on the gear; see
-        ``opposite_points.pinion_points``.
+        ``closest_approach.pinion_points``.
     weights
         Quadrature weights (g), adding up to one: load and deflection are both averaged over a segment.
 

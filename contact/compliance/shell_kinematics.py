@@ -13,7 +13,7 @@ The displacements are those of the standard first-order shear theory,
     U = u0 + z b_x,  V = g v0 + z b_y,  W = W,
 
 with the mid-surface displacements u0, v0 and the section rotations b_x, b_y. It can carry forces along the tooth as
-well as across it. ``verification.thesis_shell`` has the dissertation's own assumption.
+well as across it. ``verification.shell_root_stress`` has the dissertation's own assumption.
 """
 
 from __future__ import annotations

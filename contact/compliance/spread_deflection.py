@@ -143,7 +143,7 @@ class SpreadDeflection:
         points
             Quadrature points (2, n, g) of n segments, as fractions on the gear.
         loaded
-            Where the member is loaded there (2, n, g), see ``opposite_points.pinion_points``.
+            Where the member is loaded there (2, n, g), see ``closest_approach.pinion_points``.
         weights
             Quadrature weights (g), adding up to one.
 

@@ -18,7 +18,7 @@ delta continues as the quadratic through zero with the value and slope of the fl
 with bounded stiffness and still a strictly convex energy. Below zero, which no solution reaches but an iteration may,
 it is linear.
 
-The strip may be cut by the edge of a tooth, see ``pressed_strip``. Where the bodies come closest before the edge, by
+The strip may be cut by the edge of a tooth, see ``strip_half_width``. Where the bodies come closest before the edge, by
 the distance -e, the derivative above is integrated from b = -e on, with the half-width a of the cut strip in h / s:
 
     q delta' = integral of (2 e + 6 a) [artanh(u) - k u] da = 3 a^2 A - 3 nu / (1 - nu) h a^2 / (s + h)

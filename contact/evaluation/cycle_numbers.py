@@ -33,7 +33,8 @@ from ..mesh_cycle import MeshCycle
 from ..solvers import Status
 from ..solvers.parametric.touching_form import touching_stiffness
 from .carrying_error import CarryingError
-from .marking_print import FlankRegion, MarkingPrint, ProjectionPlane, least_gap, region_below
+from .flank_region import FlankRegion, ProjectionPlane, region_below
+from .marking_print import MarkingPrint, least_gap
 from .pressure_map import PRESSURE_TOLERANCE, LineEnd, PressurePlace, pressure_map
 from .tooth_passage import tooth_passage
 

@@ -307,7 +307,7 @@ def root_stress_slopes(
     found
         Derivatives of solved cases by settings, and last by the torque (j).
     stress
-        From ``load_capacity.tooth_root_stress`` of the same cases.
+        From ``tooth_root_stress`` of the same cases.
     """
     pairs, count = stress["pair"].values, found[0].rotation.size
     history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values

@@ -1,218 +1,25 @@
-"""Marking print: where the flanks come nearer than the thickness of the marking compound while they roll unloaded.
-
-Projection plane: the axial plane of a member, into which every point of its flank is turned about the axis.
-
-There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
-
-Region of a flank: centre, length and height of a contact pattern.
-
-Unloaded pattern of a mesh cycle: the marking print, its centre and size, and the transmission error beside it.
-"""
+"""Marking print: where the flanks come nearer than the thickness of the marking compound while they roll unloaded."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import ordered
 from ...core.checks import frozen_arrays, number
 from ...core.errors import InputError
 from ...core.kernels import kernel
-from ...geometry.tooth.tooth_flanks import MemberName
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
 from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_inside
 from ..lines.flank_splines import FlankSplines
-from ..mesh_cycle import MeshCycle
 from .carrying_error import CarryingError
+from .flank_region import FlankRegion, ProjectionPlane, grid_triangles, region_below
 
 Array = NDArray[Any]
-
-
-@frozen_arrays
-@dataclass(frozen=True)
-class ProjectionPlane:
-    """Bilinear map from the fractions of a flank to its projection plane.
-
-    Parameters
-    ----------
-    coefficients
-        Coefficients (2, 4) of 1, t, h and t h, for both coordinates of the plane [mm].
-
-    Examples
-    --------
-    >>> plane = ProjectionPlane(np.array([[0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 8.0, 2.0]]))
-    >>> plane(np.array([1.0, 1.0])).tolist()
-    [30.0, 10.0]
-    """
-
-    coefficients: Array
-
-    @classmethod
-    def of(cls, flanks: xr.Dataset, member: MemberName = "gear") -> ProjectionPlane:
-        """Plane of a flank of ``geometry.pair_geometry``; the nodes that have a position are enough.
-
-        The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower
-        of the root's corners.
-        """
-        own = int(np.flatnonzero(ordered(flanks, "member", "member") == member)[0])
-        position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[own]
-        t, h = np.meshgrid(*(ordered(flanks, name, name) for name in ("lengthwise", "profile")), indexing="ij")
-        valid = np.all(np.isfinite(position), axis=-1)
-        axial, radial = position[valid][:, 2], np.hypot(position[valid][:, 0], position[valid][:, 1])
-        t, h = t[valid], h[valid]
-        basis = np.stack([np.ones_like(t), t, h, t * h], axis=1)
-        section = np.linalg.lstsq(basis, np.stack([axial, radial], axis=1))[0].T
-        along = section[:, 1] + 0.5 * section[:, 3]
-        along /= np.linalg.norm(along)
-        up = np.array([-along[1], along[0]])
-        if up @ (section[:, 2] + 0.5 * section[:, 3]) < 0.0:
-            up = -up
-        plane = np.stack([along, up]) @ section
-        plane[0, 0] = -0.5 * plane[0, 2]
-        plane[1, 0] = -min(0.0, plane[1, 1])
-        return cls(np.asarray(plane))
-
-    def __call__(self, points: Array) -> Array:
-        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...)."""
-        t, h = points
-        return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
-
-
-@frozen_arrays
-@dataclass(frozen=True)
-class FlankRegion:
-    """Part of a flank, such as a contact pattern.
-
-    Parameters
-    ----------
-    centre
-        Centroid of the area in the projection plane, as lengthwise and profile fractions (2); NaN if there is no area.
-    extent
-        Least and greatest lengthwise and profile fraction (2, 2): by the fraction, then from least to greatest.
-    area
-        In the projection plane [mm^2].
-
-    Examples
-    --------
-    >>> region = FlankRegion(np.array([0.5, 0.4]), np.array([[0.2, 0.8], [0.1, 0.9]]), 120.0)
-    >>> region.size.round(3).tolist()
-    [0.6, 0.8]
-    """
-
-    centre: Array
-    extent: Array
-    area: float
-
-    @property
-    def size(self) -> Array:
-        """Length along the face and height along the profile, as fractions (2)."""
-        return np.asarray(self.extent[:, 1] - self.extent[:, 0])
-
-    def reaching(self, points: Array) -> FlankRegion:
-        """The region with an extent that includes points (2, n) without an area of their own, such as those of edges.
-
-        A region without area stays one.
-        """
-        if not self.area > 0.0 or points.shape[1] == 0:
-            return self
-        least, greatest = points.min(axis=1), points.max(axis=1)
-        low, high = np.minimum(self.extent[:, 0], least), np.maximum(self.extent[:, 1], greatest)
-        return replace(self, extent=np.stack([low, high], axis=1))
-
-
-def region_below(
-    points: Array, values: Array, triangles: NDArray[np.int64], level: float, plane: ProjectionPlane
-) -> FlankRegion:
-    """Region of a flank on which values lie below a level; they are linear on every triangle.
-
-    Parameters
-    ----------
-    points
-        Lengthwise and profile fractions (2, n).
-    values
-        Values at the points (n).
-    triangles
-        Corners (m, 3).
-    level
-        The level.
-    plane
-        In which areas count.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
-    >>> plane = ProjectionPlane(np.array([[0.0, 20.0, 0.0, 0.0], [0.0, 0.0, 10.0, 0.0]]))
-    >>> halves = np.array([[0, 1, 2], [0, 2, 3]])
-    >>> found = region_below(square, square[0], halves, 0.25, plane)
-    >>> round(found.area, 9), found.centre.round(9).tolist(), found.size.round(9).tolist()
-    (50.0, [0.125, 0.5], [0.25, 1.0])
-    """
-    reached_ones = (values < level)[triangles].any(axis=1)  # few of a fine grid
-    corners, height = points[:, triangles[reached_ones]], values[triangles[reached_ones]] - level  # (2, m, 3), (m, 3)
-    below = height < 0.0
-    count = np.sum(below, axis=1)
-    # Of a triangle that the level cuts, one corner stands alone; the level crosses the two sides from it.
-    cut = (count == 1) | (count == 2)
-    alone = np.where(count[cut] == 1, np.argmax(below[cut], axis=1), np.argmin(below[cut], axis=1))
-    order = (alone[:, None] + np.arange(3)) % 3
-    at = np.take_along_axis(corners[:, cut], order[None], axis=2)
-    high = np.take_along_axis(height[cut], order, axis=1)
-    crossing = at[..., :1] + high[:, :1] / (high[:, :1] - high[:, 1:]) * (at[..., 1:] - at[..., :1])
-    tip = np.concatenate([at[..., :1], crossing], axis=2)
-    # What lies below is the tip, or the triangle without it.
-    parts = np.concatenate([corners[:, count >= 2], tip], axis=1)
-    sign = np.concatenate([np.ones(np.sum(count >= 2)), np.where(count[cut] == 1, 1.0, -1.0)])
-    area = sign * _areas(plane(parts))
-    total = float(np.sum(area))
-    if not total > 0.0:
-        return FlankRegion(np.full(2, np.nan), np.full((2, 2), np.nan), 0.0)
-    reached = np.concatenate([corners[:, below], crossing.reshape(2, -1)], axis=1)
-    extent = np.stack([reached.min(axis=1), reached.max(axis=1)], axis=1)
-    return FlankRegion(np.mean(parts, axis=2) @ area / total, extent, total)
-
-
-def grid_triangles(shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first.
-
-    Examples
-    --------
-    >>> grid_triangles((2, 2)).tolist()
-    [[0, 2, 3], [0, 3, 1]]
-    """
-    number = np.arange(shape[0] * shape[1]).reshape(shape)
-    low, right, far, up = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
-    return np.concatenate([np.stack([low, right, far], axis=1), np.stack([low, far, up], axis=1)])
-
-
-def _areas(corners: Array) -> Array:
-    """Areas (m) of triangles (2, m, 3)."""
-    first, second = corners[..., 1] - corners[..., 0], corners[..., 2] - corners[..., 0]
-    return np.asarray(np.abs(0.5 * (first[0] * second[1] - first[1] * second[0])))
-
-
-def flank_share(inside: NDArray[np.bool_]) -> float:
-    """Share of a flank that has a property at the nodes of its grid (m, n), those at its border counting half.
-
-    A mean of the nodes would count the border, where flanks seldom meet, twice: it is 2 % less at 31 by 21 nodes.
-
-    Examples
-    --------
-    >>> inside = np.ones((11, 5), dtype=bool)
-    >>> inside[:, 0] = False  # half a row of cells
-    >>> flank_share(inside)
-    0.875
-    """
-    weights = [np.ones(size) for size in inside.shape]
-    for weight in weights:
-        weight[[0, -1]] = 0.5
-    weight_at = np.multiply.outer(*weights)
-    return float(np.sum(weight_at, where=inside) / np.sum(weight_at))
 
 
 least_beside = kernel(".least_gap_kernel", __package__).least_beside
@@ -434,47 +241,3 @@ def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
         for j in (slice(None, -1), slice(1, None)):
             found[i, j] |= cut
     return found
-
-
-@dataclass(frozen=True)
-class UnloadedPattern:
-    """Marking print of a pair on the gear flank.
-
-    Parameters
-    ----------
-    printed
-        The print.
-    region
-        Its centre, extent and area.
-    peak_to_peak
-        Of the unloaded transmission error [urad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> pattern = UnloadedPattern.of(cycle, 6.0)
-    >>> bool(0.0 < pattern.region.centre[0] < 1.0)
-    True
-    """
-
-    printed: MarkingPrint
-    region: FlankRegion
-    peak_to_peak: float
-
-    @classmethod
-    def of(cls, cycle: MeshCycle, thickness: float, shape: tuple[int, int] = PRINT_GRID) -> UnloadedPattern:
-        """Pattern of a marking compound of a thickness [um], on a grid of a shape.
-
-        Raises
-        ------
-        GeometryError
-            If no tooth pair comes near contact at any rotation.
-        """
-        unloaded = cycle.unloaded(separation=thickness)
-        error = CarryingError.of(unloaded, cycle.pinion_pitch)
-        printed = MarkingPrint.of(cycle.fields, error, thickness, shape)
-        region = printed.region(ProjectionPlane.of(cycle.geometry.flanks))
-        return cls(printed, region, float(unloaded.attrs["peak_to_peak"]))

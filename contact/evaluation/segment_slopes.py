@@ -62,7 +62,7 @@ def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
     spectrum, change = np.fft.rfft(error, axis=1), np.fft.rfft(slopes, axis=1)
     scale = np.full(spectrum.shape[1], 2.0 / count)
     if count % 2 == 0:
-        scale[-1] /= 2.0  # as in ``mesh_harmonics``
+        scale[-1] /= 2.0  # as in ``loaded``
     amplitude = scale * np.abs(spectrum)
     with np.errstate(divide="ignore", invalid="ignore"):
         along = np.real(np.conj(spectrum / np.abs(spectrum))[..., None] * change) * scale[:, None]

@@ -31,9 +31,8 @@ from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import certify
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, Status
-from ..solvers.parametric.answer_sensitivity import DEGENERACY_TOLERANCE, tangent_answer_sensitivity
-from ..solvers.parametric.path_table import path_table, torque_on
-from ..solvers.parametric.sensitivity import Sensitivity
+from ..solvers.parametric.sensitivity import DEGENERACY_TOLERANCE, Sensitivity, tangent_answer_sensitivity
+from ..solvers.parametric.torque_path import path_table, torque_on
 from .line_contact_law import solve_line_contacts
 from .line_contact_solution import LineContact, solve_on_bending
 

@@ -24,10 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ..problem.answer import vector_of, with_certificate
-from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.certificate import EXACT_TOLERANCE, vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
-from ..problem.scaling import Scaling
+from ..problem.scaled_problem import Scaling
 from ..solvers import ContactSolution, SolverChoice, Status, require_solver, solve
 from ..solvers.native import answers
 from ..solvers.registry import start_force

@@ -2,7 +2,7 @@
 
 Across a contact line the gap grows both ways. Beyond the end of a line, and on a tooth that has no line yet or no
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
-the gear is fixed on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``opposite_points``.
+the gear is fixed on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``closest_approach``.
 """
 
 from __future__ import annotations

@@ -321,7 +321,7 @@ class LoadedPlaces:
     fields
         Splines from ``loaded_splines``.
     pinion, gear
-        Where each is loaded (2, ...), as fractions on the gear, see ``opposite_points.pinion_points``.
+        Where each is loaded (2, ...), as fractions on the gear, see ``closest_approach.pinion_points``.
 
     Examples
     --------

@@ -1,31 +1,321 @@
 """The compliance matrix C of a contact problem: dense, diagonal plus low rank, or known by its products alone.
 
 Solvers choose their method by the class of a compliance and of its modes, never by values computed earlier.
+
+What a user may give for a compliance, as arrays: sparse matrices, operators, a factor of one column.
+
+A compliance C known by its products alone: a `scipy.sparse.linalg.LinearOperator`, such as a convolution by FFT.
+
+From products one can prove that C is not positive semidefinite, never that it is: an answer found with such a
+compliance is proved on that assumption, and says so.
 """
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, read_only
+from ...core.checks import array, frozen_arrays, read_only, shown
 from ...core.errors import InputError
-from .given_compliance import diagonal_of, factor_of, formed, is_operator, is_pair
 from .modal_basis import BendingFactor, ModalBasis
-from .operator_compliance import OperatorCompliance
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import LinearOperator
 
 Array = NDArray[np.float64]
+
+#: Entries of the largest array that is formed from a sparse matrix or from the products of a factor: 3.2 GB.
+LARGEST_FORMED = 400_000_000
+
+
+def is_sparse(value: object) -> bool:
+    """Whether a value is a sparse array or matrix of scipy; nothing is imported for it."""
+    module: Any = sys.modules.get("scipy.sparse")
+    return module is not None and bool(module.issparse(value))
+
+
+def is_operator(value: object) -> bool:
+    """Whether a value is a `scipy.sparse.linalg.LinearOperator`; nothing is imported for it."""
+    module: Any = sys.modules.get("scipy.sparse.linalg")
+    return module is not None and isinstance(value, module.LinearOperator)
+
+
+def dimensions(value: Any) -> int:
+    """Number of dimensions of an array, a sparse array or an operator."""
+    return len(value.shape) if is_sparse(value) or is_operator(value) else np.ndim(value)
+
+
+def is_pair(given: Any, size: int) -> bool:
+    """Whether a compliance was given as the pair (d, V) of n numbers and of an (n, k) or (n) array.
+
+    Two rows of two numbers may be both, a matrix or a pair: a list is a matrix, a tuple a pair.
+
+    Raises
+    ------
+    InputError
+        A tuple of two rows of two numbers that is a symmetric matrix, too.
+    """
+    if not (isinstance(given, tuple | list) and len(given) == 2 and dimensions(given[0]) == 1):
+        return False
+    if dimensions(given[1]) != 1:
+        return dimensions(given[1]) == 2
+    if size != 2 or is_sparse(given[1]):
+        return True
+    if isinstance(given, list):
+        return False
+    if len(given[0]) == len(given[1]) == 2 and given[0][1] == given[1][0]:
+        raise InputError(
+            "compliance = two rows of two numbers: must be an array or a list for a matrix, and have V as an array of "
+            "shape (2, 1) for the pair (d, V)"
+        )
+    return True
+
+
+def diagonal_of(given: Any, size: int) -> Any:
+    """Return d of a pair (d, V): that of a diagonal matrix (n, n), sparse or not, is its diagonal; else as given.
+
+    Raises
+    ------
+    InputError
+        The matrix has entries beside its diagonal.
+    """
+    if dimensions(given) != 2 or tuple(np.shape(given)) != (size, size):
+        return given
+    row, column = given.nonzero() if is_sparse(given) else np.nonzero(given)
+    if (row != column).any():
+        raise InputError(
+            f"compliance diagonal = matrix of shape ({size}, {size}): must have zeros beside its diagonal, or be the "
+            f"diagonal d alone, {size} numbers [mm/N]"
+        )
+    return given.diagonal() if is_sparse(given) else np.diagonal(given)
+
+
+def formed(name: str, given: Any, unit: str) -> Any:
+    """Return a sparse matrix, or a factor known by its products, as an array; anything else as it is.
+
+    Parameters
+    ----------
+    name, unit
+        Of the argument.
+    given
+        Its value.
+
+    Raises
+    ------
+    InputError
+        Numbers that are not real, or an array that would be too large.
+    """
+    if not (is_sparse(given) or is_operator(given)):
+        return given
+    sparse, kind = is_sparse(given), np.dtype(given.dtype)
+    what = "sparse matrix" if sparse else "LinearOperator"
+    if kind.kind not in "fiu":
+        part = "; give its real part (.real), if the imaginary one is zero" if kind.kind == "c" and sparse else ""
+        raise InputError(f"{name} = {what} of {kind.name}: must be of real numbers [{unit}]{part}")
+    if np.prod(given.shape, dtype=float) > LARGEST_FORMED:
+        raise InputError(
+            f"{name} = {what} of shape {tuple(given.shape)}: must have at most {LARGEST_FORMED} entries in all; of a "
+            "larger one give the products, OperatorCompliance(aslinearoperator(matrix), matrix.diagonal())"
+        )
+    return given.toarray() if sparse else given.matmat(np.eye(given.shape[1]))
+
+
+def factor_of(given: Any, size: int) -> Array:
+    """Return the factor V (n, k) [(mm/N)^0.5]; a single mode may be given as (n).
+
+    Raises
+    ------
+    InputError
+        Another number of rows, or what is no array of finite numbers.
+    """
+    whole = formed("compliance factor", given, "(mm/N)^0.5")
+    if np.ndim(whole) == 1:
+        whole = array("compliance factor", whole, "(mm/N)^0.5", ndim=1, size=size)[:, np.newaxis]
+    factor = array("compliance factor", whole, "(mm/N)^0.5", ndim=2, frozen=True)
+    if factor.shape[0] != size:
+        raise InputError(f"compliance factor = array of shape {factor.shape}: must have {size} rows")
+    return factor
+
+
+#: Products spent in the search for a negative eigenvalue; found are those at the end of the spectrum.
+LANCZOS_STEPS = 20
+#: Smallest eigenvalue of C, relative to n times the largest, that is still taken for a rounded zero.
+NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
+#: Largest difference of x'C y and y'C x, relative to the lengths of their vectors, that is taken for rounding.
+ASYMMETRY_TOLERANCE = 1e-10
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class OperatorCompliance:
+    """A compliance given by its products with forces.
+
+    Methods that need the matrix refuse it; those that need only products take it, see ``Solver``. Symmetry is checked
+    on a pair of random vectors, and a negative eigenvalue is searched for in a Krylov space of 20 products. That there
+    is none cannot be proved so: it is assumed, and the message of a solution says it.
+
+    Attributes
+    ----------
+    operator
+        C (n, n) [mm/N] as a `scipy.sparse.linalg.LinearOperator` of real numbers, symmetric and positive semidefinite.
+    known_diagonal
+        Its diagonal (n) [mm/N]; that of the method ``diagonal()`` of the operator, if it has one, where left out.
+        Without it the problem has no scaling and no certificate.
+
+    Raises
+    ------
+    InputError
+        The operator is not square, not real or not symmetric, or the diagonal has another length or a negative entry.
+
+    Examples
+    --------
+    >>> from scipy.sparse.linalg import aslinearoperator
+    >>> from easeoff.contact import ContactProblem, certify
+    >>> springs = OperatorCompliance(aslinearoperator(np.diag([1e-6, 1e-6])), [1e-6, 1e-6])
+    >>> problem = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, springs)
+    >>> problem.deflection(np.array([1000.0, 0.0])).tolist()
+    [0.001, 0.0]
+    >>> certify(problem, np.array([1000.0, 1000.0]), 2.5e-5).passes()
+    True
+    """
+
+    operator: LinearOperator
+    known_diagonal: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        """Check shape, numbers and symmetry."""
+        if not is_operator(self.operator):
+            raise InputError(f"operator = {shown(self.operator)}: must be a scipy.sparse.linalg.LinearOperator")
+        shape = tuple(self.operator.shape)
+        if shape[0] != shape[1]:
+            raise InputError(f"compliance = LinearOperator of shape {shape}: must be square")
+        kind = np.dtype(self.operator.dtype).kind
+        if kind not in "fiu":
+            raise InputError(
+                f"compliance = LinearOperator of {np.dtype(self.operator.dtype).name}: must be of real numbers; where "
+                "the imaginary part is zero, return the real part of the product and give dtype=float"
+            )
+        if self.known_diagonal is not None:
+            diagonal = array(
+                "compliance diagonal", self.known_diagonal, "mm/N", ndim=1, size=shape[0], least=0.0, frozen=True
+            )
+            object.__setattr__(self, "known_diagonal", diagonal)
+        self._require_symmetry()
+
+    @property
+    def size(self) -> int:
+        """Number of segments n."""
+        return int(self.operator.shape[0])
+
+    def __str__(self) -> str:
+        """Form in a few words."""
+        return "products alone"
+
+    @property
+    def given(self) -> OperatorCompliance:
+        """The compliance as a contact problem takes it: this one."""
+        return self
+
+    @property
+    def dense(self) -> Array:
+        """Refused: the matrix is not formed.
+
+        Raises
+        ------
+        InputError
+            Always; the message says how to form it.
+        """
+        raise InputError(
+            f"compliance = LinearOperator of shape {shown(tuple(self.operator.shape))}: must be a matrix for this; "
+            "operator @ numpy.eye(n) forms it"
+        )
+
+    @cached_property
+    def diagonal(self) -> Array:
+        """Diagonal of C [mm/N], (n).
+
+        Raises
+        ------
+        InputError
+            It was not given, and the operator has none.
+        """
+        if self.known_diagonal is not None:
+            return np.asarray(self.known_diagonal)
+        own: Any = getattr(self.operator, "diagonal", None)
+        if not callable(own):
+            raise InputError(
+                "compliance diagonal: must be given with a LinearOperator, for scaling and certificate: "
+                "OperatorCompliance(operator, diagonal)"
+            )
+        return array("compliance diagonal", own(), "mm/N", ndim=1, size=self.size, least=0.0, frozen=True)
+
+    @cached_property
+    def is_positive_semidefinite(self) -> bool:
+        """False if a negative eigenvalue was found, beyond rounding; True proves nothing."""
+        least, largest = _extreme_ritz_values(self)
+        return least >= -NEGATIVE_EIGENVALUE_TOLERANCE * self.size * max(largest, 0.0)
+
+    def deflection(self, force: Array) -> Array:
+        """Return C F [mm], (n)."""
+        return np.asarray(self.operator.matvec(force), dtype=np.float64)
+
+    def with_added(self, local: Array) -> OperatorCompliance:
+        """Return the compliance with the local one (n) [mm/N] added to its diagonal."""
+        from scipy.sparse import diags
+        from scipy.sparse.linalg import aslinearoperator
+
+        whole = None if self.known_diagonal is None else read_only(self.diagonal + local)
+        return OperatorCompliance(self.operator + aslinearoperator(diags(local)), whole)
+
+    def _require_symmetry(self) -> None:
+        left, right = np.random.default_rng(0).standard_normal((2, self.size))
+        of_left, of_right = self.deflection(left), self.deflection(right)
+        scale = float(np.linalg.norm(left) * np.linalg.norm(of_right) + np.linalg.norm(right) * np.linalg.norm(of_left))
+        difference = abs(float(left @ of_right) - float(right @ of_left))
+        if not np.isfinite(scale):
+            raise InputError("compliance = LinearOperator: must give finite numbers [mm/N]; a product has others")
+        if difference > ASYMMETRY_TOLERANCE * scale:
+            raise InputError(
+                f"compliance: must be symmetric, by reciprocity; x'C y and y'C x of two random vectors differ by "
+                f"{difference / scale:.1e}"
+            )
+
+
+def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
+    """Least and largest eigenvalue of C in a Krylov space, by Lanczos' method with full orthogonalisation."""
+    size = compliance.size
+    vector = np.random.default_rng(1).standard_normal(size)
+    basis = [vector / np.linalg.norm(vector)]
+    diagonal: list[float] = []
+    beside: list[float] = []
+    for _ in range(min(LANCZOS_STEPS, size)):
+        product = compliance.deflection(basis[-1])
+        diagonal.append(float(basis[-1] @ product))
+        for _ in range(2):  # the second time removes what rounding left
+            for known in basis:
+                product = product - float(known @ product) * known
+        length = float(np.linalg.norm(product))
+        if not length > 1e-14 * max(map(abs, [*diagonal, *beside])):
+            break
+        beside.append(length)
+        basis.append(product / length)
+    matrix = np.diag(diagonal)
+    if len(diagonal) > 1:
+        inner = beside[: len(diagonal) - 1]
+        matrix += np.diag(inner, 1) + np.diag(inner, -1)
+    values = np.linalg.eigvalsh(matrix)
+    return float(values[0]), float(values[-1])
+
 
 #: Local compliance over the whole below which the shared modes are looked at.
 SMALL_LOCAL_FRACTION = 1e-3
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
-NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 #: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
-ASYMMETRY_TOLERANCE = 1e-10
 
 
 @frozen_arrays

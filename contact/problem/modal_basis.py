@@ -6,6 +6,18 @@ eighty modes make up V V^T to all digits. The blocks U with U U^T = V V^T are wh
 
 Shafts, bearings, housing and the body between the teeth couple the tooth pairs by a few modes W beside those blocks,
 C = diag(d) + U U^T + W W^T. Within a block, W has no more directions than a rigid motion, six.
+
+Bending modes as the compiled contact solution reads them: block by block, and again for a part of the segments.
+
+On level 0 stand all segments, on level 1 every fourth of each block, on level 2 every fourth of these. Places are
+numbers of segments in the order of the blocks; a mode of a block is contiguous in ``columns``, and so is a shared
+column on its segments, behind the modes.
+
+Columns of a factor that couple groups of segments which else fall apart, such as modes of shafts and housing.
+
+They are found by counting: an entry is zero or it is not.
+
+Modes that all tooth pairs share, such as those of shafts, bearings and housing, beside those of the pairs.
 """
 
 from __future__ import annotations
@@ -13,17 +25,194 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays, instance, read_only, whole
 from ...core.errors import InputError
-from .modes.mode_columns import ModeColumns, mode_columns
-from .modes.shared_columns import few_directions, part_of, shared_columns
 
 Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+#: One segment stands for so many on the next level.
+STRIDE = 4
+#: On every level a block has at least so many segments.
+FEWEST_SEGMENTS = 4
+MAX_LEVELS = 5
+
+
+class ModeColumns(NamedTuple):
+    """Modes of one compliance.
+
+    Attributes
+    ----------
+    places
+        First place of every level in ``order`` (l).
+    blocks
+        On every level, of each block: first place from that of the level, number of segments, first entry of
+        ``columns``, number of modes (l, q, 4).
+    order
+        Segment at each place, one level after the other.
+    columns
+        Modes of each block, one after the other [(mm/N)^0.5], and the shared columns of its segments.
+    sums
+        Diagonal and row sums of U U', diagonal of W W', and what that would be if no terms of W cancelled (4, n)
+        [mm/N], by segments; the last two only with shared modes.
+    mixing
+        Of the shared columns (q, j, s); (q, 0, 0) without shared modes.
+    """
+
+    places: Whole
+    blocks: Whole
+    order: Whole
+    columns: Array
+    sums: Array
+    mixing: Array
+
+
+def mode_columns(
+    size: int,
+    blocks: Sequence[tuple[NDArray[np.intp], Array]],
+    shared_columns: Array,
+    mixing: Array,
+    shared_factor: Array,
+) -> ModeColumns:
+    """Arrange modes.
+
+    Parameters
+    ----------
+    size
+        Number of segments n.
+    blocks
+        Segments (m) and modes (m, k) of every block [(mm/N)^0.5].
+    shared_columns, mixing
+        Of the shared modes (n, j) and (q, j, s).
+    shared_factor
+        W (n, s) [(mm/N)^0.5]; the shared columns themselves where the mixing is one of ones.
+    """
+    sums = np.zeros((4 if mixing.shape[2] else 2, size))
+    for index, modes in blocks:
+        sums[0, index] = np.einsum("ij,ij->i", modes, modes)
+        sums[1, index] = modes @ modes.sum(axis=0)
+    shortest = min(index.size for index, _ in blocks)
+    levels = 1
+    while levels < MAX_LEVELS and shortest // STRIDE**levels >= FEWEST_SEGMENTS:
+        levels += 1
+    places, table = np.zeros(levels, dtype=np.int64), np.zeros((levels, len(blocks), 4), dtype=np.int64)
+    order: list[NDArray[np.intp]] = []
+    columns: list[Array] = []
+    place = entry = 0
+    for level in range(levels):
+        places[level], first = place, 0
+        chosen = slice(STRIDE**level // 2, None, STRIDE**level)
+        for number, (index, modes) in enumerate(blocks):
+            own, part = index[chosen], modes[chosen]
+            table[level, number] = first, own.size, entry, modes.shape[1]
+            order.append(own)
+            columns.append(part.T.ravel())
+            first, entry = first + own.size, entry + part.size
+            if shared_columns.shape[1]:
+                columns.append(shared_columns[own].T.ravel())
+                entry += columns[-1].size
+        place += first
+    whole = np.concatenate(order).astype(np.int64)
+    if mixing.shape[2]:
+        sums[2:] = np.einsum("ij,ij->i", shared_factor, shared_factor)
+        if shared_factor is not shared_columns:
+            for (index, _), own_mixing in zip(blocks, np.abs(mixing), strict=True):
+                terms = np.abs(shared_columns[index]) @ own_mixing
+                sums[3, index] = np.einsum("ij,ij->i", terms, terms)
+    return ModeColumns(places, table, whole, np.concatenate(columns), sums, np.ascontiguousarray(mixing))
+
+
+#: Work with shared columns set apart, over that with all columns in one block, below which it is worth while.
+WORTHWHILE_WORK = 0.8
+#: Size of a direction left out, relative to the largest.
+DIRECTION_TOLERANCE = 1e-15
+
+
+def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> NDArray[np.bool_]:
+    """Return the columns of a factor that couple groups of rows, if setting them apart saves work enough, (k).
+
+    Parameters
+    ----------
+    factor
+        V (n, k).
+    blocks
+        Rows and columns that share no entry with others, see ``factor_blocks``.
+    """
+    shared = np.zeros(factor.shape[1], dtype=np.bool_)
+    work, split_work = 0.0, 0.0
+    for rows, columns in blocks:
+        own = _work(rows.size, columns.size, 0)
+        present = part_of(factor, rows, columns) != 0.0
+        if present.all():
+            work, split_work = work + own, split_work + own
+            continue
+        order = np.argsort(np.count_nonzero(present, axis=0), kind="stable")
+        present, columns = present[:, order], columns[order]
+        coupling, split = _coupling(present)
+        work, split_work = work + own, split_work + (split if coupling.any() else own)
+        shared[columns[coupling]] = True
+    count = int(np.count_nonzero(shared))
+    return shared if not count or split_work + count**3 / 3 < WORTHWHILE_WORK * work else np.zeros_like(shared)
+
+
+def part_of(factor: Array, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+    """Some rows and columns of a factor, in ascending order; no copy where they are all in a row."""
+    both = [slice(one[0], one[-1] + 1) if one.size and one[-1] - one[0] < one.size else one for one in (rows, columns)]
+    return factor[both[0]][:, both[1]]
+
+
+def _coupling(present: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], float]:
+    """Columns that couple groups of rows (k), and the work with these set apart.
+
+    Columns are taken in turn, those of the fewest entries first. One that meets rows of a single group extends it; one
+    that meets rows of several groups couples them.
+
+    Parameters
+    ----------
+    present
+        Which entries are not zero (n, k), columns of fewer entries first.
+    """
+    coupling = np.zeros(present.shape[1], dtype=np.bool_)
+    if not (present[:, :-1] & ~present[:, 1:]).any():  # each column has the entries of the one before
+        return coupling, 0.0
+    # Few patterns occur among many rows. Sets of patterns are bits of a whole number.
+    patterns, rows = np.unique(present, axis=0, return_counts=True)
+    sets = [int.from_bytes(own.tobytes(), "little") for own in np.packbits(patterns.T, axis=1, bitorder="little")]
+    groups: list[tuple[int, int]] = []  # patterns and number of columns of each
+    for column, own in enumerate(sets):
+        met = [group for group in groups if group[0] & own]
+        if len(met) > 1:
+            coupling[column] = True
+        elif met:
+            groups[groups.index(met[0])] = (met[0][0] | own, met[0][1] + 1)
+        else:
+            groups.append((own, 1))
+    shared = int(np.count_nonzero(coupling))
+    sizes = [sum(int(count) for bit, count in enumerate(rows) if group >> bit & 1) for group, _ in groups]
+    return coupling, sum(_work(size, own, shared) for size, (_, own) in zip(sizes, groups, strict=True))
+
+
+def _work(segments: int, own: int, shared: int) -> float:
+    """Operations on a block of so many segments, modes of its own and shared modes."""
+    return float(segments * (min(segments, own) + min(segments, shared)) ** 2)
+
+
+def few_directions(rows: Array) -> tuple[Array, Array]:
+    """Return orthonormal Q (m, r) and M (r, s) with Q M = W up to rounding, for the rows W (m, s) of one block."""
+    from scipy.linalg import qr  # the contact problem itself needs no scipy
+
+    directions, triangle, order = qr(rows, mode="economic", pivoting=True)
+    sizes = np.abs(triangle.diagonal())
+    rank = int(np.count_nonzero(sizes > DIRECTION_TOLERANCE * sizes.max(initial=0.0)))
+    mixing = np.empty((rank, rows.shape[1]))
+    mixing[:, order] = triangle[:rank]
+    return np.ascontiguousarray(directions[:, :rank]), mixing
+
 
 #: Largest contribution of a dropped mode to a block of V V^T, relative to its greatest entry (or eigenvalue).
 DROP_TOLERANCE = 1e-15
@@ -358,3 +547,47 @@ def compressed_block(block: Array) -> Array:
         return read_only(compressed)
     # The rows of V are in the directions of L with V^T V = L L^T: what they have beside these is rounding in V V^T.
     return read_only(block @ (dorgqr(*dgeqrf(compressed, overwrite_a=1)[:2])[0] if rank else compressed))
+
+
+def with_shared_modes(basis: ModalBasis, columns: Array, mixing: Array) -> ModalBasis:
+    """The modes of tooth pairs, and shared modes W beside them: C = diag(d) + U U' + W W'.
+
+    Parameters
+    ----------
+    basis
+        Modes U of the tooth pairs, p blocks; shared modes that it has already are kept.
+    columns
+        What a unit force at each segment does to what all share, such as its wrench (n, q).
+    mixing
+        Of every block (p, q, s): a segment i of block b has the row W_i = columns_i mixing_b [(mm/N)^0.5].
+
+    Raises
+    ------
+    InputError
+        Arrays of the wrong shape, or numbers that are not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ModalBasis, with_shared_modes
+    >>> pairs = ModalBasis(4, np.array([[0, 1], [2, 3]]), np.array([[[1e-3], [2e-3]], [[2e-3], [1e-3]]]))
+    >>> spring = with_shared_modes(pairs, np.ones((4, 1)), np.full((2, 1, 1), 5e-4))
+    >>> round(float(spring.factor[0] @ spring.factor[3]), 12)
+    2.5e-07
+    """
+    instance("basis", basis, ModalBasis)
+    shared = replace(basis, shared=SharedModes(columns, mixing))
+    if not shared.shared_factor.shape[1]:  # rigid supports
+        return basis
+    if basis.shared is not None:
+        shared = replace(basis, shared=_joined(basis.shared, columns, mixing))
+    shared.__dict__["blocks"] = basis.blocks
+    return shared
+
+
+def _joined(first: SharedModes, columns: Array, mixing: Array) -> SharedModes:
+    """Shared modes, and others beside them."""
+    p, q, s = first.mixing.shape
+    both = np.zeros((p, q + mixing.shape[1], s + mixing.shape[2]))
+    both[:, :q, :s], both[:, q:, s:] = first.mixing, mixing
+    return SharedModes(np.hstack([first.columns, columns]), both)

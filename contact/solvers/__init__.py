@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 from ...core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .declared.solver_declaration import Solver
-    from .declared.solver_lookup import SolverChoice
     from .problem_batch import ContactSolutions, solve_many
     from .registry import available_solvers, require_solver, solve
     from .solution import ContactSolution, Status
+    from .solver_declaration import Solver, SolverChoice
     from .solver_table import SOLVERS
 
 __all__ = [
@@ -28,11 +27,10 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".declared.solver_declaration": ["Solver"],
-    ".declared.solver_lookup": ["SolverChoice"],
     ".problem_batch": ["ContactSolutions", "solve_many"],
     ".registry": ["available_solvers", "require_solver", "solve"],
     ".solution": ["ContactSolution", "Status"],
+    ".solver_declaration": ["Solver", "SolverChoice"],
     ".solver_table": ["SOLVERS"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -19,10 +19,9 @@ import numpy as np
 
 from ...core.checks import one_of, shown
 from ...core.errors import EaseoffError, InputError
-from ..problem.forms.lifted_form import lifted_programme
+from ..problem.programme_forms import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
-from .scaled_answer import ScaledAnswer
-from .solution import CallTimes, Status
+from .solution import CallTimes, ScaledAnswer, Status
 from .solver_limits import limit_hint, limit_met
 from .solver_table import SOLVERS, Report
 

@@ -15,16 +15,25 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError, MissingSolverError
 from ...core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code, reason_of
-from ..problem.answer import of_whole_rotation
-from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.certificate import EXACT_TOLERANCE, of_whole_rotation
 from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledModes, ScaledProblem
-from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form, solve_scaled
-from .declared.solver_declaration import Solver
-from .scaled_answer import ScaledAnswer
-from .solution import OWN_ENDS, RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
+from .polish import Polish, PolishRule, polished_answer
+from .solution import (
+    OWN_ENDS,
+    RAISED,
+    SOLVED,
+    CallTimes,
+    ContactSolution,
+    ScaledAnswer,
+    Status,
+    course,
+    judged,
+    no_solution,
+)
+from .solver_declaration import Solver
 from .solver_limits import Limits, limit_hint
 from .solver_table import SOLVERS
 

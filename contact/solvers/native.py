@@ -23,12 +23,11 @@ from numpy.typing import NDArray
 from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
-from .active_set.polish import exact_answer
-from .active_set.primal_active_set import primal_active_set
-from .active_set.primal_dual_active_set import primal_dual_active_set
-from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
 from .compiled.compiled_answer import scaled_answer
-from .scaled_answer import ScaledAnswer
+from .polish import exact_answer
+from .primal_dual_active_set import primal_active_set, primal_dual_active_set
+from .projected_conjugate_gradients import projected_conjugate_gradients
+from .solution import ScaledAnswer
 from .solver_limits import StepBudget
 
 Mask = NDArray[np.bool_]

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array, frozen_arrays, instance, shown
 from ...core.errors import InputError
-from ..problem.answer import with_certificate
-from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate
+from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate, with_certificate
 from ..problem.contact_problem import ContactProblem
 from .compiled.compiled_answer import linear_answers
 from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, solve

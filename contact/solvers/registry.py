@@ -14,20 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array, instance, one_of, shown, truth
 from ...core.errors import InputError, MissingSolverError, how_to_install
-from ..problem.answer import unscaled, with_certificate
-from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
+from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE, unscaled, with_certificate
 from ..problem.compliance_matrix import ModalCompliance
+from ..problem.conditioning import is_unbounded
 from ..problem.contact_problem import ContactProblem
-from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
-from .declared.solver_declaration import Solver
-from .declared.solver_lookup import SolverChoice, declared_solver, entry_point_names
-from .scaled_answer import ScaledAnswer
-from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
+from .solution import SOLVED, CallTimes, ContactSolution, ScaledAnswer, Status, course, judged, no_solution
+from .solver_declaration import Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
 

@@ -1,4 +1,7 @@
-"""Solution of a contact problem: answer, certificate and status."""
+"""Solution of a contact problem: answer, certificate and status.
+
+Scaled answer: forces and rotation of a contact problem in scaled numbers, not yet certified.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,9 @@ from numpy.typing import NDArray
 
 from ...core.attributes import StoredStatus
 from ...core.errors import InputError
-from ..problem.answer import Answer, no_answer
-from ..problem.certificate import NO_CERTIFICATE, Certificate
+from ..problem.certificate import NO_CERTIFICATE, Answer, Certificate, no_answer
+from ..problem.conditioning import Conditioning, conditioning, unknown_conditioning
 from ..problem.contact_problem import ContactProblem
-from ..problem.proof.conditioning import Conditioning, conditioning, unknown_conditioning
 
 if TYPE_CHECKING:
     from .parametric.sensitivity import Sensitivity
@@ -208,7 +210,7 @@ class ContactSolution:
         >>> solution.sensitivity().forward(torque=80.0).force.round(9).tolist()
         [1.0, 1.0]
         """
-        from .parametric.answer_sensitivity import answer_sensitivity  # most solutions are not differentiated
+        from .parametric.sensitivity import answer_sensitivity  # most solutions are not differentiated
 
         if self.problem is None or not self.certified:
             raise InputError(f"solution = {self.status.name.lower()}: must be certified to have derivatives")
@@ -353,3 +355,35 @@ def course(method: str, solution: ContactSolution, words: str = "") -> str:
         end += f"; the certificate of its answer, {worst:.1e}, misses {solution.tolerance:.1e}"
     said = f"; its own words: {words}" if words else ""
     return f"{method}{steps}: {end}{said}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ScaledAnswer:
+    """An answer to a `ScaledProblem`, not yet certified.
+
+    Attributes
+    ----------
+    force
+        Of every segment (n).
+    rotation
+        Beyond first contact.
+    iterations
+        -1 if unknown.
+    message
+        The solver's own message.
+    suspicion
+        Status that the solver reports; used only if the certificate refuses the answer.
+    gap
+        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Only for comparison: the gaps
+        of a solution are computed from its forces.
+    times
+        Times of the call, where they were taken.
+    """
+
+    force: NDArray[np.float64]
+    rotation: float
+    iterations: int
+    message: str = ""
+    suspicion: Status | None = None
+    gap: NDArray[np.float64] | None = None
+    times: CallTimes | None = None

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
-from ..problem.modal_basis import ModalBasis
-from ..problem.shared_modes import with_shared_modes
+from ..problem.modal_basis import ModalBasis, with_shared_modes
 
 Array = NDArray[np.float64]
 ROTATION_LENGTH = 100.0  # [mm]; makes rotations comparable with translations, matters for rounding alone

@@ -64,7 +64,7 @@ from .lubricated_contact import LubricatedContact
 Array = NDArray[np.float64]
 
 #: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
-#: pass through thinner and negative films; no answer may, see ``film_certificate``.
+#: pass through thinner and negative films; no answer may, see ``FilmCertificate``.
 THINNEST_FILM = 1e-9
 #: Largest ln(viscosity) that is told apart from a solid: the flow under pressure is nil long before.
 LOG_VISCOSITY_LIMIT = 100.0

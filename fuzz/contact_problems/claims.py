@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from easeoff.contact import ContactProblem, ContactSolution, Status, certify, solve, solve_many
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE, resolved_rotation
-from easeoff.contact.problem.proof.unboundedness import is_unbounded
+from easeoff.contact.problem.conditioning import is_unbounded
 
 from .drawn_problem import drawn_problem
 from .rational_solution import RationalProblem, has_one_solution, is_semidefinite, solution

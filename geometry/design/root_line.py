@@ -24,8 +24,8 @@ class RootLine:
     """Nodes near the root of a flank at toe, middle and heel, and the parameters that cut them.
 
     It measures along the blade's axis where the blade cuts these nodes. A generated flank is cut while the blade rolls
-    past, so that the tip is not above its path there: ``blade_tip.tip_gap`` gives the height of that. What changes the
-    one changes the other by nearly as much.
+    past, so that the tip is not above its path there: ``tooth_surface.tip_gap`` gives the height of that. What changes
+    the one changes the other by nearly as much.
 
     Parameters
     ----------

@@ -6,8 +6,6 @@ Comment lines before the table say what it holds; nothing is guessed:
 - ``# rows: root to tip`` and ``# columns: toe to heel``, either the other way round, or rows and columns exchanged
 - ``# deviation_unit: um`` or ``mm``
 - ``# margin_toe_mm: 3.0`` and so on for heel, root and tip, where the margins are not those of ``cmm_points``
-
-Measured grids from plain matrices of deviations.
 """
 
 from __future__ import annotations
@@ -18,12 +16,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, frozen_arrays, instance, one_of, shown
+from ...core.checks import array, frozen_arrays, one_of, shown
 from ...core.errors import InputError
 from ..pair.gear_pair import Member
-from ..tooth.tooth_flanks import Side, side
+from ..tooth.tooth_flanks import side
 from .csv_points import require_size
-from .measured_grid import measured_grid
 from .measuring_points import EdgeMargins, cmm_points
 from .separated_text import Attributes, cells, comment, excerpt, parted, separator
 
@@ -208,56 +205,3 @@ def _is_number(cell: str, *, finite: bool = True) -> bool:
         return bool(np.isfinite(float(cell))) or not finite
     except ValueError:
         return False
-
-
-def measured_matrix(
-    member: Member,
-    deviation: ArrayLike,
-    flank: Side | None = None,
-    *,
-    rows: str = "root to tip",
-    columns: str = "toe to heel",
-    deviation_unit: str = "um",
-    edge_margins: EdgeMargins | None = None,
-) -> xr.Dataset:
-    """A measured grid from a plain matrix of deviations, at the points of ``cmm_points``.
-
-    Parameters
-    ----------
-    member
-        The member as designed.
-    deviation
-        Deviations over rows and columns, positive where there is more metal.
-    flank
-        ``concave`` or ``convex``; the loaded flank if left out.
-    rows, columns
-        ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; rows and columns may be exchanged.
-    deviation_unit
-        ``um`` or ``mm``.
-    edge_margins
-        Strips left out at the edges of the flank; a tenth if left out.
-
-    Raises
-    ------
-    InputError
-        If the matrix cannot be used, or the words do not say how it lies.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> gear = gear_pair(read_case("nasa-12x36")).gear
-    >>> grid = measured_matrix(gear, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], rows="tip to root")
-    >>> float(grid["deviation"].sel(flank="convex", row=1, column=3))  # at root and heel
-    6.0
-    """
-    instance("member", member, Member)
-    instance("edge_margins", edge_margins, EdgeMargins | None)
-    table = table_of_matrix(
-        deviation,
-        side(member.loaded) if flank is None else flank,
-        rows=rows,
-        columns=columns,
-        deviation_unit=deviation_unit,
-        margins=edge_margins,
-    )
-    return measured_grid(table.points(member), table.deviation)

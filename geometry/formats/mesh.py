@@ -130,7 +130,7 @@ def write_mesh(
     Parameters
     ----------
     patches
-        Points (m, n, 3) [mm] by name, see ``patches``; the first one of every connected group looks outwards.
+        Points (m, n, 3) [mm] by name, see ``step``; the first one of every connected group looks outwards.
     path
         ``.stl`` (triangles, single precision), ``.vtk`` or ``.vtu`` (quadrilaterals with the cell data ``patch`` and
         ``tooth``, counted from 0, and one of 0 and 1 under the name of every patch). It appears complete or not at all.

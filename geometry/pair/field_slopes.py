@@ -5,7 +5,7 @@ settings. How the surface parameters at a node follow a setting is known implici
 the closed-form fields are differentiated by differences of fourth order. Rounding grows as a step gets shorter, and
 truncation with the fourth power of a longer one. A setting may move conjugate contact far and unevenly, as the high
 powers of the roll do on coast flanks; its step is shortened until both stay near 1e-8 of a derivative, and near 1e-7 of
-that of the separation skew. The ease-off's own derivative has a closed form, too, see ``gap_slopes``.
+that of the separation skew. The ease-off's own derivative has a closed form, too: that of the gap.
 
 Derivative of the gap at fixed points of the gear flank: the normal motion of the flanks, in closed form.
 

@@ -1,37 +1,245 @@
-"""The whole analysis of a case: geometry, unloaded contact, loaded contact, friction, as one tree."""
+"""The whole analysis of a case: geometry, unloaded contact, loaded contact, friction, as one tree.
+
+Friction added to an analysis: its operating conditions and models, from what is given and else from the case.
+
+Further keywords of an analysis: settings of its solver, told from misspelt arguments before any work.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from inspect import Parameter, signature
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
+from pydantic import BaseModel
 
-from ...cases.analysis_size import AnalysisSize
+from ...cases.analysis_size import KEPT_VALUES_LIMIT, AnalysisSize
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.reading import with_supports
-from ...cases.schema.case_schema import Case
+from ...cases.schema.case_schema import Case, ComplianceTable, ContactTable
 from ...contact.evaluation.marking_print import checked_thickness
-from ...contact.solvers import SolverChoice
-from ...core.checks import instance
+from ...contact.solvers import SOLVERS, SolverChoice, require_solver
+from ...contact.solvers.solver_limits import Limits
+from ...core.checks import instance, one_of, shown
+from ...core.errors import InputError, suggestion
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import CaseInMesh, checked_case, require_kinds
-from ..deviations.deviation_source import Deviated, Source
-from .contact_analysis import case_torques, contact_analysis
-from .friction_analysis import friction_settings, operation_of, with_friction
-from .shown_progress import shows_progress, told
-from .solver_options import require_solver_options
+from ..deviation_source import Deviated, Source
+from ..progress import shows_progress, told
+from .contact_analysis import OVER_TORQUE, Analysis, case_torques, contact_analysis, joined_analysis
 
 if TYPE_CHECKING:
+    from ...cases.schema.friction_table import FrictionTable
     from ...contact.supports.assembly_rounds import AssemblyRounds
     from ...contact.supports.support import LoadedSupports
-    from ...friction import FrictionModel, Lubricant
+    from ...friction import FrictionModel, Lubricant, Operation
     from ...friction.operation import Array, Numbers, Roughness
+
+
+def with_friction(
+    found: Analysis,
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    feedback: bool = False,
+    solver: SolverChoice = "auto",
+    progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
+) -> Analysis:
+    """An analysis with the group ``friction`` added to it.
+
+    Parameters
+    ----------
+    found
+        The analysis.
+    operation
+        Operating conditions.
+    model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    feedback, solver, progress, stage
+        As ``friction_feedback`` and so on of ``analyze``.
+    """
+    if stage is not None:
+        stage("friction")
+    if not found.parts:
+        losses = _losses(found, operation, model, feedback, solver, progress)
+        return Analysis({**found.groups, "friction": losses}, found.cases)
+    # All parts keep fields over the segments, or none, by the size of the whole.
+    loaded = found.groups["loaded"].sizes
+    size = loaded["torque"] * loaded["mesh_position"] * loaded["segment"] * math.prod(operation.shape)
+    parts = []
+    for places, part in found.parts:
+        losses = _losses(part, operation, model, feedback, solver, progress, segment_fields=size <= KEPT_VALUES_LIMIT)
+        parts.append((places, replace(part, groups={**part.groups, "friction": losses})))
+    return joined_analysis(parts, {name: group for name, group in found.groups.items() if name not in OVER_TORQUE})
+
+
+def _losses(
+    found: Analysis,
+    operation: Operation,
+    model: FrictionModel | None,
+    feedback: bool,
+    solver: SolverChoice,
+    progress: Callable[[], None] | None,
+    segment_fields: bool | None = None,
+) -> xr.Dataset:
+    """The group ``friction`` of an analysis whose ease-off is that of all its torques."""
+    from ...friction import friction
+    from ...friction import friction_feedback as with_feedback
+
+    tree = xr.DataTree.from_dict({name: found.groups[name] for name in ("ease_off", "loaded")})
+    if feedback:
+        return with_feedback(tree, found.cases, operation, model, solver=solver, progress=progress)
+    return friction(tree, operation, model, segment_fields=segment_fields, progress=progress)
+
+
+def friction_settings(
+    case: Case, operation: Operation | None, model: FrictionModel | None, feedback: bool | None
+) -> tuple[FrictionModel | None, bool]:
+    """Friction models and whether friction is fed back: what is given, or else the case's own.
+
+    Raises
+    ------
+    InputError
+        If they are given without operating conditions, the model is none, or the oil has no data for a temperature.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> friction_settings(read_case("nasa-12x36"), None, None, None)
+    (None, False)
+    """
+    if case.friction is not None:
+        model = case.friction.model() if model is None else model
+        feedback = case.friction.feedback if feedback is None else feedback
+    if operation is not None:
+        from ...friction import FrictionModel, Operation
+
+        model = FrictionModel() if model is None else model
+        instance("operation", operation, Operation)
+        instance("friction_model", model, FrictionModel)
+        model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif model is not None or feedback:
+        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
+    return model, bool(feedback)
+
+
+def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
+    """Operating conditions from what was given of them and else from a case; ``None`` without a speed in either.
+
+    Parameters
+    ----------
+    table
+        The case's own conditions.
+    **conditions
+        Arguments of ``friction.Operation``; those that are ``None`` count as not given.
+
+    Raises
+    ------
+    InputError
+        If other conditions are given and no speed, or a value is not possible.
+
+    Examples
+    --------
+    >>> operation_of(None, speed=1000.0, temperature=None).temperature
+    90.0
+    """
+    given = {name: value for name, value in conditions.items() if value is not None}
+    if table is not None:
+        return table.operation(**given)
+    if "speed" not in given:
+        if given:
+            raise InputError(
+                f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min, here or in a "
+                "table [friction] of the case"
+            )
+        return None
+    from ...friction import Operation
+
+    return Operation(**given)
+
+
+#: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.
+OPTIONS = ("tolerance", "time_limit", "max_iterations", "polish", "form")
+#: Tables of a case whose keys are no arguments.
+TABLES: Mapping[str, type[BaseModel]] = {"contact": ContactTable, "compliance": ComplianceTable}
+#: Likeness of an argument and a name that may be a setting of a solver, and least length of such a name.
+LIKENESS, LENGTH_MINIMUM = 0.8, 5
+
+
+def require_solver_options(options: Mapping[str, Any], solver: SolverChoice, function: Callable[..., Any]) -> None:
+    """Refuse keywords that no solver can mean.
+
+    Parameters
+    ----------
+    options
+        The keywords.
+    solver
+        Solver of the analysis. The native one takes ``OPTIONS`` and ``method``; the settings of others are theirs, and
+        only a name that is near an argument is refused.
+    function
+        What was called: its arguments are suggested.
+
+    Raises
+    ------
+    InputError
+        If a keyword is no option, with the nearest argument, or how a key of the case is changed; or a limit is out of
+        range.
+    MissingSolverError
+        If the solver's package is not installed.
+
+    Examples
+    --------
+    >>> from easeoff import analyze
+    >>> try:
+    ...     require_solver_options({"torque": 100.0}, "auto", analyze)
+    ... except InputError as error:
+    ...     print(str(error).partition(";")[0])
+    torque = 100: must be an argument of analyze or an option of its solver
+    """
+    name = require_solver(solver)
+    Limits(*(options.get(limit) for limit in OPTIONS[:3]))
+    native = name == "native"
+    known = (*OPTIONS, "method") if native else (*OPTIONS, *_settings(name))
+    words = [key for key, one in signature(function).parameters.items() if one.kind is not Parameter.VAR_KEYWORD]
+    for option, value in options.items():
+        if option in known:
+            continue
+        near = suggestion(option, [*words, *OPTIONS, *(("method",) if native else ())])
+        table = next((key for key, fields in TABLES.items() if option in fields.model_fields), "")
+        head = f"{option} = {shown(value)}: must be an argument of {function.__name__} or an option of its solver"
+        if table:
+            change = f'update={{"{table}": case.{table}.model_copy(update={{"{option}": ...}})}}'
+            raise InputError(f"{head}; it is a key of the case's [{table}]: change it by case.model_copy({change})")
+        if native or _is_near(option, words):
+            raise InputError(head + (near or f"; native takes {', '.join(known)}"))
+    if native and "method" in options:
+        from ...contact.solvers.native import METHODS
+
+        one_of("method", options["method"], ("cascade", *METHODS))
+
+
+def _settings(name: str) -> tuple[str, ...]:
+    """Settings of a solver that its table knows; there may be others."""
+    if name not in SOLVERS:
+        return ()
+    entry = SOLVERS[name]
+    return tuple(filter(None, (*entry.settings, entry.time_setting, entry.step_setting)))
+
+
+def _is_near(option: str, words: Iterable[str]) -> bool:
+    """Whether a name is a misspelt argument rather than a setting that is not known here."""
+    near = difflib.get_close_matches(option.lower(), words, n=1, cutoff=LIKENESS)
+    return len(option) >= LENGTH_MINIMUM and bool(near)
 
 
 @shows_progress("analysis", "solve")

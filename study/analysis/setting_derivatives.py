@@ -1,27 +1,263 @@
-"""Derivatives of an analysis by machine and cutter settings, assembly errors, deviations and torque."""
+"""Derivatives of an analysis by machine and cutter settings, assembly errors, deviations and torque.
+
+Settings by which an analysis can be differentiated, under the names that sweeps have for them.
+
+Solved contact of a pair in mesh: the values of its analysis, and their derivatives when they are asked for.
+
+Derivatives of power loss and efficiency: differences of the friction stage along the directions of its inputs.
+
+Forces, lengths, radii and places of the loaded segments, points of action and axes have derivatives. Friction follows
+from them in closed form: a contact's losses once ahead and once behind for every setting, and nothing is solved.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
-from ...core.checks import instance
+from ...contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
+from ...contact.evaluation.cycle_slopes import CycleSlopes, cycle_values
+from ...contact.evaluation.unloaded_slopes import unloaded_slopes
+from ...contact.loaded import LoadedCase
+from ...contact.mesh_cycle import MeshCycle
+from ...contact.solvers import Status
+from ...core.attributes import labelled
+from ...core.checks import instance, one_of, shown, truth, words
+from ...core.errors import InputError, suggestion
 from ...core.process_settings import one_blas_thread
-from ...geometry.pair.gear_pair import FlankName
-from ...geometry.pair.modification import Modification
+from ...geometry.cutting.named_settings import MACHINE_STEPS, MODIFIED_ROLL_ORDERS
+from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.pair.modification import TERM_POWERS, Modification
+from ...geometry.pair.near_pair import PairSetting, is_angle
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
-from .friction_analysis import friction_settings, operation_of
-from .named_setting import chosen_settings
-from .solved_contact import SolvedContact
+from .case_analysis import friction_settings, operation_of
+from .contact_analysis import case_torques
+from .swept_quantity import swept_quantity
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant, Operation
+    from ...friction.loaded_contacts import LoadedContacts
     from ...friction.operation import Array, Numbers, Roughness
+
+#: Keys of the cutter in a case file, and the settings of the blade that they are.
+CUTTER_KEYS = {
+    "blade_point_radius": "point_radius",
+    "blade_pressure_angle": "pressure_angle",
+    "blade_rake_angle": "rake_angle",
+    "blade_hook_angle": "hook_angle",
+    "blade_spheric_radius": "blade_curvature",
+}
+ERRORS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
+SIDES = {"drive": {"pinion": "concave", "gear": "convex"}, "coast": {"pinion": "convex", "gear": "concave"}}
+
+
+@dataclass(frozen=True)
+class NamedSetting:
+    """A setting under the name that sweeps have for it.
+
+    Parameters
+    ----------
+    name
+        The name.
+    setting
+        What it is.
+    factor
+        Takes its derivative to the unit of the name.
+    """
+
+    name: str
+    setting: PairSetting
+    factor: float
+
+
+def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]:
+    """Names of all settings by which an analysis of a pair can be differentiated, as sweeps have them.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> names = derivative_settings(gear_pair(read_case("fm-11x41")))
+    >>> names[0], "gear.convex.machine.ratio_of_roll" in names, names[-1]
+    ('pinion.concave.machine.radial_distance', False, 'torque')
+    """
+    instance("pair", pair, GearPair)
+    return [*(one.name for one in _settings(pair, flank)), "torque"]
+
+
+def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
+    found = []
+    for member, side in SIDES[one_of("flank", flank, SIDES)].items():
+        surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
+        names = {f"machine.{name}": name for name in (*MACHINE_STEPS, *MODIFIED_ROLL_ORDERS)}
+        names |= {f"cutter.{key}": name for key, name in CUTTER_KEYS.items()}
+        for key, name in names.items():
+            setting = PairSetting("pinion" if member == "pinion" else "gear", name)
+            factor = math.radians(1.0) if is_angle(setting) else 1.0
+            if name == "blade_curvature":
+                radius = surface.blade.spheric_radius
+                if radius is None:
+                    continue  # a straight blade has no radius in the case
+                factor = -1.0 / radius**2
+            if setting.acts_on(pair):
+                found.append(NamedSetting(f"{member}.{side}.{key}", setting, factor))
+    for name, error in ERRORS.items():
+        found.append(NamedSetting(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0))
+    return found
+
+
+def chosen_settings(
+    pair: GearPair, flank: FlankName, names: Sequence[str] | None
+) -> tuple[list[NamedSetting], list[str]]:
+    """The settings to differentiate by, and the names asked for, in their order.
+
+    Parameters
+    ----------
+    pair, flank
+        The pair in mesh.
+    names
+        Names of ``derivative_settings`` or ``modification.TERM``; all of the former if left out.
+
+    Raises
+    ------
+    InputError
+        If there is no such setting, or one comes twice.
+    """
+    known = {one.name: one for one in _settings(pair, flank)}
+    known |= {
+        f"modification.{term}": NamedSetting(f"modification.{term}", PairSetting("modification", term), 1.0)
+        for term in TERM_POWERS
+    }
+    wanted = list(derivative_settings(pair, flank)) if names is None else list(words("settings", names))
+    for name in wanted:
+        if name not in known and name != "torque":
+            raise InputError(
+                f"setting = {shown(name)}: must be a machine or cutter setting of the {flank} flanks such as "
+                f"{next(iter(known))}, E, P, G, Sigma, modification.TERM or torque"
+                f"{suggestion(name, [*known, 'torque'])}"
+            )
+    if not wanted or len(set(wanted)) != len(wanted):
+        raise InputError(f"settings = {shown(wanted)}: must be one or more names, none of them twice")
+    # The torque comes with any other setting; alone it takes one along.
+    return [known[name] for name in wanted if name != "torque"] or [next(iter(known.values()))], wanted
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedContact:
+    """Contact problems of a pair in mesh, solved and certified; ``of`` makes it.
+
+    Parameters
+    ----------
+    state
+        The case in mesh.
+    loaded, cases
+        From ``MeshCycle.loaded``.
+    edge_contact
+        Whether tooth edges could touch.
+    operation
+        Operating conditions of friction; ``None`` for no losses.
+    friction_model
+        Models of friction; ``None`` for the dissertation's.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> solved = SolvedContact.of(CaseInMesh.of(case), [100.0])
+    >>> values, changes = solved.differentiated(["E"], unloaded=False)
+    >>> changes["peak_to_peak"].dims, values.equals(solved.values(unloaded=False))
+    (('torque', 'setting'), True)
+    """
+
+    state: CaseInMesh
+    loaded: xr.Dataset
+    cases: list[LoadedCase]
+    edge_contact: bool
+    operation: Operation | None
+    friction_model: FrictionModel | None
+
+    @classmethod
+    @one_blas_thread()
+    def of(
+        cls,
+        state: CaseInMesh,
+        torques: float | Sequence[float] | None = None,
+        *,
+        edge_contact: bool | None = None,
+        operation: Operation | None = None,
+        friction_model: FrictionModel | None = None,
+    ) -> SolvedContact:
+        """Solve the contact; arguments and errors as of ``contact_derivatives``."""
+        case = state.case
+        if state.deflections is not None or case.supports is not None:
+            raise InputError("derivatives need rigid supports: leave out [supports] and deflections over the torque")
+        if state.deviations:
+            raise InputError(
+                "derivatives need flanks without measured deviations: take modification.TERM for small ones"
+            )
+        if case.compliance.model == "shell":
+            raise InputError("compliance.model = 'shell': must be 'solid_shell' or 'fe' for derivatives")
+        load = case_torques(case, torques)
+        edges = case.contact.edge_contact if edge_contact is None else truth("edge_contact", edge_contact)
+        loaded, cases = state.cycle.loaded(load, edge_contact=edges)
+        if not all(one.solution.status == Status.CERTIFIED for one in cases):
+            raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
+        operation = operation_of(case.friction) if operation is None else operation
+        model, _ = friction_settings(case, operation, friction_model, None)
+        return cls(state, loaded, cases, edges, operation, model)
+
+    def values(self, *, unloaded: bool = True) -> xr.Dataset:
+        """What ``contact_derivatives`` has as ``values``; without load only if asked."""
+        cycle = self.state.cycle
+        errors = unloaded_slopes(cycle.geometry, cycle.lines, (), {}) if unloaded else None
+        values = cycle_values(cycle, self.loaded, self.cases, self._roots, errors)
+        if self.operation is None:
+            return values
+        from ...friction import FrictionModel
+
+        return values.merge(loss_values(cycle, self.loaded, self.operation, self.friction_model or FrictionModel()))
+
+    @one_blas_thread()
+    def differentiated(
+        self, settings: Sequence[str] | None = None, *, unloaded: bool = True
+    ) -> tuple[xr.Dataset, xr.Dataset]:
+        """Values and derivatives, as ``contact_derivatives`` has them; without load only if asked."""
+        chosen, names = chosen_settings(self.state.pair, self.state.flank, settings)
+        found = CycleSlopes.of(self.state.cycle, [one.setting for one in chosen], self.cases)
+        values, slopes = found.datasets(self.loaded, self._roots, unloaded=unloaded)
+        if self.operation is not None:
+            from ...friction import FrictionModel
+
+            of_loss = loss_slopes(found, self.loaded, self.operation, self.friction_model or FrictionModel())
+            values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
+        order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
+        factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
+        changes = labelled(
+            (slopes.isel(setting=order) * factors).assign_coords(
+                setting=("setting", names),
+                setting_units=("setting", [swept_quantity(name).units for name in names]),
+            )
+        )
+        for variable in changes.data_vars.values():
+            variable.attrs["units"] += " per setting_units"
+            variable.attrs["long_name"] = f"derivative of: {variable.attrs['long_name']}"
+        return values, changes
+
+    @property
+    def _roots(self) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
+        """Teeth whose root stress is known."""
+        teeth = self.state.teeth
+        with_roots = self.state.case.compliance.model == "fe" and all(tooth.root is not None for tooth in teeth or ())
+        return teeth if with_roots else None
 
 
 def derivatives(
@@ -133,3 +369,171 @@ def contact_derivatives(
         "held": "elastic teeth and tooth bodies",
     }
     return xr.DataTree.from_dict({"/": xr.Dataset(attrs=attributes), "values": values, "derivatives": changes})
+
+
+STEP = 1e-5  # of forces, sizes, places and points of action, relative to the greatest
+SMALL_FORCE_STEP = 1e-3  # of each force, relative to itself: friction is no linear function of it
+SHORTEST_STEP = 1e-3  # of ``STEP``, below which rounding rules
+LEAST_SHARE = 1e-3  # of a small force that a step leaves
+OF_LOSS = (
+    *("mean_power_loss", "mean_sliding_loss", "mean_rolling_loss", "efficiency", "mean_friction_coefficient"),
+    "input_power",
+)
+
+
+def loss_slopes(
+    found: CycleSlopes, loaded: xr.Dataset, operation: Operation, model: FrictionModel
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Power loss, efficiency and mean friction coefficient, and their derivatives by settings, last by the torque.
+
+    Parameters
+    ----------
+    found
+        Derivatives of the mesh cycle.
+    loaded
+        From ``cycle.loaded``.
+    operation
+        Operating conditions.
+    model
+        Models of friction coefficient, film and rolling. What friction takes of the torque is not fed back.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> from easeoff.friction import FrictionModel, Operation
+    >>> from easeoff.geometry.pair.near_pair import PairSetting
+    >>> from easeoff.study import CaseInMesh
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
+    >>> loaded, cases = state.cycle.loaded([100.0])
+    >>> found = CycleSlopes.of(state.cycle, [PairSetting("assembly", "offset")], cases)
+    >>> values, slopes = loss_slopes(found, loaded, Operation(speed=1500.0), FrictionModel())
+    >>> slopes["mean_power_loss"].dims
+    ('torque', 'speed', 'temperature', 'roughness', 'setting')
+    """
+    from ...friction.efficiency import losses_dataset
+
+    inputs = _FrictionInputs.of(found, loaded)
+    values = loss_values(found.cycle, loaded, operation, model)
+    columns: list[xr.Dataset] = []
+    for number, step in enumerate(inputs.steps):
+        ahead, behind = (
+            losses_dataset(inputs.moved(number, sign * step), operation, model)[0][list(OF_LOSS)]
+            for sign in (1.0, -1.0)
+        )
+        columns.append((ahead - behind) / (2.0 * step))
+    slopes = xr.concat(columns, "setting")
+    # Of the small loss, not of a number near one, whose rounding a short step makes large.
+    share = values["mean_power_loss"] / values["input_power"]
+    of_efficiency = (share * slopes["input_power"] - slopes["mean_power_loss"]) / values["input_power"]
+    slopes["efficiency"] = of_efficiency.assign_attrs(values["efficiency"].attrs)
+    slopes = slopes.transpose(*values["efficiency"].dims, "setting")
+    return values, slopes.assign_coords({"torque": loaded["torque"]})
+
+
+def loss_values(cycle: MeshCycle, loaded: xr.Dataset, operation: Operation, model: FrictionModel) -> xr.Dataset:
+    """The values alone; arguments as of ``loss_slopes``."""
+    from ...friction.efficiency import losses_dataset
+
+    values = losses_dataset(_contacts(cycle, loaded), operation, model)[0][list(OF_LOSS)]
+    return labelled(values.assign_coords({"torque": loaded["torque"]}))
+
+
+def _contacts(cycle: MeshCycle, loaded: xr.Dataset) -> LoadedContacts:
+    from ...friction.loaded_contacts import loaded_contacts
+
+    return loaded_contacts(xr.DataTree.from_dict({"ease_off": cycle.geometry.ease_off, "loaded": loaded}))
+
+
+@dataclass(frozen=True)
+class _FrictionInputs:
+    """What friction takes of a mesh cycle, and how it changes with the settings, and last with the torque (j).
+
+    Parameters
+    ----------
+    found
+        Derivatives of the mesh cycle.
+    contacts
+        Loaded contacts (n).
+    point
+        Their places (2, n), as fractions on the gear.
+    force, length, radius, place
+        Derivatives of forces [N], lengths and radii [mm] (n, j), and of the places (2, n, j).
+    """
+
+    found: CycleSlopes
+    contacts: LoadedContacts
+    point: Array
+    force: Array
+    length: Array
+    radius: Array
+    place: Array
+
+    @classmethod
+    def of(cls, found: CycleSlopes, loaded: xr.Dataset) -> _FrictionInputs:
+        """Of solved cases and their dataset."""
+        parts = []
+        for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
+            own = one.case.solution.force > 0.0
+            sizes = one.force[own], one.length[own], one.equivalent_radius[own], one.place[:, own]
+            parts.append((one.case.segments.point[:, own], *sizes))
+        point, force, length, radius, place = zip(*parts, strict=True)
+        return cls(
+            found,
+            _contacts(found.cycle, loaded),
+            np.concatenate(point, axis=1),
+            np.concatenate(force),
+            np.concatenate(length),
+            np.concatenate(radius),
+            np.concatenate(place, axis=1),
+        )
+
+    @property
+    def steps(self) -> Array:
+        """Steps (j) that change no input by more than ``STEP``, and no small force by much of it."""
+        contacts, nodes = self.contacts, self.found.nodes
+        sizes = [
+            np.abs(self.force).max(axis=0) / contacts.force.max(),
+            np.abs(self.length * 1e-3 / contacts.length[:, None]).max(axis=0),
+            np.abs(self.radius * 1e-3 / contacts.equivalent_radius[:, None]).max(axis=0),
+            np.abs(self.place).max(axis=(0, 1)),
+            np.append(np.nanmax(np.abs(nodes["action_normal"]), axis=(0, 1, 2)), 0.0),
+        ]
+        steps = STEP / np.maximum(np.max(sizes, axis=0), 1e-300)
+        own = np.abs(self.force / contacts.force[:, None]).max(axis=0)
+        return np.asarray(np.clip(SMALL_FORCE_STEP / np.maximum(own, 1e-300), SHORTEST_STEP * steps, steps))
+
+    def moved(self, setting: int, step: float) -> LoadedContacts:
+        """The contacts after a step of one setting."""
+        from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
+
+        contacts, geometry = self.contacts, self.found.cycle.geometry
+        told, torque = geometry.ease_off, contacts.torque
+        if setting < len(self.found.settings):
+            one = self.found.settings[setting]
+            names = ("action_position", "action_normal", "roll_angle")
+            changes = {name: step * self.found.nodes[name][..., setting] for name in names}
+            order = ("lengthwise", "profile")
+            told = told.transpose(*order, ...)
+            told = told.assign({name: told[name].copy(data=told[name].values + c) for name, c in changes.items()})
+            moved = one.moved(geometry.pair, step) if one.of == "assembly" else geometry.pair
+            motion = replace(geometry.exact.motion, assembly=moved.assembly)
+            origins = {"pinion_origin_mm": motion.assembly.pinion_origin, "gear_origin_mm": motion.assembly.gear_origin}
+            told = told.assign_attrs(pinion_axis=motion.pinion_axis, gear_axis=motion.gear_axis, **origins)
+        else:
+            torque = torque + step
+        force = np.maximum(contacts.force + step * self.force[:, setting], LEAST_SHARE * contacts.force)
+        length = contacts.length + 1e-3 * step * self.length[:, setting]
+        radius = contacts.equivalent_radius + 1e-3 * step * self.radius[:, setting]
+        grown = force / contacts.force * contacts.length / length * contacts.equivalent_radius / radius
+        points = self.point + step * self.place[..., setting]
+        return replace(
+            contacts,
+            torque=torque,
+            force=force,
+            length=length,
+            equivalent_radius=radius,
+            hertz_pressure=contacts.hertz_pressure * np.sqrt(grown),
+            velocities=surface_velocities(axes_of(told), action_splines(told), points),
+        )

@@ -16,24 +16,20 @@ import click
 
 from ...core import errors
 from ...core.errors import EaseoffError
-from .command import PROGRAM, as_given
-from .exit_codes import EXIT_MISTAKE
+from .case_commands import cases, convert, design, new, oil, sheet
+from .command import EXIT_MISTAKE, PROGRAM, as_given
 from .geometry_commands import correct, export
-from .inputs.case_commands import cases, convert, design
-from .inputs.new_command import new
-from .inputs.oil_command import oil
-from .inputs.sheet_command import sheet
 from .modify_command import modify
 from .optimize_command import optimize
-from .options.shared_options import echo
 from .result_commands import cite, plot, report, show
 from .run_command import run
+from .shared_options import echo
 from .solver_commands import compare, library, problems
 from .sweep_command import sweep
-from .terminal.completion_command import completion
 from .verify_command import verify
 from .vh_command import vh
 from .wear_command import wear
+from .word_completion import completion
 
 
 class _Mistake(click.ClickException):

@@ -1,4 +1,7 @@
-"""Class of all commands: it refuses options given twice, and values torn apart by blanks or decimal commas."""
+"""Class of all commands: it refuses options given twice, and values torn apart by blanks or decimal commas.
+
+Exit codes of the command line; 0 is success.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from typing import Any
 
 import click
 
-from ...core.output_file import check_text
+from ...core.file_name import check_text
 from ...core.process_settings import without_garbage_collection
 
 DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
@@ -117,3 +120,10 @@ def _check_rest(ctx: click.Context, rest: list[str]) -> None:
                 f"{word!r}: belongs to no option; a blank ends a value: leave out the blanks around commas and equals "
                 "signs, or quote the whole value"
             )
+
+
+#: The result holds uncertified values, the wear ended early, a verification is outside its limits, or a designed member
+#: has no whole tooth.
+EXIT_UNCERTIFIED = 1
+#: The user's mistake; one message says which.
+EXIT_MISTAKE = 2

@@ -8,8 +8,9 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from ..terminal_bar import working
 from .command import Command
-from .options.shared_options import (
+from .shared_options import (
     allow_outside_option,
     echo,
     flank_files,
@@ -23,8 +24,7 @@ from .options.shared_options import (
     teeth,
     thicknesses,
 )
-from .terminal.terminal_bar import working
-from .terminal.word_completion import case_names, deviation_names
+from .word_completion import case_names, deviation_names
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
@@ -108,7 +108,7 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
     from ...core.errors import InputError
     from ...core.output_file import check_writable
     from ...core.regular_file import named
-    from ..export.contact_mesh import export_contact
+    from ..report.contact_mesh import export_contact
     from ..result import read_result
 
     context = click.get_current_context()
@@ -130,7 +130,7 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     from ...cases import read_case
     from ...core.output_file import check_writable
     from ...geometry.formats import EdgeMargins
-    from ..export.geometry_export import export as write
+    from ..geometry_export import export as write
 
     check_writable(output, case)
     given = {name: value for name, value in options.items() if value is not None}
@@ -219,8 +219,8 @@ def correct(
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.output_file import check_folder, check_writable
-    from ..deviations.case_correction import correct_case
-    from ..report.correction_report import correction_report
+    from ..case_correction import correct_case
+    from ..summary.correction_report import correction_report
 
     if force and output is None:
         raise click.UsageError("--force: must go with --output")
@@ -239,7 +239,7 @@ def correct(
         write_case(found.case, output, _executed(case, found.corrections))
         echo(f"wrote {output}")
     if plots is not None:
-        from ..plot.figures.correction_figures import write_topographies
+        from ..plot.contact_figures import write_topographies
 
         for path in write_topographies(found, plots, Path(case).stem):
             echo(f"wrote {path}")
@@ -247,7 +247,7 @@ def correct(
 
 def _executed(case: str, corrections: Any) -> str:
     """Comment of a corrected case."""
-    from ..report.correction_report import root_warnings
+    from ..summary.correction_report import root_warnings
 
     flanks = "; ".join(
         f"{name} {' and '.join(flank.side for own in found for flank in own.flanks)}"

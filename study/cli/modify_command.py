@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import chosen_case, show_stage, supports_option
-from .options.shared_options import (
+from ..terminal_bar import terminal_bar, working
+from .analysis_options import chosen_case, show_stage, supports_option
+from .command import EXIT_UNCERTIFIED, Command
+from .shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
     allow_outside_option,
@@ -23,8 +23,7 @@ from .options.shared_options import (
     output_option,
     torques,
 )
-from .terminal.terminal_bar import terminal_bar, working
-from .terminal.word_completion import case_names, solver_names
+from .word_completion import case_names, solver_names
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
@@ -107,11 +106,11 @@ def modify(
     from ...cases import write_case
     from ...cases.writing import require_replaceable
     from ...core.output_file import check_writable
-    from ..design.fitted_settings import fit_modification, recorded_modification
+    from ..design.case_design import fit_modification, recorded_modification
     from ..design.optimal_modification import modify as modified
-    from ..report.modification_report import modification_report
-    from ..report.summary.result_summary import uncertified
     from ..result import write_result
+    from ..summary.correction_report import modification_report
+    from ..summary.result_summary import uncertified
 
     check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
     if fitted_case is not None:

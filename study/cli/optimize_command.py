@@ -9,23 +9,22 @@ from typing import Any
 
 import click
 
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .inputs.sheet_command import resolution_option
-from .options.analysis_options import show_stage
-from .options.number_lists import number_list
-from .options.shared_options import (
+from ..terminal_bar import terminal_bar
+from .analysis_options import show_stage
+from .case_commands import resolution_option
+from .command import EXIT_UNCERTIFIED, Command
+from .shared_options import (
     allow_outside_option,
     echo,
     force_option,
     misalignment,
     next_commands,
+    number_list,
     output_option,
     outside_allowed,
     torques,
 )
-from .terminal.terminal_bar import terminal_bar
-from .terminal.word_completion import case_names
+from .word_completion import case_names
 
 SPREAD = re.compile(r"(E|P|G|Sigma)\s*~\s*(.+)")
 RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
@@ -181,9 +180,9 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     from ...core.output_file import check_writable
     from ..design.optimization.setting_optimization import USUAL_OBJECTIVES
     from ..design.optimization.setting_optimization import optimize as optimized
-    from ..report.setting_report import setting_report
-    from ..report.summary.result_summary import uncertified
     from ..result import read_result, write_result
+    from ..summary.correction_report import setting_report
+    from ..summary.result_summary import uncertified
 
     check_writable(output, case, suffix=".nc")
     if best_case is not None:

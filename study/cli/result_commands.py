@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...core.errors import printable
+from ..terminal_bar import working
 from .command import Command, quick_start
-from .options.shared_options import echo, marking, names, torques
-from .terminal.terminal_bar import working
+from .shared_options import echo, marking, names, torques
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,13 +25,11 @@ def show(result: Path) -> None:
     """
     quick_start()
     from ...core.netcdf_file import tree_or_none
-    from ..report.contact_report.given_results import checked_given, kind_of
-    from ..report.summary.load_case_summary import load_case_summary
-    from ..report.summary.problem_summary import holds_problems, problem_summary
-    from ..report.summary.result_summary import result_summary
-    from ..report.vh_table import vh_table
-    from ..report.wear_report import wear_summary
+    from ..report.report_file import checked_given, kind_of
     from ..result import read_result
+    from ..summary.load_case_summary import holds_problems, load_case_summary, problem_summary
+    from ..summary.result_summary import result_summary
+    from ..summary.sweep_report import vh_table, wear_summary
     from ..sweep.sweep_file import checked_sweep, is_sweep
 
     tree = tree_or_none(result)
@@ -42,7 +40,7 @@ def show(result: Path) -> None:
     if tree is None:
         tree = read_result(result)  # says what is wrong with the file
     if is_sweep(found := tree.to_dataset()):
-        from ..report.sweep_report import sweep_summary
+        from ..summary.sweep_report import sweep_summary
 
         echo(sweep_summary(checked_sweep(found, result)))
         return
@@ -108,7 +106,7 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
     """
     quick_start()
     from ...core.output_file import check_folder
-    from ..plot.figures.drawn_file import read_drawn
+    from ..plot.written_pictures import read_drawn
 
     if (folder is None) == (output is None):
         raise click.UsageError("FOLDER: must be given once, as in 'easeoff plot RESULT -o FOLDER'")
@@ -146,8 +144,7 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     quick_start()
     from ...core.errors import InputError
     from ...core.output_file import check_writable
-    from ..report.contact_report.given_results import read_given
-    from ..report.contact_report.report_file import write_report
+    from ..report.report_file import read_given, write_report
 
     if output is None:
         if len(results) > 1:
@@ -177,7 +174,7 @@ def cite(result: Path | None, bibtex: bool) -> None:
     tells them.
     """
     quick_start()
-    from ..report.citation.citation_text import citation
+    from ..summary.citation import citation
 
     if result is None:
         echo(citation(bibtex=bibtex))

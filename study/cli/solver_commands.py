@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
-from .options.shared_options import (
+from ..terminal_bar import terminal_bar
+from .analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
+from .command import EXIT_UNCERTIFIED, Command
+from .shared_options import (
     echo,
     folder_option,
     next_commands,
@@ -21,8 +21,7 @@ from .options.shared_options import (
     solvers,
     tolerances,
 )
-from .terminal.terminal_bar import terminal_bar
-from .terminal.word_completion import solver_list
+from .word_completion import solver_list
 
 #: Attributes of an analysis that files of its contact problems have as well.
 PROBLEM_ATTRIBUTES = (
@@ -62,7 +61,7 @@ def problems(
     import numpy as np
 
     from ...cases.analysis_size import AnalysisSize
-    from ...contact.problem.exchange.problem_set import ProblemSet
+    from ...contact.problem.exchange.problem_file import ProblemSet
     from ...contact.solvers import require_solver
     from ..analysis.contact_analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
@@ -197,10 +196,9 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     the report: the exit code is 0. An interrupted comparison resumes where it stopped.
     """
     from ..compare import compare as run_comparison
-    from ..compare import write_comparison
-    from ..compare.presentation.former_report import is_of_another_study
-    from ..compare.presentation.time_tables import waiting_note
     from ..compare.test_set import write_test_set
+    from ..report.comparison_report import waiting_note
+    from ..report.written_comparison import is_of_another_study, write_comparison
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
 
@@ -224,8 +222,8 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     if waited is not None:
         echo(waited, err=True)
     if test_set:
+        from ...contact.problem.exchange.problem_file import joined
         from ...contact.problem.exchange.problem_formats import import_problems
-        from ...contact.problem.exchange.problem_set import joined
 
         for path in write_test_set(joined([import_problems(file) for file in problems]), output / "test_set"):
             echo(f"wrote {path}")

@@ -13,13 +13,11 @@ import click
 
 from ...core.errors import time_in_words
 from ...core.process_settings import THREAD_VARIABLES
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
-from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
+from ..terminal_bar import terminal_bar, working
+from .analysis_options import TOLD_TIME, analysis_options, chosen_case, chosen_model, friction_options, with_defaults
+from .command import EXIT_UNCERTIFIED, Command
 from .result_commands import draw
-from .terminal.terminal_bar import terminal_bar, working
+from .shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
 
 if TYPE_CHECKING:
     from ..sweep.sweep_plan import SweepPlan
@@ -142,7 +140,7 @@ def sweep(
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     from ...core.errors import EaseoffError
     from ...core.output_file import check_folder, check_writable
-    from ..report.sweep_report import outcome, sweep_summary
+    from ..summary.sweep_report import outcome, sweep_summary
     from ..sweep.parameter_sweep import batch_store, run_plan
     from ..sweep.sweep_file import write_sweep
     from ..sweep.sweep_plan import planned_sweep
@@ -220,7 +218,7 @@ def _tell_cost(plan: SweepPlan) -> None:
 
 def _check_kept(plan: SweepPlan, keep: Sequence[tuple[str, str, int]]) -> None:
     """Refuse a number that no point will have."""
-    from ..report.key_numbers import number_names
+    from ..analysis.key_numbers import number_names
 
     names = number_names(friction=plan.operation is not None)
     for side, name, count in keep:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import chosen_case, supports_option
-from .options.shared_options import (
+from ..terminal_bar import terminal_bar
+from .analysis_options import chosen_case, supports_option
+from .command import EXIT_UNCERTIFIED, Command
+from .shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
     allow_outside_option,
@@ -20,8 +20,7 @@ from .options.shared_options import (
     misalignment,
     torques,
 )
-from .terminal.terminal_bar import terminal_bar
-from .terminal.word_completion import case_names
+from .word_completion import case_names
 
 if TYPE_CHECKING:
     from ...cases.deflections import Deflections

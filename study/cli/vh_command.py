@@ -8,12 +8,11 @@ from typing import Any
 
 import click
 
-from .command import Command, quick_start
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import unloaded_options, with_defaults
-from .options.shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
+from ..terminal_bar import terminal_bar
+from .analysis_options import unloaded_options, with_defaults
+from .command import EXIT_UNCERTIFIED, Command, quick_start
 from .result_commands import draw
-from .terminal.terminal_bar import terminal_bar
+from .shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
 
 GRID_OF_PICTURES = (5, 5)
 
@@ -93,8 +92,8 @@ def vh(
     quick_start()
     from ...cases import read_case
     from ...core.output_file import check_folder, check_writable
-    from ..report.vh_table import vh_table
-    from ..vh.vh_check import vh_check, write_vh_check
+    from ..summary.sweep_report import vh_table
+    from ..vh import vh_check, write_vh_check
 
     checked = read_case(case, allow_outside=outside_allowed())
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")

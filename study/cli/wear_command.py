@@ -8,11 +8,10 @@ from typing import Any
 
 import click
 
-from .command import Command
-from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
-from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option
-from .terminal.terminal_bar import terminal_bar
+from ..terminal_bar import terminal_bar
+from .analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
+from .command import EXIT_UNCERTIFIED, Command
+from .shared_options import coefficients, duty_cycle, echo, next_commands, output_option
 
 
 @click.command(cls=Command)
@@ -76,9 +75,9 @@ def wear(
     """
     from ...core.netcdf_file import write_netcdf
     from ...core.output_file import check_writable
-    from ..flank_wear.wear_simulation import WearLaw
-    from ..flank_wear.wear_simulation import wear as worn
-    from ..report.wear_report import wear_summary
+    from ..summary.sweep_report import wear_summary
+    from ..wear_simulation import WearLaw
+    from ..wear_simulation import wear as worn
 
     held = [] if supports is None else [supports]
     check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")

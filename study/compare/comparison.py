@@ -1,30 +1,146 @@
-"""Comparison of solvers: attempts of every solver at every problem, with all settings and starts."""
+"""Comparison of solvers: attempts of every solver at every problem, with all settings and starts.
+
+Comparison plan: which methods try which problems, in which order, and the key under which each outcome is kept.
+"""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import xarray as xr
 
 from ...contact.problem.certificate import Certificate
 from ...contact.solvers import SOLVERS, available_solvers, require_solver
-from ...contact.solvers.declared.solver_lookup import declares_place, entry_point_names
-from ...core.checkpoint import Checkpoint
-from ...core.checks import array, file_path, instance, number, one_of, words
+from ...contact.solvers.solver_declaration import declares_place, entry_point_names
+from ...core.checkpoint import Checkpoint, digest
+from ...core.checks import array, file_path, instance, number, one_of, truth, whole, words
 from ...core.errors import InputError
 from ...core.output_file import check_folder
-from .comparison_plan import Cell, Choice, cells
+from .attempt import (
+    COLD,
+    CRASHED,
+    HEADLINE,
+    POLISHED,
+    RAW,
+    STARTING_SOLVERS,
+    SWEEP,
+    TIME_LIMIT,
+    WARM,
+    Attempt,
+    Method,
+    PosedProblem,
+    has_tolerance,
+    load_factor,
+    posed_problems,
+)
 from .comparison_table import Row, comparison_table
-from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt
-from .measurement.environment import machine, solver_version
-from .measurement.method import STARTING_SOLVERS
-from .measurement.posed_problem import PosedProblem, load_factor, posed_problems
-from .measurement.worker import Request, Worker, launched, workers
-from .statistics.method_statistics import TIMES, WALL
+from .method_statistics import TIMES, WALL
+from .worker import Request, Worker, launched, machine, solver_version, workers
+
+#: Most tolerances of a sweep.
+TOLERANCE_COUNT_LIMIT = 20
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the user chose to measure.
+
+    Attributes
+    ----------
+    repetitions
+        Attempts at each problem by the same method.
+    time_limit
+        Of an attempt [s].
+    polish, raw
+        Whether the backends also run with polish, and in mm and N at their own settings.
+    tolerances
+        Tolerances of the sweep; empty for none.
+    threads
+        Threads for linear algebra in each process.
+
+    Raises
+    ------
+    InputError
+        A number out of range.
+    """
+
+    repetitions: int
+    time_limit: float
+    polish: bool
+    raw: bool
+    tolerances: tuple[float, ...]
+    threads: int
+
+    def __post_init__(self) -> None:
+        whole("repetitions", self.repetitions, 1, 1000)
+        number("time_limit", self.time_limit, "s", above=0.0, most=86400.0)
+        whole("threads", self.threads, 1, 1024)
+        truth("polish", self.polish)
+        truth("raw", self.raw)
+        for tolerance in self.tolerances:
+            number("tolerances", tolerance, above=0.0, below=1.0)
+        if len(self.tolerances) > TOLERANCE_COUNT_LIMIT:
+            raise InputError(f"tolerances = {len(self.tolerances)} numbers: must be at most {TOLERANCE_COUNT_LIMIT}")
+        if len(set(self.tolerances)) < len(self.tolerances):
+            twice = next(one for one in self.tolerances if self.tolerances.count(one) > 1)
+            raise InputError(f"tolerances = {twice:g}: must not come twice")
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """A problem and a method that tries it."""
+
+    posed: PosedProblem
+    method: Method
+
+    def key(self, choice: Choice, made_with: dict[str, str], version: str) -> str:
+        """Return the key of the outcome: other for whatever it depends on."""
+        values: dict[str, Any] = asdict(self.method)
+        return digest(
+            problem=self.posed.digest,
+            before=self.posed.before_digest if self.method.start == WARM else "",
+            version=version,
+            repetitions=choice.repetitions,
+            time_limit=choice.time_limit,
+            machine=made_with,
+            **values,
+        )
+
+
+def cells(posed: Sequence[PosedProblem], starting: Mapping[str, bool], choice: Choice) -> Iterator[Cell]:
+    """All measurements of solvers, each with whether it makes use of a start.
+
+    Problems are the outermost loop, so that a disturbance of the machine meets all solvers.
+    """
+    for item in posed:
+        for solver, warm in starting.items():
+            for method in methods_of(solver, choice, warm=warm):
+                if method.start == COLD or item.before is not None:
+                    yield Cell(item, method)
+
+
+def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[Method]:
+    """Methods in which a solver is measured, the headline first.
+
+    The native solver has one: its answer needs no polish, and it takes no tolerance and no problem without scaling.
+    """
+    yield Method(solver, HEADLINE)
+    if warm:
+        yield Method(solver, HEADLINE, WARM)
+    if solver == "native":
+        return
+    if choice.polish:
+        yield Method(solver, POLISHED)
+    if choice.raw:
+        yield Method(solver, RAW)
+    if has_tolerance(solver):
+        for tolerance in choice.tolerances:
+            yield Method(solver, SWEEP, COLD, tolerance)
+
 
 #: Checkpoint in the output folder, and the study it names.
 CHECKPOINT, STUDY = "measurements.jsonl", "comparison of solvers"

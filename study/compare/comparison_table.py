@@ -17,9 +17,7 @@ from ...core.checks import instance, is_number
 from ...core.errors import InputError
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.output_file import whole_file
-from .measurement.attempt import Attempt
-from .measurement.method import Method
-from .measurement.posed_problem import PosedProblem
+from .attempt import Attempt, Method, PosedProblem
 
 #: File of the table in the folder of a comparison.
 TABLE_FILE = "results.nc"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ...contact.problem.exchange.problem_file import ProblemSet
 from ...contact.problem.exchange.problem_formats import FORMATS, export_problems, import_problems, output_format
-from ...contact.problem.exchange.problem_set import ProblemSet
 from ...core.errors import InputError
 from ...core.output_file import check_folder, check_writable
 from .test_set import write_test_set

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...contact.problem.contact_problem import ContactProblem
-from ...contact.problem.exchange.problem_set import ProblemSet
+from ...contact.problem.exchange.problem_file import ProblemSet
 from ...core.errors import InputError
 from ...core.output_file import check_folder, check_writable, whole_file
 

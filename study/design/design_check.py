@@ -1,45 +1,467 @@
-"""Check of a designed pair: residuals, undercut, blade tips, top lands and whole teeth, with warnings."""
+"""Check of a designed pair: residuals, undercut, blade tips, top lands and whole teeth, with warnings.
+
+Design advice: what in the basic data of a doubtful design to look at, a sentence each.
+
+Top lands, slots and fillets of a pair: by the formulas of AGMA 929-B22, and on the generated teeth.
+
+Warnings of a pair as its blanks and settings cut it: undercut, blade tips off the root, thin tips, narrow slots.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cases.conversion import blank_design, ease_off_target, setting_limits
+from ...cases.conversion import blank_design, ease_off_target, gear_pair, setting_limits
 from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
-from ...contact.evaluation.marking_print import flank_share
-from ...core.errors import GeometryError
-from ...geometry.design.blank import BlankDimensions
+from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
+from ...contact.evaluation.flank_region import flank_share
+from ...core.checks import frozen_arrays
+from ...core.errors import EaseoffError, GeometryError, InputError
+from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.closest_fit import require_usable, residual_limits, target_range
-from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE
+from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE, require_whole_tooth
 from ...geometry.design.pair_design import (
+    BOTH_MEMBERS,
     SIDES,
     PairDesign,
 )
 from ...geometry.design.pinion_method import ADVICE, at_limit
-from ...geometry.design.tooth_proportions import ToothProportions
-from ...geometry.flanks.flank import NodeStatus
+from ...geometry.design.slot_width import BLADE_OVERLAP, EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
+from ...geometry.flanks.blank_section import BlankSection
+from ...geometry.flanks.flank import Flank, NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
-from ...geometry.pair.gear_pair import FlankName, grid
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
 from ...geometry.pair.tip_mates import unmet_tips
+from ...geometry.pair.tooth_thickness import contradictions
 from ...geometry.tooth.tooth_flanks import MemberName
-from .design_advice import (
-    cutter_radius_advice,
-    formate_advice,
-    limit_pressure_angle_advice,
-    offset_advice,
-    small_target_advice,
-)
-from .pair_warnings import missing_flanks, narrow_top_lands, off_the_root, uncut_share, unfinished_teeth
-from .tooth_spaces import ToothSpaces, tooth_spaces
+from ...geometry.tooth.tooth_surface import LandWidths, contact_heights, land_widths, tooth_side
+
+FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
+CUTTER_RADIUS_RATIO = 1.5  # over the gear's mean cone distance; pairs in use lie between 0.7 and 1.2
+LEAST_PRESSURE_ANGLE = 10.0  # generated [deg]; next to it a slot has parallel walls
+LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
+
+
+def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
+    """Advice, a line each, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
+    if basic_data.hypoid_offset == 0.0:
+        return []
+    try:
+        blank = blank_dimensions(basic_data)
+    except GeometryError:
+        return []
+    limit = math.degrees(blank.limit_pressure_angle)
+    if not basic_data.limit_pressure_angle_influence > 0.0:
+        return [
+            f"limit_pressure_angle_influence = 0 while the limit pressure angle of this offset is {limit:.1f} degrees: "
+            "1 gives drive and coast flanks pressure angles that allow for it"
+        ]
+    generated = {"drive": blank.generated_drive_pressure_angle, "coast": blank.generated_coast_pressure_angle}
+    return [
+        f"the generated {side} pressure angle of {math.degrees(angle):.1f} degrees is small, as the limit pressure "
+        f"angle of this offset is {limit:.1f} degrees: a smaller hypoid_offset or a larger "
+        f"nominal_{side}_pressure_angle helps"
+        for side, angle in generated.items()
+        if math.degrees(angle) < LEAST_PRESSURE_ANGLE
+    ]
+
+
+def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
+    if design.gear.generation == "generated":
+        return []
+    try:
+        angle = math.degrees(blank_dimensions(basic_data).gear.pitch_angle)
+    except GeometryError:
+        return []
+    if angle >= FORMATE_PITCH_ANGLE:
+        return []
+    return [
+        f"the gear's pitch angle of {angle:.0f} degrees is small for a gear cut without generation: generation = "
+        '"generated" in [gear] helps'
+    ]
+
+
+def cutter_radius_advice(basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on a cutter so large that its diameter seems to be given."""
+    try:
+        gear = blank_dimensions(basic_data).gear
+    except EaseoffError:
+        return []
+    distance = gear.outer_cone_distance - 0.5 * gear.face_width
+    if basic_data.cutter_radius < CUTTER_RADIUS_RATIO * distance:
+        return []
+    return [
+        f"cutter_radius = {basic_data.cutter_radius:g} mm is {basic_data.cutter_radius / distance:.1f} times the "
+        f"gear's mean cone distance of {distance:.0f} mm, 0.7 to 1.2 are usual: the radius is meant, not the diameter?"
+    ]
+
+
+def small_target_advice(design: Design) -> list[str]:
+    """Advice on crownings of the target that seem to be given in mm."""
+    return [
+        f"target.{side}.{key} = {value:g}: next to no crowning; um are meant, not mm?"
+        for side in ("drive", "coast")
+        for key in ("lengthwise_crowning", "profile_crowning")
+        if 0.0 < abs(value := getattr(getattr(design.target, side), key)) < LEAST_CROWNING
+    ]
+
+
+def offset_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+    """Advice, in one line or none, on what a negative offset means."""
+    if basic_data.hypoid_offset >= 0.0:
+        return []
+    hand = design.pinion.hand_of_spiral
+    place = "above" if hand == "left" else "below"
+    return [
+        f"hypoid_offset = {basic_data.hypoid_offset:g} mm is negative: the {hand}-hand pinion lies {place} centre and "
+        "has the smaller spiral angle; the usual hypoid pair has a positive one"
+    ]
+
 
 Array = NDArray[Any]
+
+TOE_HALF = np.linspace(0.0, 0.5, 6)
+NO_VALUE = "-"
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class ToothSpaces:
+    """Spaces of a pair by the formulas and on the generated teeth; arrays have the pinion first.
+
+    Parameters
+    ----------
+    slots, lands, limits
+        Slot widths, top lands and edge-radius limits by AGMA 929-B22.
+    measured
+        Lands of the generated teeth at toe, mean point and heel, of both members.
+    edge_radius
+        Of the blades, the larger one of each member (2) [mm].
+    fillet_clearance
+        Between the fillets and the path of the mate's tip, the least in the half at the toe: (2, 2) [mm], the side on
+        which the pinion is concave first; NaN where the teeth have no such place.
+    """
+
+    slots: SlotWidths
+    lands: TopLands
+    limits: EdgeRadiusLimits
+    measured: tuple[LandWidths, LandWidths]
+    edge_radius: Array
+    fillet_clearance: Array
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Table: quantity, by the formulas, on the generated teeth, their difference; toe / mean / heel [mm].
+
+        The blade tips' heights are those of the path that they cut on the whole tooth, in their deepest positions.
+        """
+        yield "toe / mean / heel [mm]", "AGMA 929-B22", "generated teeth", "difference"
+        for k, name in enumerate(MEMBERS):
+            for label, formula, teeth in (
+                ("top land", self.lands.width[k], self.measured[k].top_land),
+                ("slot width", self.slots.width[k], self.measured[k].slot),
+            ):
+                yield f"{name} {label}", _texts(formula), _texts(teeth), _texts(teeth - formula, sign=True)
+        clearance = self.limits.fillet_clearance(self.edge_radius)
+        for k, name in enumerate(MEMBERS):
+            for j, which in enumerate(("drive", "coast")):
+                pair = clearance[k, j : j + 1], self.fillet_clearance[k, j : j + 1]
+                apart = _texts(pair[1] - pair[0], sign=True)
+                yield f"{name} fillet clearance at the toe, {which}", *map(_texts, pair), apart
+        for k, name in enumerate(MEMBERS):
+            for j, which in enumerate(("concave", "convex") if k == 0 else ("convex", "concave")):
+                path = _texts(self.measured[k].root_line[j], sign=True)
+                yield f"{name} {which}: blade tip above the root cone", NO_VALUE, path, NO_VALUE
+        for k, name in enumerate(MEMBERS):
+            least, most = self.blade_point(k)
+            yield f"{name} blade point, least / greatest", _texts(np.array([least, most])), NO_VALUE, NO_VALUE
+            limit = f"{self.limits.largest[k]:.3f} ({self.limits.governing[k]})"
+            yield f"{name} edge radius: greatest; as cut", limit, f"{self.edge_radius[k]:.3f}", NO_VALUE
+
+    def blade_point(self, member: int) -> tuple[float, float]:
+        """Least blade point that leaves no fin in the widest slot, and greatest that fits the narrowest [mm].
+
+        Parameters
+        ----------
+        member
+            0 for the pinion, 1 for the gear.
+        """
+        return float(self.slots.greatest[member]) / 2.0 + BLADE_OVERLAP, float(self.slots.least[member])
+
+    def warnings(self) -> Iterator[str]:
+        """What cannot be cut as it is, a sentence each."""
+        for k, name in enumerate(MEMBERS):
+            least, most = self.blade_point(k)
+            if not most > 0.0:
+                yield f"the {name}'s slot has no width at its narrowest end ({most:.2f} mm): no blade enters it"
+            elif least > most:
+                yield (
+                    f"the {name}'s slot narrows from {self.slots.greatest[k]:.2f} to {most:.2f} mm: a blade that fits "
+                    "the narrow end leaves a fin at the wide one; change depth_taper or cutter_radius"
+                )
+            if (deepest := float(np.nanmin(self.fillet_clearance[k], initial=np.inf))) < -FILLET_MUTILATION:
+                yield (
+                    f"the {name}'s fillet reaches {-deepest:.2f} mm into the path of the mate's tip: a smaller "
+                    "tool_edge_radius or a larger clearance_factor helps"
+                )
+
+
+def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions) -> ToothSpaces:
+    """Spaces of a pair.
+
+    Parameters
+    ----------
+    drive, coast
+        The pair seen from both sides, with both flanks of both members.
+    proportions
+        Its tooth proportions.
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank, or does not reach an end of the face.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.design.tooth_proportions import measured_proportions
+    >>> drive, coast = (gear_pair(read_case("nasa-12x36"), side) for side in ("drive", "coast"))
+    >>> spaces = tooth_spaces(drive, coast, measured_proportions(drive))
+    >>> list(spaces.warnings())
+    []
+    """
+    slots = SlotWidths(ToothLine(proportions))
+    members = drive.pinion, drive.gear
+    places = [_places(proportions, k) for k in (0, 1)]
+    measured = tuple(land_widths(drive, name, t) for name, t in zip(MEMBERS, places, strict=True))
+    clearance = np.stack([_fillet_clearance(pair) for pair in (drive, coast)], axis=1)
+    edges = [max(m.loaded.blade.edge_radius, m.from_opposite.loaded.blade.edge_radius) for m in members]
+    return ToothSpaces(
+        slots, TopLands(slots), EdgeRadiusLimits(slots), (measured[0], measured[1]), np.array(edges), clearance
+    )
+
+
+def _places(proportions: ToothProportions, member: int) -> Array:
+    """Lengthwise fractions of toe, mean point and heel (3)."""
+    outer, width = proportions.outer_cone_distance[member], proportions.face_width[member]
+    return np.array([0.0, 1.0 - (outer - proportions.mean_cone_distance[member]) / width, 1.0])
+
+
+def _fillet_clearance(pair: GearPair) -> Array:
+    """Least height of the contact above the end of the fillet, in the half at the toe, of both members (2) [mm]."""
+    found = []
+    for member, heights, along in zip((pair.pinion, pair.gear), *contact_heights(pair, TOE_HALF), strict=True):
+        known = np.isfinite(heights) & (along >= 0.0) & (along <= 1.0)
+        ends = _fillet_ends(member.loaded, member.section, along[known])
+        found.append(float(np.min(heights[known] - ends)) if ends.size else float("nan"))
+    return np.array(found)
+
+
+def _fillet_ends(surface: GeneratingSurface, section: BlankSection, lengthwise: Array) -> Array:
+    """Heights above the root cone at which a fillet ends (n) [mm]; none if the flank has no whole fillet there."""
+    if lengthwise.size < 3:  # what the search along the face takes
+        return np.zeros(0)
+    try:
+        found = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
+    except GeometryError:
+        return np.zeros(0)
+    return section.height_above_root(found[2], np.hypot(found[0], found[1]))
+
+
+def _texts(values: Array, *, sign: bool = False) -> str:
+    return " / ".join(NO_VALUE if not np.isfinite(v) else f"{v:+.3f}" if sign else f"{v:.3f}" for v in values)
+
+
+TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
+UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
+
+
+def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
+    """Top lands, slots and fillets of a case, and what is doubtful of its teeth, a sentence each.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+
+    Returns
+    -------
+    tuple
+        The tooth spaces, ``None`` where they cannot be measured, and the warnings, of which one says why.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("fm-11x41")
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case_warnings(case.model_copy(update={"compliance": shells}))[1]
+    ()
+    """
+    try:
+        drive, coast = (gear_pair(case, side) for side in SIDES)
+        proportions = measured_proportions(drive)
+    except (InputError, GeometryError) as error:
+        return None, (f"the teeth are not checked: {error}",)
+    warnings = [*contradictions(drive), *narrow_top_lands(drive, proportions.mean_normal_module)]
+    warnings += [text for _, text in unfinished_teeth(drive, case.compliance.model)]
+    for side, pair in zip(SIDES, (drive, coast), strict=True):
+        warnings += [f"{side}: {text}" for _, text in missing_flanks(unmet_tips(pair))]
+    try:
+        spaces = tooth_spaces(drive, coast, proportions)
+    except GeometryError as error:
+        return None, (*warnings, f"top lands, slots and fillets are not checked: {error}")
+    for name, lands in zip(MEMBERS, spaces.measured, strict=True):
+        for side, gap in zip(SIDES, lands.root_line, strict=True):
+            warnings += [f"{side}: {text}" for text in off_the_root(name, gap, proportions.clearance)]
+    return spaces, (*warnings, *spaces.warnings())
+
+
+def unusual_set_ups(case: Case) -> tuple[str, ...]:
+    """Flanks of the pinion in a set-up that no method of a design for the shop makes, in one line or none.
+
+    Fixed setting and modified roll have no tilt, tilt has no modified roll, and completing has both on one machine for
+    both flanks. The closest fit, and settings freed by hand, may give each flank a tilt and a modified roll of its own.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> len(unusual_set_ups(read_case("fm-11x41"))), unusual_set_ups(read_case("nasa-12x36"))
+    (1, ())
+    """
+    concave, convex = case.pinion.concave, case.pinion.convex
+    if concave is None or convex is None or concave.machine == convex.machine:
+        return ()
+    found = [
+        name
+        for name, machine in (("concave", concave.machine), ("convex", convex.machine))
+        if machine.cutter_tilt and (any(machine.modified_roll) or any(machine.motions.model_dump().values()))
+    ]
+    if not found:
+        return ()
+    flanks, own = ("flanks have", "set-ups of their own") if len(found) > 1 else ("flank has", "a set-up of its own")
+    return (
+        f"Note: the pinion's {' and '.join(found)} {flanks} tilt and modified roll in {own}, as the closest fit "
+        "gives for analysis; the methods of the shop (fixed_setting, modified_roll, tilt, completing) make none such",
+    )
+
+
+def uncut_share(flank: Flank) -> float:
+    """Share of a flank's nodes that are undercut or out of the cutter's reach."""
+    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
+
+
+def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
+    """Members whose flank ends before the mate's tip has passed it, each with a warning.
+
+    Parameters
+    ----------
+    unmet
+        Of ``unmet_tips``.
+    """
+    for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
+        if not share <= UNMET_LIMIT:
+            yield (
+                name,
+                f"the {mate}'s tip meets no flank on {100 * share:.0f} % of its length: there the {name}'s root is "
+                "undercut, or its fillet reaches too high",
+            )
+
+
+def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") -> Iterator[str]:
+    """Warnings of blade tips off the root cone, and of places where no root was found.
+
+    Parameters
+    ----------
+    member
+        Its name.
+    gap
+        Height of the blade tips above the root cone at toe, middle and heel (3) [mm].
+    clearance
+        Of the pair [mm].
+    advice
+        What helps against tips off the cone.
+    """
+    found = np.isfinite(gap)
+    if np.any(np.abs(gap[found]) > clearance):
+        yield (
+            f"the {member}'s blade tips deviate up to {np.abs(gap[found]).max():.2f} mm from its root cone, more than "
+            f"the clearance of {clearance:.2f} mm{advice}"
+        )
+    if not np.all(found):
+        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), found, strict=True) if not known)
+        yield f"the {member} has no flank near its root at the {places}: it is undercut or not reached"
+
+
+def narrow_top_lands(pair: GearPair, module: float) -> Iterator[str]:
+    """Warnings of narrow top lands, or of members that have no tooth between their flanks.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    module
+        Mean normal module [mm].
+    """
+    try:
+        both = bodies(pair)
+    except GeometryError as error:
+        yield str(error)
+        return
+    for name, body in zip(MEMBERS, both, strict=True):
+        for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
+            if not thickness >= TOP_LAND_LIMIT * module:
+                yield f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm"
+
+
+def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, str]]:
+    """Members without the whole tooth that a model of the elastic teeth needs, each with the reason.
+
+    Parameters
+    ----------
+    pair
+        The pair, with both flanks of both members.
+    model
+        Of the elastic teeth.
+    """
+    for name in BOTH_MEMBERS:
+        try:
+            if model == "shell":
+                require_whole_tooth(pair, name)
+            else:
+                require_elastic_tooth(pair, name)
+        except GeometryError as error:
+            yield name, str(error) if f"the {name}'s" in str(error) else f"the {name} has no whole tooth: {error}"
+
+
+def require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
+    """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
+    for loaded in (pair, _from_the_other_side(pair)):
+        require_solid_shell(loaded, member)
+
+
+def _from_the_other_side(pair: GearPair) -> GearPair:
+    def turned(member: Member) -> Member:
+        assert member.opposite is not None  # a designed pair has both flanks
+        return replace(member, loaded=member.opposite, opposite=member.loaded)
+
+    return replace(pair, pinion=turned(pair.pinion), gear=turned(pair.gear))
+
+
 EASE_OFF_NODES = (15, 11)
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 

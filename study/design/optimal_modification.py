@@ -33,10 +33,9 @@ from ...core.checks import number, positive, whole
 from ...core.errors import GeometryError, InputError
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification, basis, terms
-from ..analysis.contact_analysis import case_torques, contact_analysis
-from ..analysis.shown_progress import shows_progress, told
-from ..analysis.supported_analysis import in_assembly_under_load
+from ..analysis.contact_analysis import case_torques, contact_analysis, in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
+from ..progress import shows_progress, told
 
 Array = NDArray[Any]
 

@@ -17,21 +17,21 @@ from typing import TYPE_CHECKING
 from ...core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .figures.contact_figures import (
+    from .contact_figures import (
         contact_pattern,
         deviations,
         ease_off,
+        efficiency,
+        friction_maps,
         load_sharing,
         misalignment,
         pressure,
         root_stress,
+        topography,
         transmission_error,
     )
-    from .figures.correction_figures import topography
-    from .figures.friction_figures import efficiency, friction_maps
-    from .figures.picture_list import pictures
-    from .figures.study_figures import front, load_cases, optimization, sweep, vh_check, wear
-    from .figures.written_pictures import write_pictures
+    from .study_figures import front, load_cases, optimization, sweep, vh_check, wear
+    from .written_pictures import pictures, write_pictures
 
 __all__ = [
     "contact_pattern",
@@ -56,20 +56,20 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".figures.contact_figures": [
+    ".contact_figures": [
         "contact_pattern",
         "deviations",
         "ease_off",
+        "efficiency",
+        "friction_maps",
         "load_sharing",
         "misalignment",
         "pressure",
         "root_stress",
+        "topography",
         "transmission_error",
     ],
-    ".figures.correction_figures": ["topography"],
-    ".figures.friction_figures": ["efficiency", "friction_maps"],
-    ".figures.picture_list": ["pictures"],
-    ".figures.study_figures": ["front", "load_cases", "optimization", "sweep", "vh_check", "wear"],
-    ".figures.written_pictures": ["write_pictures"],
+    ".study_figures": ["front", "load_cases", "optimization", "sweep", "vh_check", "wear"],
+    ".written_pictures": ["pictures", "write_pictures"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -33,7 +33,7 @@ def drawing(axes: object) -> Iterator[None]:
     False
     """
     if axes is not None:
-        from .figures.own_axes import on_own_axes
+        from .own_axes import on_own_axes
 
         with on_own_axes(axes):
             yield

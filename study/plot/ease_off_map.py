@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
-from .contour_labels import number_lines, outlined
+from .contact_pattern_chart import number_lines, outlined
 from .page import BODY_SIZE, GREY, INK, VERMILION, WIDTH
 from .panel_grid import OwnAxes, panels
 from .pattern_lines import contact_pattern, draw_path, legend_below

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from ...core.errors import printable
 from ...core.output_file import whole_file
-from ..report.departures import deviations, modification
-from ..report.model_name import model_name
-from ..report.summary.deflection_report import misalignment_over_torque
+from ..analysis.key_numbers import deviations, model_name, modification
+from ..summary.deflection_report import misalignment_over_torque
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -16,8 +16,13 @@ from ...core.checks import distinct, words
 from ...core.errors import InputError, suggestion
 from .page import evenly_chosen, page
 
+if TYPE_CHECKING:
+    pass
+
+
 #: One Axes of the caller, or as many as a picture has panels.
 OwnAxes: TypeAlias = Axes | Iterable[Axes] | None
+
 
 TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of a result
 

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.evaluation.marking_print import ProjectionPlane
+from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
 from ...geometry.tooth.tooth_flanks import MemberName

@@ -1,1 +1,1 @@
-"""Reports as text: result, plausibility, design, correction, optimal modification."""
+"""Written pages: the contact report of results, the report of a comparison, meshes of the contact."""

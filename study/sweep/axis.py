@@ -1,19 +1,159 @@
-"""Axes of a sweep: a coordinate over its values, or coordinates that go together, as of samples and load cases."""
+"""Axes of a sweep: a coordinate over its values, or coordinates that go together, as of samples and load cases.
+
+Distributions of swept coordinates, and samples of them by low-discrepancy sequences.
+
+Load cases of a sweep from a table in CSV, a row a point.
+"""
 
 from __future__ import annotations
 
 import math
+import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import frozen_arrays, shown
+from ...cases.reading import shipped_deviations
+from ...cases.table_rows import read_table_rows
+from ...core.checks import array, frozen_arrays, instance, number, one_of, shown, whole
 from ...core.errors import InputError
-from .distribution import Distribution
-from .swept_quantity import Stage, SweptQuantity, swept_quantity
+from ...core.regular_file import TABLE_SIZE_LIMIT, leads_outside
+from ...friction.lubricants.lubricant import is_shipped
+from ..analysis.swept_quantity import Stage, SweptQuantity, swept_quantity
+
+Array = NDArray[np.float64]
+Sampler = Literal["sobol", "latin_hypercube"]
+SAMPLE_COUNT_LIMIT = 2**24
+TEXT = re.compile(r"\s*~?\s*([a-z]+)\s*\(([^()]*)\)\s*")
+#: Parameters of every kind of distribution.
+PARAMETERS = {
+    "normal": ("mean", "standard_deviation"),
+    "uniform": ("least", "greatest"),
+    "triangular": ("least", "mode", "greatest"),
+}
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Distribution of a swept coordinate.
+
+    Parameters
+    ----------
+    kind
+        ``normal``, ``uniform`` or ``triangular``.
+    parameters
+        Mean and standard deviation; least and greatest value; least value, mode and greatest value.
+
+    Raises
+    ------
+    InputError
+        If there is no such kind, or the parameters are not those of it.
+
+    Examples
+    --------
+    >>> Distribution("uniform", (-0.1, 0.1)).quantile(np.array([0.0, 0.75])).round(12).tolist()
+    [-0.1, 0.05]
+    >>> Distribution.parsed("normal(0, 0.03)").text
+    'normal(0.0, 0.03)'
+    """
+
+    kind: str
+    parameters: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        names = PARAMETERS[one_of("distribution", self.kind, PARAMETERS)]
+        array("parameters of a distribution", self.parameters, ndim=1)
+        wanted = f"{self.kind}({', '.join(names)})"
+        if len(self.parameters) != len(names):
+            raise InputError(f"{self.text}: must be {wanted}")
+        for name, value in zip(names, self.parameters, strict=True):
+            number(f"{name} in {self.text}", value)
+        if self.kind == "normal":
+            number(f"standard_deviation in {self.text}", self.parameters[1], above=0.0)
+        elif not (list(self.parameters) == sorted(self.parameters) and self.parameters[0] < self.parameters[-1]):
+            raise InputError(f"{self.text}: must be {wanted} with numbers that rise")
+
+    @classmethod
+    def parsed(cls, text: str) -> Distribution:
+        """Distribution of a text such as ``normal(0, 0.03)``; raises InputError if it is none."""
+        instance("distribution", text, str)
+        found = TEXT.fullmatch(text)
+        try:
+            parameters = tuple(float(part) for part in found[2].split(",")) if found else ()
+        except ValueError:
+            found = None
+        if found is None:
+            kinds = ", ".join(f"{kind}({', '.join(names)})" for kind, names in PARAMETERS.items())
+            raise InputError(f"{shown(text)}: must be one of {kinds}; decimals have a point")
+        return cls(found[1], parameters)
+
+    @property
+    def text(self) -> str:
+        """The distribution as it is written."""
+        return f"{self.kind}({', '.join(map(repr, map(float, self.parameters)))})"
+
+    def quantile(self, probability: Array) -> Array:
+        """Values (n) that are not exceeded with given probabilities (n)."""
+        from scipy import stats
+
+        first, *others, last = self.parameters
+        if self.kind == "normal":
+            return np.asarray(stats.norm.ppf(probability, first, last))
+        if self.kind == "uniform":
+            return np.asarray(first + (last - first) * probability)
+        mode = (others[0] - first) / (last - first)
+        return np.asarray(stats.triang.ppf(probability, mode, first, last - first))
+
+
+def sample_values(
+    distributions: Mapping[str, Distribution], count: int, *, seed: int = 0, sampler: Sampler = "sobol"
+) -> dict[str, Array]:
+    """Values (n) of every distributed coordinate.
+
+    Parameters
+    ----------
+    distributions
+        By coordinate.
+    count
+        Number of samples; of the Sobol sequence a power of two is balanced.
+    seed
+        Of the scrambling or of the permutations; the same seed gives the same samples.
+    sampler
+        ``sobol`` (scrambled) or ``latin_hypercube``, by ``scipy.stats.qmc``.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, or there is no such sampler.
+
+    Examples
+    --------
+    >>> drawn = sample_values({"E": Distribution("uniform", (0.0, 1.0))}, 8)
+    >>> sorted(int(8 * value) for value in drawn["E"])  # one in every eighth
+    [0, 1, 2, 3, 4, 5, 6, 7]
+    """
+    from scipy.stats import qmc
+
+    whole("samples", count, 1, SAMPLE_COUNT_LIMIT)
+    whole("seed", seed, 0, 2**63 - 1)
+    one_of("sampler", sampler, get_args(Sampler))
+    dimensions = len(distributions)
+    engine: Any
+    if sampler == "sobol":
+        engine = qmc.Sobol(dimensions, scramble=True, seed=seed)
+        drawn = engine.random_base2(math.ceil(math.log2(count)))[:count]
+    else:
+        engine = qmc.LatinHypercube(dimensions, seed=seed)
+        drawn = engine.random(count)
+    # The ends of the unit interval, which a scrambled sequence may hit, are no probabilities of a normal distribution.
+    drawn = np.clip(drawn, 2.0**-33, 1.0 - 2.0**-33)
+    return {name: found.quantile(drawn[:, i]) for i, (name, found) in enumerate(distributions.items())}
+
 
 VALUE_COUNT_LIMIT = 10_000_000
 DIGIT_COUNT = 14  # of the greatest value of an even grid
@@ -124,3 +264,80 @@ def _listed(quantity: SweptQuantity, text: str) -> Sequence[Any]:
             f"{quantity.name} = {shown(text)}: must be numbers separated by commas, FROM:TO:COUNT, or a distribution "
             "such as normal(0,0.03)"
         ) from None
+
+
+LOAD_CASE = "load_case"
+FILES = ("oil", "deviation.pinion", "deviation.gear")  # columns that name files
+
+
+def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axis:
+    r"""Load cases of a table in CSV.
+
+    Parameters
+    ----------
+    path
+        The file, as of ``read_table_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
+        ``name``: those of a table of load cases for ``run``, and more. No cell is empty.
+    allow_outside
+        Whether the table may name files of oils and deviations outside its folder: it may be anybody's.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is unknown or comes twice, or a value is missing or not possible.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     table = Path(folder, "loads.csv")
+    ...     _ = table.write_text("torque,E,share\n100,0.01,0.7\n300,0.05,0.3\n", encoding="utf-8")
+    ...     read_load_case_axis(table).columns["torque"].tolist()
+    [100.0, 300.0]
+    """
+
+    def checked(row: Mapping[str, Any]) -> dict[str, Any]:
+        for name in FILES:
+            if name in row and not allow_outside:
+                _require_inside(path, name, row[name])
+        return {name: swept_quantity(name).checked(value) for name, value in row.items()}
+
+    rows = read_table_rows(
+        path, lambda column: swept_quantity(column).words, checked, size_limit=TABLE_SIZE_LIMIT, complete=True
+    )
+    return load_case_axis({name: [row[name] for row in rows] for name in rows[0]})
+
+
+def _require_inside(path: str | Path, name: str, value: str) -> None:
+    """Refuse a file outside the folder of the table, and say nothing of it."""
+    is_known = is_shipped(value) if name == "oil" else value in shipped_deviations()
+    if not is_known and leads_outside(os.path.dirname(os.path.abspath(path)), os.path.abspath(value)):
+        raise InputError(
+            f"{name} = {shown(value)}: must be a shipped one, or a file inside the folder of the table; if you trust "
+            "the table, --allow-outside (in Python columns in place of a file) opens files elsewhere"
+        )
+
+
+def load_case_axis(columns: Any) -> Axis:
+    """Load cases from values (n) by the names of their columns.
+
+    Raises
+    ------
+    InputError
+        If a column is unknown, they are not equally long, or a value is not possible.
+
+    Examples
+    --------
+    >>> load_case_axis({"torque": [100.0, 300.0], "E": [0.01, 0.05]}).size
+    2
+    """
+    found = {str(name): column(swept_quantity(str(name)), list(values)) for name, values in dict(columns).items()}
+    if not any(swept_quantity(name).stage < Stage.NOTHING for name in found):
+        raise InputError(
+            f"load cases: must have a column that changes something, as torque or E; has {shown(list(found))}"
+        )
+    if len({values.size for values in found.values()}) > 1:
+        raise InputError("load cases: the columns must be equally long")
+    if "share" in found and not (np.all(found["share"] >= 0.0) and found["share"].sum() > 0.0):
+        raise InputError("share: must be numbers of 0 or more, not all 0")
+    return Axis(LOAD_CASE, found)

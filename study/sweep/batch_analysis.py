@@ -23,15 +23,13 @@ from ...core.errors import EaseoffError, GeometryError, InputError, printable, s
 from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis.contact_analysis import contact_analysis
-from ..analysis.friction_analysis import friction_settings, operation_of, with_friction
-from ..analysis.joined_analysis import Analysis
+from ..analysis.case_analysis import friction_settings, operation_of, with_friction
+from ..analysis.contact_analysis import Analysis, contact_analysis
+from ..analysis.key_numbers import key_numbers
+from ..analysis.swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
 from ..case_in_mesh import CaseInMesh
-from ..report.key_numbers import key_numbers
-from .point_table import assemblies
-from .sweep_layout import PointStatus
-from .sweep_setup import SweepSetup
-from .swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
+from .sweep_file import PointStatus
+from .sweep_plan import SweepSetup, assemblies
 
 Array = NDArray[Any]
 REASON_LENGTH_LIMIT = 200  # of the reason of a failure [characters]

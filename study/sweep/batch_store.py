@@ -24,7 +24,7 @@ from ...core.output_file import NAME as PRIVATE_NAME
 from ...core.output_file import check_folder, clear_remains, whole_file
 from ...core.regular_file import TABLE_SIZE_LIMIT, parsed_json, read_text
 from .batch_analysis import Block
-from .sweep_layout import PointStatus
+from .sweep_file import PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
 PLAN_NAME, MAP_NAME = "sweep.json", "batches.jsonl"

@@ -31,7 +31,7 @@ from ...core.process_settings import (
     keep_freed_memory,
 )
 from .batch_analysis import Batch, Block, analyze_batch
-from .sweep_layout import PointStatus
+from .sweep_file import PointStatus
 
 #: Times that a batch is begun whose process ends, before its points count as failed.
 ATTEMPT_COUNT = 3

@@ -20,19 +20,17 @@ from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..analysis.shown_progress import shows_progress, told
+from ..analysis.swept_quantity import Stage, swept_quantity
 from ..case_in_mesh import case_attributes, deflection_attributes, prepared_pair
-from ..deviations.deviation_source import Deviated, Source, deviation_attributes, flank_deviations
+from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
+from ..progress import shows_progress, told
+from .axis import Sampler
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
-from .distribution import Sampler
 from .engine import cluster_client, in_processes, in_this_process, on_cluster
-from .point_table import PointTable
 from .sweep_dataset import SweepNumbers
-from .sweep_layout import SWEEP_SCHEMA_VERSION
-from .sweep_plan import SweepPlan, planned_sweep
-from .sweep_setup import SweepSetup
-from .swept_quantity import Stage, swept_quantity
+from .sweep_file import SWEEP_SCHEMA_VERSION
+from .sweep_plan import PointTable, SweepPlan, SweepSetup, planned_sweep
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant

@@ -10,11 +10,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import variable_attributes
+from ..analysis.swept_quantity import swept_quantity
 from .batch_analysis import Block
-from .point_table import PointTable
-from .sweep_layout import PointStatus
-from .sweep_setup import SweepSetup
-from .swept_quantity import swept_quantity
+from .sweep_file import PointStatus
+from .sweep_plan import PointTable, SweepSetup
 
 Array = NDArray[Any]
 NOT_COMPUTED = -1  # value of a number with meanings where a point failed

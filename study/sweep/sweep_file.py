@@ -1,16 +1,126 @@
-"""Dataset of a sweep as a netCDF-4 file."""
+"""Dataset of a sweep as a netCDF-4 file.
+
+Layout of the dataset of a sweep: what must be in it for its table and pictures.
+
+Dataset of a sweep, filled batch by batch: key numbers and status over the swept coordinates.
+"""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from ...core.attributes import StoredStatus
 from ...core.errors import InputError
 from ...core.file_origin import layout_fault, unreadable
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.regular_file import named
-from .sweep_layout import SWEEP_SCHEMA_VERSION, sweep_faults
+from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, form_faults
+from .reductions import LOADS, ROWS, point_dimensions, swept_names
+
+SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
+ATTRIBUTES: dict[str, str | int] = {
+    **dict.fromkeys(("title", "easeoff_version", "flank", "solver"), "text"),
+    **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
+}
+OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
+    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated", "deflections"), "text"),
+    **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
+    "modification_um": "table of numbers",
+    **dict.fromkeys(
+        (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
+        "number",
+    ),
+    "deflection_torques_N_m": 2,
+    "seed": "number",
+}
+#: Dimensions that a number may have beside those of the points and of the loads.
+OTHER_DIMENSIONS = ("order", "member")
+
+
+class PointStatus(StoredStatus):
+    """How the analysis of a point of a sweep ended.
+
+    Examples
+    --------
+    >>> PointStatus(0).name
+    'CERTIFIED'
+    """
+
+    CERTIFIED = 0
+    UNCERTIFIED = 1
+    NOT_POSSIBLE = 2
+    NO_CONTACT = 3
+    FAILED = 4
+
+
+def sweep_faults(dataset: xr.Dataset) -> list[str]:
+    """What the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> sweep_faults(found), sweep_faults(found.drop_vars("status"))
+    ([], ["no whole numbers 'status' from 0 to 4"])
+    """
+    found = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
+    found += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES, needed=False)
+    try:
+        names = swept_names(dataset)
+    except InputError:
+        return [*found, "the attribute 'swept' must be a list of coordinates"]
+    found += [*form_faults(dataset), *_coordinate_faults(dataset, names), *_status_faults(dataset, names)]
+    return found or list(_number_faults(dataset))
+
+
+def _coordinate_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
+    for name in (*names, *(one for one in LOADS if one in dataset.coords)):
+        values = dataset[name].values
+        if values.ndim != 1 or not values.size or dataset[name].dims[0] not in (name, *ROWS):
+            yield f"{name!r} must hold values in a row, over itself or over {' or '.join(ROWS)}"
+        elif not (_is_text(values) or (values.dtype.kind in "fiu" and np.all(np.isfinite(values)))):
+            yield f"{name!r} must hold finite numbers or texts"
+        elif name in LOADS and values.dtype.kind not in "fiu":
+            yield f"{name!r} must hold numbers"
+    for key, variable in dataset.variables.items():
+        if not isinstance(variable.attrs.get("units", ""), str):
+            yield f"{key!r}: the attribute 'units' must be a text"
+
+
+def _status_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
+    own = {dim for name in names for dim in dataset[name].dims}
+    status, known = dataset.get("status"), [int(one) for one in PointStatus]
+    if status is None or status.dtype.kind not in "iu" or not np.all(np.isin(status.values, known)):
+        yield f"no whole numbers 'status' from {min(known)} to {max(known)}"
+    elif not own - {*LOADS} <= {*status.dims} <= own | {"torque"} or not status.size:
+        yield "'status' must be over the swept coordinates and torque"
+    elif "reason" not in dataset or dataset["reason"].dims != status.dims or not _is_text(dataset["reason"].values):
+        yield "no texts 'reason' over the dimensions of 'status'"
+
+
+def _number_faults(dataset: xr.Dataset) -> Iterator[str]:
+    own = {*point_dimensions(dataset)}
+    known = own | {*LOADS, *OTHER_DIMENSIONS}
+    for name, variable in dataset.data_vars.items():
+        if name in ("status", "reason"):
+            continue
+        if variable.dtype.kind not in "fiu" or not own <= {*variable.dims} <= known:
+            yield f"no numbers {name!r} over the points"
+        elif np.any(np.abs(variable.values) > MAGNITUDE_LIMIT):  # infinite ones too; NaN where there is none
+            yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
+
+
+def _is_text(values: Any) -> bool:
+    return values.dtype.kind == "U" or (
+        values.dtype.kind == "O" and all(isinstance(one, str) for one in values.ravel().tolist())
+    )
+
 
 MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
 
@@ -106,3 +216,6 @@ def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Datas
         if variable.dtype.kind == "O"
     }
     return dataset.assign(texts)
+
+
+Array = NDArray[Any]

@@ -1,18 +1,29 @@
-"""Plan of a sweep: its points, what is the same at all of them, and how the samples were drawn."""
+"""Plan of a sweep: its points, what is the same at all of them, and how the samples were drawn.
+
+What is the same at every point of a sweep: the case, its loads and conditions, and the options of the analysis.
+
+Points of a sweep as a table of rows, in the order in which the least is computed anew from one to the next.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.deflection_table import misalignment_of
+from ...cases.deflections import Deflections
 from ...cases.reading import shipped_deviations
 from ...cases.schema.case_schema import Case
 from ...contact.evaluation.marking_print import checked_thickness
@@ -22,19 +33,218 @@ from ...core.errors import InputError
 from ...core.memory import require_memory
 from ...core.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
+from ...geometry.deviation.deviation import Deviation, Method
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName
+from ...geometry.pair.modification import Modification
+from ..analysis.case_analysis import friction_settings, operation_of
 from ..analysis.contact_analysis import case_torques
-from ..analysis.friction_analysis import friction_settings, operation_of
+from ..analysis.swept_quantity import CONDITIONS, Stage, swept_quantity
 from ..case_in_mesh import checked_case, prepared_pair, require_kinds
-from ..deviations.deviation_source import flank_deviations
-from .axis import Axis, grid_axis, is_distribution
-from .distribution import Distribution, Sampler, sample_values
-from .load_case_axis import load_case_axis, read_load_case_axis
-from .point_table import PointTable
-from .sweep_setup import SweepSetup
-from .swept_quantity import CONDITIONS, Stage, swept_quantity
+from ..deviation_source import Deviated, Source, flank_deviations
+from .axis import (
+    Axis,
+    Distribution,
+    Sampler,
+    grid_axis,
+    is_distribution,
+    load_case_axis,
+    read_load_case_axis,
+    sample_values,
+)
 
 if TYPE_CHECKING:
-    from ...friction import Operation
+    from ...friction import FrictionModel, Operation
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSetup:
+    """What is the same at every point of a sweep; two are equal if their digests are.
+
+    Parameters
+    ----------
+    case
+        The checked case.
+    torques
+        Torques of every analysis [N m]; none where each row has its own.
+    conditions
+        Operating conditions of every analysis, arguments of ``friction.Operation``.
+    flank, misalignment, deviations, deviated, interpolation, modification, edge_contact, marking, solver
+        As of ``analyze``.
+    friction_model, friction_feedback
+        As of ``analyze``.
+    digest
+        Digest of all this; made from it.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> SweepSetup(read_case("nasa-12x36"), (100.0,)) == SweepSetup(read_case("nasa-12x36"), (200.0,))
+    False
+    """
+
+    case: Case
+    torques: tuple[float, ...] | None
+    conditions: Mapping[str, Any] = field(default_factory=dict)
+    flank: FlankName = "drive"
+    misalignment: Misalignment | Deflections | None = None
+    deviations: Mapping[str, Source] = field(default_factory=dict)
+    deviated: Deviated = "ease_off"
+    interpolation: Method = "spline"
+    modification: Modification | None = None
+    edge_contact: bool | None = None
+    marking: float | None = None
+    solver: str = "auto"
+    friction_model: FrictionModel | None = None
+    friction_feedback: bool | None = None
+    digest: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.digest:
+            known = {one.name: _stable(getattr(self, one.name)) for one in fields(self) if one.name != "digest"}
+            known["easeoff"] = version("easeoff")
+            text = json.dumps(known, sort_keys=True)
+            object.__setattr__(self, "digest", hashlib.sha256(text.encode()).hexdigest())
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SweepSetup) and self.digest == other.digest
+
+
+def _stable(value: Any) -> Any:
+    """What a digest is made of, alike in every process."""
+    if isinstance(value, Case):
+        return value.model_dump_json()
+    if isinstance(value, np.ndarray):
+        return [str(value.dtype), list(value.shape), hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()]
+    if isinstance(value, xr.Dataset):
+        return {str(name): _stable(variable.values) for name, variable in value.variables.items()}
+    if isinstance(value, Deviation):
+        return {one.name: _stable(getattr(value, one.name)) for one in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(name): _stable(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_stable(item) for item in value]
+    if isinstance(value, str | Path):
+        return [str(value), file_digest(str(value))]
+    return repr(value)
+
+
+def file_digest(name: str) -> str:
+    """Digest of the content of a file; empty if there is none of that name, or a device or a pipe."""
+    if not os.path.isfile(name):
+        return ""
+    try:
+        with open(name, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class PointTable:
+    """Rows of a sweep: every combination of the points along its axes.
+
+    Parameters
+    ----------
+    axes
+        Axes whose points are analysed apart; those over which one analysis goes are not among them.
+
+    Examples
+    --------
+    >>> from easeoff.study.sweep.axis import grid_axis
+    >>> table = PointTable((grid_axis("P", "0,0.1"), grid_axis("E", "0,0.1,0.2")))
+    >>> table.shape, table.count, table.values(4)
+    ((2, 3), 6, {'P': 0.1, 'E': 0.1})
+    """
+
+    axes: tuple[Axis, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of points along the axes."""
+        return tuple(axis.size for axis in self.axes)
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the coordinates of a row."""
+        return tuple(name for axis in self.axes for name in axis.columns)
+
+    def columns(self, rows: Array) -> dict[str, Array]:
+        """Values of every coordinate in some rows."""
+        places = np.unravel_index(rows, self.shape) if self.axes else ()
+        return {
+            name: values[place]
+            for axis, place in zip(self.axes, places, strict=True)
+            for name, values in axis.columns.items()
+        }
+
+    def values(self, row: int) -> dict[str, Any]:
+        """Values of every coordinate in one row."""
+        return {name: found[0].item() for name, found in self.columns(np.array([row])).items()}
+
+    @cached_property
+    def order(self) -> Array:
+        """Rows in the order of the work: those of one pair together, within them those of one assembly."""
+        codes = self._codes
+        return np.lexsort([codes[name] for name in reversed(self._by_stage)]) if codes else np.arange(self.count)
+
+    @cached_property
+    def starts(self) -> Array:
+        """Places in the order of the work at which another assembly begins."""
+        changed = np.zeros(self.count, dtype=bool)
+        changed[0] = True
+        for name in self._by_stage:
+            if swept_quantity(name).stage <= Stage.ASSEMBLY:
+                sorted_codes = self._codes[name][self.order]
+                changed[1:] |= sorted_codes[1:] != sorted_codes[:-1]
+        return np.flatnonzero(changed)
+
+    def bound(self, first: int, size: int) -> int:
+        """Where a batch of about ``size`` rows ends that begins at a place: between assemblies where possible."""
+        wanted = first + max(size, 1)
+        if wanted >= self.count:
+            return self.count
+        whole = int(self.starts[np.searchsorted(self.starts, wanted, side="right") - 1])
+        return whole if whole > first else wanted
+
+    @property
+    def _by_stage(self) -> Sequence[str]:
+        return sorted(self.names, key=lambda name: swept_quantity(name).stage)
+
+    @cached_property
+    def _codes(self) -> dict[str, Array]:
+        """The value of every coordinate in every row as its number among those that there are."""
+        places = np.unravel_index(np.arange(self.count), self.shape) if self.axes else ()
+        return {
+            name: np.unique(values, return_inverse=True)[1][place]
+            for axis, place in zip(self.axes, places, strict=True)
+            for name, values in axis.columns.items()
+        }
+
+
+def assemblies(columns: dict[str, Array], count: int) -> Iterator[list[int]]:
+    """Places of neighbouring rows that have the pair and the assembly in common."""
+    names = [name for name in columns if swept_quantity(name).stage <= Stage.ASSEMBLY]
+    together: list[int] = []
+    for place in range(count):
+        if together and any(columns[name][place] != columns[name][together[0]] for name in names):
+            yield together
+            together = []
+        together.append(place)
+    if together:
+        yield together
+
 
 SAMPLE = "sample"
 POINT_NUMBERS = 60  # of an analysis at one load, without friction

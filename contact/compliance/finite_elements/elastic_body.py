@@ -447,7 +447,7 @@ def elastic_body(
     Parameters
     ----------
     nodes, cells, material, functions
-        As ``bricks.brick_stiffness``.
+        As ``brick_stiffness``.
     held
         Nodes that do not move.
 

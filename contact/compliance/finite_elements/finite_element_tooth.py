@@ -200,7 +200,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     outer = outer.transpose(2, 4, 1, 3, 0).reshape((3 * in_section) ** 2, -1) @ products.reshape(4 * stations, -1)
     outer = outer.reshape(in_section, 3, in_section, 3, counts[0], counts[0]).transpose(4, 0, 1, 5, 2, 3)
 
-    # Both Lame terms and the Laplacian are entries of the gradients' outer products in another order, as in ``bricks``.
+    # Both Lame terms and the Laplacian are entries of the gradients' outer products in other orders (``elastic_body``).
     young, nu = material.elastic_modulus, material.poisson_ratio
     first, shear = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), material.shear_modulus
     result = first * outer + shear * outer.transpose(0, 1, 5, 3, 4, 2)

@@ -22,11 +22,10 @@ from ....core.forked_process import ProcessEndedError, in_forked_process
 from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, named, require_file
-from ..contact_problem import ContactProblem
-from ..problem_dataset import ATTRIBUTES
-from .problem_set import ProblemSet
-from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
-from .reference_solutions import require_answers, stored_reference
+from ..contact_problem import ATTRIBUTES, ContactProblem
+from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES
+from .fclib_file import require_answers, stored_reference
+from .problem_file import ProblemSet
 
 VARIABLE = "problem"
 FIELDS = (*ATTRIBUTES, *REFERENCE_ATTRIBUTES)

@@ -21,13 +21,27 @@ variables (problem). To read problem i with xarray and numpy alone:
     else:
         V = ds["compliance_factor"][i, :n, : int(ds["mode_count"][i])].values
         C = numpy.diag(ds["compliance_diagonal"][i, :n].values) + V @ V.T
+
+Checksum of a contact problem: of its numbers, whatever file, compression or padding holds them.
+
+Arrays of a file of contact problems, also of an incomplete file from another program.
+
+Entries that follow from the numbers may be missing: without ``size`` a problem ends where its separations do, without
+``structured`` the form is that of the compliance that is there, without ``mode_count`` the factor ends where its
+numbers do. Dimensions may come in another order or have other names; a file with a single problem need not have that of
+the problem. Where nothing was written a number may be NaN, the variable's ``_FillValue`` or netCDF's own. Units may be
+left out or be spelt otherwise, but other units are refused, not guessed at.
+
+Contact problems of a file with what the file says of each: labels and reference solutions.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -35,17 +49,268 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ....core.attributes import units_of
-from ....core.checks import instance, shown
+from ....core.checks import frozen_arrays, instance, shown
 from ....core.errors import InputError
 from ....core.netcdf_file import read_dataset, write_netcdf
-from ..answer import Answer
-from ..contact_problem import ContactProblem
-from ..problem_arrays import problem_arrays, require_arrays
-from ..problem_dataset import ATTRIBUTES
-from ..problem_dataset import FORMAT as SINGLE_FORMAT
-from .problem_set import require_problems
-from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
-from .reference_solutions import reference_arrays, reference_variables, require_answers
+from ..certificate import Answer
+from ..contact_problem import ATTRIBUTES, ContactProblem
+from ..contact_problem import FORMAT as SINGLE_FORMAT
+from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES
+from .fclib_file import reference_arrays, reference_variables, require_answers
+
+
+def problem_checksum(problem: ContactProblem) -> str:
+    """Return the SHA-256 of the numbers of a problem, in hexadecimal digits.
+
+    The digest is over the doubles, little endian, row by row: T; S; r; then C, or d and V. Negative zeros count as
+    zeros. Problems that are identical have the same checksum; so have the same numbers in another file or program.
+
+    Examples
+    --------
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> problem_checksum(springs)[:8]
+    'cf7e0c8f'
+    """
+    instance("problem", problem, ContactProblem)
+    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.dense_compliance,)
+    digest = hashlib.sha256()
+    for array in (problem.torque, problem.separation, problem.lever_arm, *parts):
+        digest.update((np.ascontiguousarray(array, dtype="<f8") + 0.0).tobytes())
+    return digest.hexdigest()
+
+
+def set_checksum(names: Sequence[str], problems: Sequence[ContactProblem]) -> str:
+    """Return the SHA-256 of the lines ``name checksum`` of problems in order, in hexadecimal digits.
+
+    Examples
+    --------
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> set_checksum(["one"], [springs]) == set_checksum(["two"], [springs])
+    False
+    """
+    lines = (f"{name} {problem_checksum(problem)}\n" for name, problem in zip(names, problems, strict=True))
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+#: Dimensions of every array of a file, in the order in which they are read.
+DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "torque": ("problem",),
+    "separation": ("problem", "segment"),
+    "lever_arm": ("problem", "segment"),
+    "compliance": ("problem", "segment", "segment_other"),
+    "compliance_diagonal": ("problem", "segment"),
+    "compliance_factor": ("problem", "segment", "mode"),
+    "size": ("problem",),
+    "structured": ("problem",),
+    "mode_count": ("problem",),
+}
+
+
+#: Value of netCDF where nothing was written to a variable of floating point numbers without its own fill value.
+NETCDF_FILL = 9.969209968386869e36
+
+#: Other spellings of units, without blanks and asterisks.
+SPELLINGS = {
+    "mm": ("millimeter", "millimetre"),
+    "N mm": ("N.mm", "mmN", "mm.N"),
+    "mm/N": ("mmN-1", "mm.N-1", "mmN^-1"),
+    "(mm/N)^0.5": ("(mm/N)0.5", "(mm/N)^(1/2)", "mm^0.5N^-0.5", "sqrt(mm/N)"),
+}
+
+
+def require_arrays(dataset: xr.Dataset) -> None:
+    """Refuse a Dataset that lacks what nothing can replace.
+
+    Raises
+    ------
+    InputError
+        The message lists the missing variables.
+    """
+    missing = [name for name in ("separation", "lever_arm", "torque") if name not in dataset.variables]
+    parts = [name for name in ("compliance_diagonal", "compliance_factor") if name not in dataset.variables]
+    if "compliance" not in dataset.variables and parts:
+        missing += ["compliance"] if len(parts) == 2 else parts
+    if missing:
+        raise InputError(f"incomplete, without {', '.join(missing)}")
+
+
+def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
+    """Return the arrays of `DIMENSIONS` that a Dataset has, and `size`, `structured` and `mode_count` if it has not.
+
+    Parameters
+    ----------
+    dataset
+        Complete by `require_arrays`.
+
+    Raises
+    ------
+    InputError
+        A variable has other dimensions or other units, holds no numbers, or counts what is not there.
+    """
+    single = dataset["torque"].ndim == 0
+    data = {name: _array(dataset, name, single) for name in DIMENSIONS if name in dataset.variables}
+    separation, factor = data["separation"], data.get("compliance_factor")
+    if not separation.size:
+        raise InputError(f"separation = {shown(separation)}: must hold one problem of one segment, or more")
+    count = separation.shape[0]
+    for name, array in data.items():
+        if array.shape[0] != count:
+            raise InputError(f"{name} = {shown(array)}: must hold {count} problems, as separation")
+    sizes = data.get("size", _length(np.isfinite(separation)))
+    data["size"] = _counts(sizes, "size", 1, separation.shape[1])
+    if "structured" not in data:
+        # Where both forms are there, each problem has numbers in one of them.
+        diagonal = data.get("compliance_diagonal")
+        data["structured"] = np.zeros(count) if diagonal is None else np.isfinite(diagonal).any(axis=1)
+    data["structured"] = _counts(data["structured"], "structured", 0, 1)
+    for flag, name in ((0, "compliance"), (1, "compliance_diagonal"), (1, "compliance_factor")):
+        if name not in data and (data["structured"] == flag).any():
+            number = int(np.argmax(data["structured"] == flag))
+            raise InputError(
+                f"structured of problem {number} = {flag}: must go with the variable {name}, which is missing"
+            )
+    if factor is not None:
+        modes = data.get("mode_count", _length(np.isfinite(factor).any(axis=1)))
+        data["mode_count"] = _counts(modes, "mode_count", 0, factor.shape[2])
+    return data
+
+
+def _array(dataset: xr.Dataset, name: str, single: bool) -> NDArray[Any]:
+    variable, expected = dataset[name], DIMENSIONS[name][1 if single else 0 :]
+    if sorted(map(str, variable.dims)) == sorted(expected):
+        variable = variable.transpose(*expected)
+    elif variable.ndim != len(expected):
+        found = ", ".join(map(str, variable.dims))
+        raise InputError(f"{name} = array over ({found}): must have the dimensions ({', '.join(expected)})")
+    units = str(variable.attrs.get("units", "")).translate(str.maketrans("", "", " *"))
+    wanted = ATTRIBUTES.get(name, {}).get("units", "1")
+    if units not in ("", "1", wanted.replace(" ", ""), *SPELLINGS.get(wanted, ())):
+        raise InputError(f"units of {name} = {variable.attrs['units']!r}: must be {wanted!r}; convert the file")
+    array = variable.to_numpy()
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{name} = array of {array.dtype}: must hold numbers")
+    if array.dtype.kind == "f":
+        array = np.where(array == NETCDF_FILL, np.nan, array.astype(np.float64, copy=False))
+    return array[np.newaxis] if single else array
+
+
+def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[np.intp]:
+    """Return whole numbers within limits; InputError otherwise."""
+    wrong = ~((values >= least) & (values <= most) & (values == np.floor(values)))
+    if wrong.any():
+        number = int(np.argmax(wrong))
+        given = shown(values[number])
+        raise InputError(f"{name} of problem {number} = {given}: must be a whole number from {least} to {most}")
+    return values.astype(np.intp)
+
+
+def _length(present: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Length of each row up to its last entry that is present; an empty row counts as one, to be refused later."""
+    width = present.shape[1]
+    if not width:  # no modes
+        return np.zeros(present.shape[0], dtype=np.intp)
+    length: NDArray[np.intp] = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), 1)
+    return length
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class ProblemSet:
+    """Contact problems with labels and reference solutions.
+
+    Attributes
+    ----------
+    problems
+        The problems.
+    labels
+        By name an array of one entry a problem, such as ``name``, ``kind`` and ``mesh_position``.
+    answers
+        Reference solutions, one a problem; None if there are none.
+    attributes
+        What holds for all problems, text or numbers by name; formats other than netCDF have no place for it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> ProblemSet([springs, springs], {"name": np.array(["one spring/mm", ""])}).file_names()
+    ['one_spring_mm', 'problem_0001']
+    """
+
+    problems: Sequence[ContactProblem]
+    labels: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    answers: Sequence[Answer] | None = None
+    attributes: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, problems: ProblemSet | Sequence[ContactProblem]) -> ProblemSet:
+        """Problems as a set, if they are not one already.
+
+        Raises
+        ------
+        InputError
+            No problems.
+        """
+        given = problems if isinstance(problems, ProblemSet) else cls(problems)
+        require_problems(given.problems)
+        return given
+
+    def answer(self, i: int) -> Answer | None:
+        """Reference solution of problem i; None if there is none."""
+        return None if self.answers is None else self.answers[i]
+
+    def label(self, i: int) -> dict[str, Any]:
+        """Labels of problem i."""
+        return {name: np.asarray(values)[i] for name, values in self.labels.items()}
+
+    def file_names(self, stem: str = "problem") -> list[str]:
+        """Names for files of single problems: the labels ``name``; stem and number where these are missing or alike."""
+        numbers = [f"{stem}_{i:04d}" for i in range(len(self.problems))]
+        if "name" not in self.labels:
+            return numbers
+        names = ["".join(c if c.isalnum() or c in "-+." else "_" for c in str(n)) for n in self.labels["name"]]
+        return [
+            name if name.strip("_.") and names.count(name) == 1 else number
+            for name, number in zip(names, numbers, strict=True)
+        ]
+
+
+def require_problems(problems: object) -> None:
+    """Refuse anything but a sequence of contact problems.
+
+    Raises
+    ------
+    InputError
+        Another type, such as the name of a file, or no problems.
+    """
+    if isinstance(problems, str | os.PathLike | ContactProblem) or not isinstance(problems, Sequence):
+        raise InputError(f"problems = {shown(problems)}: must be a list of contact problems, the file comes after it")
+    if not problems:
+        raise InputError("problems = []: must hold at least one contact problem")
+    for i, one in enumerate(problems):
+        if not isinstance(one, ContactProblem):
+            raise InputError(f"problems[{i}] = {shown(one)}: must be a ContactProblem")
+
+
+def joined(sets: Sequence[ProblemSet]) -> ProblemSet:
+    """Return the problems of several sets as one, with the labels that all have, and answers if all have them.
+
+    Examples
+    --------
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> one = ProblemSet([springs], {"name": np.array(["springs"]), "step": np.array([0])})
+    >>> both = joined([one, ProblemSet([springs], {"name": np.array(["again"])})])
+    >>> both.labels["name"].tolist(), list(both.labels)
+    (['springs', 'again'], ['name'])
+    """
+    names = [name for name in sets[0].labels if all(name in one.labels for one in sets)]
+    answers = [one.answers for one in sets if one.answers is not None]
+    return ProblemSet(
+        [problem for one in sets for problem in one.problems],
+        {name: np.concatenate([np.asarray(one.labels[name]) for one in sets]) for name in names},
+        [answer for some in answers for answer in some] if len(answers) == len(sets) else None,
+    )
+
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1

@@ -17,13 +17,10 @@ from ....core.checks import file_path, one_of
 from ....core.errors import InputError
 from ....core.output_file import check_folder, check_writable
 from ..contact_problem import ContactProblem
-from .fclib_file import read_fclib, write_fclib
+from .fclib_file import read_fclib, read_references, write_fclib
 from .matlab_file import read_mat, write_mat
-from .problem_file import read_attributes, read_labels, read_problems, write_problems
-from .problem_set import ProblemSet
-from .programme_file import read_npz, write_npz
-from .qps_file import read_qps, write_qps
-from .reference_solutions import read_references
+from .problem_file import ProblemSet, read_attributes, read_labels, read_problems, write_problems
+from .programme_file import read_npz, read_qps, write_npz, write_qps
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,42 @@ takes no notice of others, the file holds
 
 In the dense and the lifted form F are the first n unknowns and theta is minus the multiplier of the first equality; in
 the dual form F are the first n unknowns and theta is the last.
+
+Sections of a QPS file, the format of the Maros-Meszaros test problems: a quadratic programme as text.
+
+    minimise 1/2 x'Q x + c'x - k   subject to rows of type E, L or G and bounds on x
+
+Sections are ``NAME``, ``ROWS``, ``COLUMNS``, ``RHS``, ``BOUNDS`` and ``QUADOBJ``, which holds the lower triangle of Q
+with its diagonal: no entry is halved or doubled. The right side of the objective's row is k, *minus* the constant of
+the objective. A column without a bound is not negative. There is no ``OBJSENSE`` in the test problems; a file that has
+one must say ``MIN``. ``QMATRIX`` (all of Q) and ``QSECTION`` (as ``QUADOBJ``) are read as well.
+
+Fields are separated by blanks, which is the free format. The fixed format has the same fields in fixed columns of at
+most 12 characters, too few for a double; it reads as the free one unless names have blanks.
+
+I. Maros, C. Meszaros, A repository of convex quadratic programming problems, Optimization Methods and Software 11
+(1999) 671-681, doi 10.1080/10556789908805768.
+
+One contact problem as a QPS file, the text that most programs for quadratic programmes read, and back without loss.
+
+The columns ``F1``, ``F2``, ... are the normal forces, not negative; the row ``BALANCE`` is r'F = T. In the lifted form,
+for C = diag(d) + V V^T, free columns ``Z1``, ... are the modal amplitudes and the rows ``M1``, ... say V'F - z = 0;
+Q is then diagonal. Names have at most eight characters without blanks. Numbers are written with as many digits as
+determine them, up to 17, for which the fields of the fixed format are too short: the file is in free format.
+
+The numbers are those of the problem in other units, powers of two chosen so that they are of order one: solvers stop
+at absolute tolerances. Neither the zero of the rotation nor any separation is changed, so that no bit is lost. The
+comments at the head of the file give the units, and how forces and rotation follow from an answer. The rotation is the
+dual of ``BALANCE``, the derivative of the minimum with respect to its right side, T.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,10 +54,12 @@ from numpy.typing import NDArray
 from ....core.array_file import read_arrays
 from ....core.checks import one_of, shown
 from ....core.errors import InputError
+from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
+from ....core.regular_file import faults_in_words, require_file
 from ..contact_problem import ContactProblem
-from ..forms.dual_form import dual_qp
-from ..forms.lifted_form import lifted_qp
+from ..programme_forms import dual_qp, lifted_qp
+from .problem_units import ProblemUnits, problem_data
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -171,3 +202,406 @@ def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
 
 def _is_numeric(array: NDArray[Any]) -> bool:
     return array.dtype.kind in "biuf"
+
+
+SECTIONS = ("NAME", "OBJSENSE", "ROWS", "COLUMNS", "RHS", "RANGES", "BOUNDS", "QUADOBJ", "QSECTION", "QMATRIX")
+#: Fields of a line by section, without a name of the set that may stand first.
+ROW_TYPES = ("N", "E", "L", "G")
+#: Bounds without a value, and those with one.
+FREE_BOUNDS, VALUE_BOUNDS = ("FR", "MI", "PL"), ("LO", "UP", "FX")
+
+
+@dataclass
+class QpsProgramme:
+    """Quadratic programme of a QPS file, by names.
+
+    Attributes
+    ----------
+    name
+        Of the problem.
+    comments
+        Lines that begin with an asterisk, without it.
+    objective
+        Name of the objective's row.
+    row_types
+        By the name of each other row: ``E``, ``L`` or ``G``.
+    linear
+        Coefficients c by column, in the order of the file; zero where none is given.
+    entries
+        Coefficients of the other rows by row and column.
+    right
+        Right sides by row; that of the objective among them, minus its constant.
+    lower, upper
+        Bounds by column, where they are not 0 and infinity.
+    quadratic
+        Q by pair of columns, the first not before the second in the file.
+    """
+
+    name: str = ""
+    comments: list[str] = field(default_factory=list)
+    objective: str = ""
+    row_types: dict[str, str] = field(default_factory=dict)
+    linear: dict[str, float] = field(default_factory=dict)
+    entries: dict[str, dict[str, float]] = field(default_factory=dict)
+    right: dict[str, float] = field(default_factory=dict)
+    lower: dict[str, float] = field(default_factory=dict)
+    upper: dict[str, float] = field(default_factory=dict)
+    quadratic: dict[tuple[str, str], float] = field(default_factory=dict)
+
+
+def qps_programme(lines: Iterable[str]) -> QpsProgramme:
+    r"""Return the programme that the lines of a QPS file describe.
+
+    Raises
+    ------
+    InputError
+        A line that is none of the format, a name that was not declared, a maximisation, ranges or integers.
+
+    Examples
+    --------
+    >>> text = "ROWS\n N e\n E b\nCOLUMNS\n x e 1 b 2\nRHS\n b 4\nQUADOBJ\n x x 3\nENDATA"
+    >>> found = qps_programme(text.splitlines())
+    >>> found.linear, found.entries, found.right, found.quadratic
+    ({'x': 1.0}, {'b': {'x': 2.0}}, {'b': 4.0}, {('x', 'x'): 3.0})
+    """
+    programme, section, both, ended = QpsProgramme(), "", False, False
+    for number, line in enumerate(lines, start=1):
+        if line.startswith("*"):
+            programme.comments.append(line[1:].strip())
+            continue
+        words = line.split()
+        if not words:
+            continue
+        if not line[0].isspace():
+            section, both = words[0].upper(), words[0].upper() == "QMATRIX"
+            ended = section == "ENDATA"
+            if ended:
+                break
+            if section not in SECTIONS:
+                raise InputError(f"line {number} = {shown(line)}: must be one of the sections {', '.join(SECTIONS)}")
+            if section == "NAME":
+                programme.name = " ".join(words[1:])
+            if section != "OBJSENSE":
+                continue
+            words = words[1:]
+        try:
+            _take(programme, section, words, both)
+        except InputError as error:
+            raise InputError(f"line {number}: {error}") from error
+        except (ValueError, KeyError, IndexError) as error:
+            said = shown(" ".join(words))
+            raise InputError(f"line {number} = {said}: must be a line of the section {section}") from error
+    if not ended:
+        raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
+    return programme
+
+
+def _take(programme: QpsProgramme, section: str, words: list[str], both: bool) -> None:
+    """Add a line of a section to a programme."""
+    if section == "OBJSENSE":
+        if words and words[0].upper() not in ("MIN", "MINIMIZE", "MINIMISE"):
+            raise InputError(f"OBJSENSE = {shown(words[0])}: must be MIN")
+    elif section == "ROWS":
+        _add_row(programme, words)
+    elif section == "COLUMNS":
+        _add_column(programme, words)
+    elif section == "RHS":
+        for row, value in _pairs(words[len(words) % 2 :]):
+            programme.right[_known(row, {programme.objective, *programme.row_types})] = value
+    elif section == "RANGES":
+        raise InputError("RANGES: must be left out, a row is an equality or an inequality")
+    elif section == "BOUNDS":
+        _add_bound(programme, words)
+    elif section in ("QUADOBJ", "QSECTION", "QMATRIX"):
+        _add_quadratic(programme, words, both)
+    else:
+        raise ValueError(section)
+
+
+def _add_row(programme: QpsProgramme, words: list[str]) -> None:
+    kind, name = words
+    if kind.upper() not in ROW_TYPES or name in programme.row_types:
+        raise ValueError(name)
+    if kind.upper() != "N":
+        programme.row_types[name] = kind.upper()
+    elif not programme.objective:
+        programme.objective = name
+
+
+def _add_column(programme: QpsProgramme, words: list[str]) -> None:
+    column = words[0]
+    if "'MARKER'" in words:
+        raise InputError("MARKER: must be left out, all columns are real numbers")
+    programme.linear.setdefault(column, 0.0)
+    for row, value in _pairs(words[1:]):
+        if row == programme.objective:
+            programme.linear[column] = value
+        elif row in programme.row_types:
+            programme.entries.setdefault(row, {})[column] = value
+
+
+def _add_bound(programme: QpsProgramme, words: list[str]) -> None:
+    kind = words[0].upper()
+    if kind in FREE_BOUNDS:
+        column = _known(words[-1], programme.linear) if len(words) < 4 else _known(words[2], programme.linear)
+        if kind != "PL":
+            programme.lower[column] = -math.inf
+        if kind != "MI":
+            programme.upper[column] = math.inf
+        return
+    if kind not in VALUE_BOUNDS:
+        raise InputError(f"bound = {shown(kind)}: must be one of {', '.join((*FREE_BOUNDS, *VALUE_BOUNDS))}")
+    column, value = _known(words[-2], programme.linear), _number(words[-1])
+    if kind != "UP":
+        programme.lower[column] = value
+    if kind != "LO":
+        programme.upper[column] = value
+
+
+def _add_quadratic(programme: QpsProgramme, words: list[str], both: bool) -> None:
+    first, known = _known(words[0], programme.linear), programme.linear
+    for second, value in _pairs(words[1:]):
+        pair, mirrored = (first, _known(second, known)), (second, first)
+        if both and programme.quadratic.get(mirrored, value) != value:
+            raise InputError(f"entry of {first} and {second}: must be that of {second} and {first}")
+        if pair in programme.quadratic or (not both and mirrored in programme.quadratic):
+            raise InputError(f"entry of {first} and {second}: must come once")
+        if not (both and mirrored in programme.quadratic):
+            programme.quadratic[pair] = value
+
+
+def _pairs(words: list[str]) -> Iterator[tuple[str, float]]:
+    """Names and numbers in turn."""
+    if not words or len(words) % 2:
+        raise ValueError(words)
+    for name, value in zip(words[::2], words[1::2], strict=True):
+        yield name, _number(value)
+
+
+def _number(word: str) -> float:
+    """A number as C or Fortran writes it."""
+    value = float(word.upper().replace("D", "E"))
+    if math.isnan(value):
+        raise ValueError(word)
+    return value
+
+
+def _known(name: str, names: Iterable[str]) -> str:
+    if name not in names:
+        raise InputError(f"{shown(name)}: must be declared before")
+    return name
+
+
+Array = NDArray[np.float64]
+
+#: Forms in which a problem can be written; ``auto`` is the lifted one where the compliance is structured.
+QPS_FORMS = ("auto", "dense", "lifted")
+UNIT = "easeoff unit of "
+
+
+def write_qps(
+    problem: ContactProblem, path: str | os.PathLike[str], *, form: str = "auto", name: str = "contact"
+) -> None:
+    """Write a contact problem as a QPS file.
+
+    Parameters
+    ----------
+    problem
+        The contact problem.
+    path
+        The file, replaced if it exists. It appears complete or not at all.
+    form
+        ``"dense"``, the matrix C; ``"lifted"``, sparse, for a structured compliance; ``"auto"``, lifted where the
+        compliance is structured.
+    name
+        Name of the problem in the file; blanks become underscores.
+
+    Raises
+    ------
+    InputError
+        An unknown form, or one the problem cannot have; the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_qps(springs, Path(folder, "problem.qps"))
+    ...     Path(folder, "problem.qps").read_text().split("ROWS")[1].split("RHS")[0].split()[:4]
+    ['N', 'ENERGY', 'E', 'BALANCE']
+    """
+    one_of("form", form, QPS_FORMS)
+    if form == "lifted" and not problem.is_structured:
+        raise InputError("form = 'lifted': must be dense for a single dense matrix; the lifted form needs (d, V)")
+    with whole_file(path) as temporary, temporary.open("w", encoding="ascii", newline="\n") as file:
+        file.writelines(_lines(problem, form, name))
+
+
+def read_qps(path: str | os.PathLike[str]) -> ContactProblem:
+    """Read a contact problem from a QPS file.
+
+    Parameters
+    ----------
+    path
+        A file of `write_qps`, or of another program: columns that are not negative, one equality, and no other row but
+        those of the lifted form. Numbers of another program are taken for mm and N.
+
+    Returns
+    -------
+    ContactProblem
+        Identical to the one written; after the dense form of a structured one, with one matrix.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or its programme is no contact problem.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_qps(springs, Path(folder, "problem.qps"))
+    ...     read_qps(Path(folder, "problem.qps")).identical(springs)
+    True
+    """
+    require_file(path, unpacked_size_limit())
+    try:
+        with faults_in_words(path, "a QPS file"), open(path, encoding="utf-8") as file:
+            programme = qps_programme(file)
+        return ContactProblem(*_units(programme).restored(*_contact_data(programme)))
+    except InputError as error:
+        raise InputError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
+
+
+def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
+    units = ProblemUnits.of(problem)
+    separation, arm, torque, compliance = units.changed(*problem_data(problem))
+    if form == "dense" and problem.is_structured:
+        compliance = problem.dense_compliance / units.compliance
+    size = problem.size
+    yield "* Contact problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0. Written by easeoff.\n"
+    yield "* Columns: F1.. forces; Z1.. amplitudes z = V'F, if C = diag(d) + V V'.\n"
+    yield f"*{UNIT}force [N] = {units.force!r}\n"
+    yield f"*{UNIT}compliance [mm/N] = {units.compliance!r}\n"
+    yield f"*{UNIT}lever_arm [mm] = {units.lever_arm!r}\n"
+    yield f"* In N: F times {units.force!r}. Rotation in rad: the dual of BALANCE, the derivative of the minimum with\n"
+    yield f"* respect to T, times {units.rotation!r}.\n"
+    yield f"* Problem: {_word(name)}\n"
+    yield f"NAME {_word(name)}\nROWS\n N ENERGY\n E BALANCE\n"
+    factor = compliance[1] if isinstance(compliance, tuple) else np.zeros((size, 0))
+    modes = factor.shape[1]
+    yield from (f" E M{k + 1}\n" for k in range(modes))
+    yield "COLUMNS\n"
+    for i in range(size):
+        # Every column has an entry, or it would not exist.
+        yield f" F{i + 1} ENERGY {float(separation[i])!r}\n"
+        if arm[i] != 0.0:
+            yield f" F{i + 1} BALANCE {float(arm[i])!r}\n"
+        yield from (f" F{i + 1} M{k + 1} {float(factor[i, k])!r}\n" for k in np.flatnonzero(factor[i]))
+    yield from (f" Z{k + 1} M{k + 1} -1.0\n" for k in range(modes))
+    yield f"RHS\n RHS BALANCE {float(torque)!r}\n"
+    if modes:
+        yield "BOUNDS\n"
+        yield from (f" FR BND Z{k + 1}\n" for k in range(modes))
+    yield "QUADOBJ\n"
+    if isinstance(compliance, tuple):
+        diagonal = compliance[0]
+        yield from (f" F{i + 1} F{i + 1} {float(diagonal[i])!r}\n" for i in np.flatnonzero(diagonal))
+        yield from (f" Z{k + 1} Z{k + 1} 1.0\n" for k in range(modes))
+    else:
+        for j in range(size):
+            below = j + np.flatnonzero(compliance[j:, j])
+            yield from (f" F{j + 1} F{i + 1} {float(compliance[i, j])!r}\n" for i in below)
+    yield "ENDATA\n"
+
+
+def _contact_data(programme: QpsProgramme) -> tuple[Array, Array, float, Any]:
+    """Separation, lever arm, torque and compliance, in the units of the file."""
+    columns = list(programme.linear)
+    free = [c for c in columns if programme.lower.get(c, 0.0) == -math.inf]
+    for column in columns:
+        lower, upper = programme.lower.get(column, 0.0), programme.upper.get(column, math.inf)
+        if lower not in (0.0, -math.inf) or upper != math.inf:
+            raise InputError(f"bounds of {column} = {lower:g}, {upper:g}: must be 0 and infinity, or none")
+    for row, kind in programme.row_types.items():
+        if kind != "E":
+            raise InputError(f"type of the row {row} = {kind}: must be E, a contact problem has no inequalities")
+    amplitude = {c: k for k, c in enumerate(free)}
+    force = {c: i for i, c in enumerate(c for c in columns if c not in amplitude)}
+    rows = {row: programme.entries.get(row, {}) for row in programme.row_types}
+    balances = [row for row, entries in rows.items() if not any(c in amplitude for c in entries)]
+    if len(balances) != 1 or len(rows) != 1 + len(free):
+        raise InputError("rows: must be one equality, the balance of torque, and one for each free column")
+    (balance,) = balances
+    arm = np.zeros(len(force))
+    for column, value in rows.pop(balance).items():
+        arm[force[column]] = value
+    separation = np.array([programme.linear[c] for c in force])
+    torque = programme.right.get(balance, 0.0)
+    if not free:
+        return separation, arm, torque, _dense(programme, force)
+    return separation, arm, torque, _structured(programme, force, amplitude, rows)
+
+
+def _dense(programme: QpsProgramme, force: dict[str, int]) -> Array:
+    matrix = np.zeros((len(force), len(force)))
+    for (a, b), value in programme.quadratic.items():
+        matrix[force[a], force[b]] = matrix[force[b], force[a]] = value
+    return matrix
+
+
+def _structured(
+    programme: QpsProgramme, force: dict[str, int], amplitude: dict[str, int], rows: dict[str, dict[str, float]]
+) -> tuple[Array, Array]:
+    diagonal, weight = np.zeros(len(force)), np.zeros(len(amplitude))
+    for (a, b), value in programme.quadratic.items():
+        if a != b:
+            raise InputError(
+                f"QUADOBJ, entry of {a} and {b} = {value:g}: must be none, in the lifted form Q is diagonal"
+            )
+        if a in force:
+            diagonal[force[a]] = value
+        else:
+            weight[amplitude[a]] = value
+    factor, seen = np.zeros((len(force), len(amplitude))), set()
+    for row, entries in rows.items():
+        own = [c for c in entries if c in amplitude]
+        if len(own) != 1 or own[0] in seen or programme.right.get(row, 0.0) != 0.0 or programme.linear[own[0]] != 0.0:
+            raise InputError(f"row {row}: must define one free column, V'F - z = 0")
+        seen.add(own[0])
+        mode = amplitude[own[0]]
+        if not weight[mode] > 0.0:
+            raise InputError(f"QUADOBJ, entry of {own[0]} = {weight[mode]:g}: must be positive")
+        scale = -math.sqrt(weight[mode]) / entries[own[0]]
+        for column, value in entries.items():
+            if column in force:
+                factor[force[column], mode] = scale * value
+    return diagonal, factor
+
+
+def _units(programme: QpsProgramme) -> ProblemUnits:
+    """Units that the comments of a file name; mm and N without them."""
+    found: dict[str, float] = {}
+    for comment in programme.comments:
+        if comment.startswith(UNIT):
+            name, _, value = comment.removeprefix(UNIT).partition("=")
+            try:
+                number = float(value)
+            except ValueError:
+                number = math.nan
+            if not 0.0 < number < math.inf:
+                raise InputError(f"{UNIT}{name.strip()} = {shown(value.strip())}: must be a positive number")
+            found[name.split()[0] if name.split() else ""] = number
+    return ProblemUnits(found.get("force", 1.0), found.get("compliance", 1.0), found.get("lever_arm", 1.0))
+
+
+def _word(name: str) -> str:
+    """A name without blanks, in ASCII."""
+    return "_".join(name.encode("ascii", "replace").decode().split()) or "contact"

@@ -1,7 +1,7 @@
 """Adapter of CVXPY (Diamond and Boyd 2016): the problem as one would write it on paper, an independent check.
 
 Most of the time of a call goes into translating what is written into what a solver takes. Where that pays, it is
-written with every number a parameter, translated once and used again for other numbers: see `cvxpy_programme`.
+written with every number a parameter, translated once and used again for other numbers, see `ParametrisedProgramme`.
 
 The contact problem in CVXPY with every number a parameter: translated once, used for many problems.
 
@@ -32,8 +32,7 @@ from numpy.typing import NDArray
 
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
-from ..scaled_answer import ScaledAnswer
-from ..solution import Status
+from ..solution import ScaledAnswer, Status
 from ..solver_table import SOLVERS
 
 #: Programmes kept in a process. Along a mesh cycle there are two or three numbers of segments.

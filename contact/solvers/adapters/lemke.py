@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from ....core.errors import InputError
-from ...problem.forms.complementarity_form import eliminated_system, forces_and_rotation
-from ...problem.forms.complementary_pivoting import lemke
+from ...problem.complementary_pivoting import lemke
+from ...problem.programme_forms import eliminated_system, forces_and_rotation
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
-from ..scaled_answer import ScaledAnswer
-from ..solution import Status
+from ..solution import ScaledAnswer, Status
 from ..solver_table import LARGEST_PIVOTING
 
 

@@ -13,8 +13,7 @@ import numpy as np
 
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError, refuse_unknown
-from ..scaled_answer import ScaledAnswer
-from ..solution import Status
+from ..solution import ScaledAnswer, Status
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:

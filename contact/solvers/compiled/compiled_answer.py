@@ -11,12 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.kernels import kernel
-from ...problem.answer import Answer, with_certificate
-from ...problem.certificate import RESOLUTION_LIMIT, Certificate
+from ...problem.certificate import RESOLUTION_LIMIT, Answer, Certificate, with_certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
-from ...problem.modal_basis import ModalBasis
-from ...problem.modes.mode_columns import ModeColumns
+from ...problem.modal_basis import ModalBasis, ModeColumns
 from ...problem.scaled_problem import ScaledProblem
 
 Array = NDArray[np.float64]

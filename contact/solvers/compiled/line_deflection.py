@@ -2,7 +2,7 @@
 # cython: annotation_typing=False, infer_types=True
 """Line contact of segments: deflection over line load, and the force at an indentation, see ``weber_line_contact``.
 
-Of a strip that is cut by an edge, see ``pressed_strip``, the half-width a stands for b, and where the bodies come
+Of a strip that is cut by an edge, see ``weber_line_contact``, the half-width a stands for b, and where the bodies come
 closest beyond the edge the deflection is that of the overhang more. Compiled; the columns of the parameters are those
 of `WeberLineContact.parameters`.
 """

@@ -2,7 +2,7 @@
 # cython: annotation_typing=False, infer_types=True
 """What an answer is proved with: the first contact of the rigid bodies, and the violations of its conditions.
 
-Compiled. The methods are those of ``first_contact``, ``error_free``, ``certificate`` and ``residuals``.
+Compiled. The methods are those of ``first_contact``, ``error_free``, ``certificate`` and ``certificate``.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def certificate(
     numbers[4] = penetration / scale
     numbers[5] = shared
     numbers[6] = _relative(abs(work - elastic * torque), energy_scale)
-    # Rounding: see ``residuals.rounded_residuals``.
+    # Rounding: see ``certificate.rounded_residuals``.
     unknown = terms * UNIT_ROUNDOFF * rooted * sqrt(softest) + UNDERFLOW
     unknown += (6.0 * UNIT_ROUNDOFF * abs(elastic) + shift_error) * longest
     rounding = (size + 4) * UNIT_ROUNDOFF

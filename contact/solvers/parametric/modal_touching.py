@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...problem.modal_basis import ModalBasis
-from ..active_set.touching_system import TouchingAnswer
+from ..touching_system import TouchingAnswer
 
 Array = NDArray[np.float64]
 

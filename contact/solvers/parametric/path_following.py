@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.checks import frozen_arrays
-from ...problem.answer import Answer, with_certificate
-from ...problem.certificate import EXACT_TOLERANCE
+from ...problem.certificate import EXACT_TOLERANCE, Answer, with_certificate
 from ...problem.contact_problem import ContactProblem
-from ..active_set.touching_system import TouchingSystem
 from ..registry import solve
+from ..touching_system import TouchingSystem
 from .touching_form import touching_system
 from .weak_segments import loaded_and_weak, system_in_direction
 

@@ -6,29 +6,198 @@ On the touching segments A the conditions are equations; their derivative is the
 
 on the right. It is exact as long as the touching set does not change to first order. Where segments touch without a
 force (F = Y = 0) the solution has a kink, and its derivative in a direction is one-sided; see `weak_segments`.
+
+Direction in which the data of a contact problem change, as its derivatives need it.
+
+Gradient of a number read off a solution, with respect to all data of the contact problem.
+
+Derivative of a solution in one direction of its data, and what derivatives a solution has.
+
+Sensitivity of an answer: which segments are loaded, which are weak, and the compliance it has there.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.checks import array, frozen_arrays
+from ....core.attributes import StoredStatus
+from ....core.checks import array, frozen_arrays, positive
 from ....core.errors import InputError
-from ...problem.compliance_matrix import ComplianceMatrix
+from ...problem.certificate import Answer
+from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.contact_problem import ContactProblem
-from ..active_set.touching_system import TouchingSystem
-from .data_direction import bending_change, given
-from .problem_gradient import ProblemGradient
-from .solution_change import Differentiability, SolutionChange
+from ..touching_system import TouchingSystem
 from .touching_form import touching_system
-from .weak_segments import system_in_direction
+from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
 
 Array = NDArray[np.float64]
+
+
+def given(name: str, values: Any, unit: str, size: int) -> Array:
+    """Return an array (n) that was given, or zeros; InputError if it is none."""
+    return np.zeros(size) if values is None else array(name, values, unit, ndim=1, size=size)
+
+
+def bending_change(
+    problem: ContactProblem,
+    force: Array,
+    local: ArrayLike | None,
+    factor: ArrayLike | None,
+    compliance: ArrayLike | None,
+) -> Array:
+    """Return the change of the deflections under the same forces, dC F (n) [mm].
+
+    Parameters
+    ----------
+    problem
+        The contact problem.
+    force
+        F (n) [N].
+    local, factor, compliance
+        See `Sensitivity.forward`.
+
+    Raises
+    ------
+    InputError
+        A wrong shape, a number that is not finite, or a change of V where C is dense.
+    """
+    size, bent = problem.size, np.zeros(problem.size)
+    if local is not None:
+        bent += given("local", local, "mm/N", size) * force
+    if factor is not None:
+        matrix = problem.compliance_matrix
+        if not isinstance(matrix, ModalCompliance):
+            raise InputError("factor: must be left out where the compliance is dense; give compliance instead")
+        change = array("factor", factor, "(mm/N)^0.5", ndim=2)
+        if change.shape != matrix.factor.shape:
+            raise InputError(f"factor = array of shape {change.shape}: must have the shape {matrix.factor.shape}")
+        bent += change @ (matrix.factor.T @ force) + matrix.factor @ (change.T @ force)
+    if compliance is not None:
+        whole = array("compliance", compliance, "mm/N", ndim=2)
+        if whole.shape != (size, size) or not np.allclose(whole, whole.T, rtol=1e-10, atol=0.0):
+            raise InputError(f"compliance: must be a symmetric array of shape ({size}, {size})")
+        bent += whole @ force
+    return bent
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class ProblemGradient:
+    """Derivatives of a number J by the data; NaN where J has none.
+
+    Attributes
+    ----------
+    torque
+        dJ/dT.
+    separation
+        dJ/dS (n).
+    lever_arm
+        dJ/dr (n).
+    one_sided
+        Whether some segment touches without a force, so that J has a kink here and these are the derivatives on one
+        side of it.
+
+    Examples
+    --------
+    How the rotation of two equal springs depends on the compliance of each:
+
+    >>> from easeoff.contact import ContactProblem, sensitivity, solve
+    >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8e4, ([1e-6, 1e-6], [[0.0], [0.0]]))
+    >>> sensitivity(springs, solve(springs)).adjoint(rotation=1.0).local.round(6).tolist()
+    [12.5, 12.5]
+    """
+
+    torque: float
+    separation: Array
+    lever_arm: Array
+    one_sided: bool
+    _problem: ContactProblem = field(repr=False)
+    _force: Array = field(repr=False)
+    _energy_weight: float = field(repr=False)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """dJ/dC (n, n), symmetric: for a symmetric change of C, dJ is the sum of its entries times these."""
+        product = np.outer(self.separation, self._force)
+        return 0.5 * (product + product.T + self._energy_weight * np.outer(self._force, self._force))
+
+    @cached_property
+    def local(self) -> Array:
+        """dJ/dd (n), where C = diag(d) + V V'; of a dense C the derivatives by its diagonal."""
+        return self._force * (self.separation + 0.5 * self._energy_weight * self._force)
+
+    @cached_property
+    def factor(self) -> Array | None:
+        """dJ/dV (n, k), where C = diag(d) + V V'; None if the compliance is dense."""
+        matrix = self._problem.compliance_matrix
+        if not isinstance(matrix, ModalCompliance):
+            return None
+        own = self.separation + self._energy_weight * self._force
+        amplitudes = matrix.factor.T @ np.column_stack([self._force, self.separation])
+        return np.outer(own, amplitudes[:, 0]) + np.outer(self._force, amplitudes[:, 1])
+
+
+class Differentiability(StoredStatus):
+    """What derivatives a solution has.
+
+    Examples
+    --------
+    >>> Differentiability(1).name
+    'ONE_SIDED'
+    """
+
+    DIFFERENTIABLE = 0
+    ONE_SIDED = 1
+    FORCES_NOT_UNIQUE = 2
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class SolutionChange:
+    """Derivative of a solution in one direction of its data; NaN where there is none.
+
+    Attributes
+    ----------
+    force
+        dF (n) [N].
+    rotation
+        dtheta [rad].
+    gap
+        dY (n) [mm].
+    energy
+        Change of the deformation energy 1/2 F'CF [N mm].
+    active
+        Segments that touch just beyond, in this direction (n).
+    one_sided
+        Whether the derivative holds in this direction alone, and not against it.
+    message
+        Why there is none, if so.
+
+    Examples
+    --------
+    The second of two springs is about to touch: turning on, it carries half; turning back, nothing.
+
+    >>> from easeoff.contact import ContactProblem, sensitivity, solve
+    >>> springs = ContactProblem([0.0, 1e-3], [40.0, 40.0], 4e4, np.diag([1e-6, 1e-6]))
+    >>> slope = sensitivity(springs, solve(springs))
+    >>> [slope.forward(torque=sign * 80.0).force.round(6).tolist() for sign in (1.0, -1.0)]
+    [[1.0, 1.0], [-2.0, 0.0]]
+    """
+
+    force: Array
+    rotation: float
+    gap: Array
+    energy: float
+    active: NDArray[np.bool_]
+    one_sided: bool
+    message: str = ""
+
+
 Mask = NDArray[np.bool_]
 
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
@@ -264,3 +433,41 @@ class Sensitivity:
     def _none(self, message: str) -> SolutionChange:
         nothing = np.full(self.problem.size, np.nan)
         return SolutionChange(nothing, np.nan, nothing, np.nan, self.loaded, bool(self.weak.any()), message)
+
+
+#: A force and a gap that are both below this part of their scales count as none.
+DEGENERACY_TOLERANCE = 1e-10
+#: Deflection, relative to what the most compliant segment has under the largest force, that is taken for rounding.
+RIGID_FRACTION = 1e-12
+
+
+def answer_sensitivity(problem: ContactProblem, answer: Answer, tolerance: float = DEGENERACY_TOLERANCE) -> Sensitivity:
+    """Return the derivatives of a proved answer to a contact problem; see `sensitivity`."""
+    deflection = problem.deflection(answer.force)
+    return tangent_answer_sensitivity(problem, answer, problem.compliance_matrix, deflection, tolerance)
+
+
+def tangent_answer_sensitivity(
+    problem: ContactProblem, answer: Answer, tangent: ComplianceMatrix, deflection: Array, tolerance: float
+) -> Sensitivity:
+    """Return the derivatives where the compliance depends on the load.
+
+    Parameters
+    ----------
+    problem, answer, tolerance
+        As of `answer_sensitivity`.
+    tangent
+        Derivative of the deflections by the forces [mm/N].
+    deflection
+        Deflections under the forces of the answer (n) [mm].
+    """
+    positive("tolerance", tolerance, zero=True)
+    force, gap = answer.force, answer.gap
+    scale = abs(answer.elastic_rotation) * float(np.abs(problem.lever_arm[force > 0.0]).max(initial=0.0))
+    yielding = float(force.max()) * float(tangent.diagonal.max())
+    if scale <= RIGID_FRACTION * yielding:  # what touches is rigid
+        scale = yielding or float(np.abs(problem.separation_at_first_contact).max()) or 1.0
+    loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
+    dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
+    loaded, weak = loaded | dependent, weak & ~dependent
+    return Sensitivity(problem, force, gap, answer.rotation, loaded, weak, tangent, deflection)

@@ -7,8 +7,7 @@ from ....core.errors import InputError
 from ...problem.certificate import certify
 from ...problem.contact_problem import ContactProblem
 from ..solution import ContactSolution
-from .answer_sensitivity import DEGENERACY_TOLERANCE, answer_sensitivity
-from .sensitivity import Sensitivity
+from .sensitivity import DEGENERACY_TOLERANCE, Sensitivity, answer_sensitivity
 
 
 def sensitivity(

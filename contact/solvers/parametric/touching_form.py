@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
-from ..active_set.active_set_system import TouchingFactor
-from ..active_set.dense_touching import DenseTouching
-from ..active_set.touching_system import TouchingSystem
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
+from ..touching_system import DenseTouching, TouchingFactor, TouchingSystem
 from .modal_touching import ModalTouching
 
 Array = NDArray[np.float64]

@@ -15,13 +15,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...problem.answer import Answer
+from ...problem.certificate import Answer
+from ...problem.complementary_pivoting import lemke
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
-from ...problem.forms.complementarity_form import lcp
-from ...problem.forms.complementary_pivoting import lemke
-from ..active_set.active_set_system import DEPENDENCE_TOLERANCE
-from ..active_set.touching_system import TouchingSystem
+from ...problem.programme_forms import lcp
+from ..touching_system import DEPENDENCE_TOLERANCE, TouchingSystem
 from .touching_form import part_of, touching_system
 
 Array = NDArray[np.float64]

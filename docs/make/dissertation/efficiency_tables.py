@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
 from easeoff.study import Analysis, CaseInMesh
 from easeoff.study.analysis.contact_analysis import contact_analysis
-from easeoff.study.plot.friction_map_chart import FlankMap, loaded_map, velocity_maps
+from easeoff.study.plot.friction_charts import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 
 Array = NDArray[Any]

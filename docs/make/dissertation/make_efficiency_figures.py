@@ -24,9 +24,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
-from easeoff.study.plot.friction_map_chart import COLOUR_MAPS, QUANTITY_NAMES, draw_values
+from easeoff.study.plot.friction_charts import COLOUR_MAPS, QUANTITY_NAMES, draw_values
+from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
 from easeoff.study.plot.page import INK, SMALL_SIZE, WIDTH, plain_axes, plain_bar, torque_colours
-from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import draw_flank
 
 HERE = Path(__file__).parent

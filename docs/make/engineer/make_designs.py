@@ -20,8 +20,8 @@ from dissertation_figures import save_small
 from folders import DESIGNS, IMAGES
 
 import easeoff
+from easeoff.study.analysis.key_numbers import key_numbers
 from easeoff.study.cli import main as easeoff_command
-from easeoff.study.report.key_numbers import key_numbers
 from easeoff.verification import RowStatus
 from easeoff.verification.case_verification import difference_text
 

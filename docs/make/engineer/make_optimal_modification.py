@@ -19,9 +19,9 @@ from matplotlib.tri import Triangulation
 
 import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
-from easeoff.study.design.fitted_settings import fit_modification, recorded_modification
+from easeoff.study.design.case_design import fit_modification, recorded_modification
+from easeoff.study.plot.mesh_cycle_charts import pressure_levels
 from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
-from easeoff.study.plot.pressure_chart import pressure_levels
 
 PICTURES = IMAGES / "optimal_modification"
 PAGES = (GUIDES / "optimal_modification.md", NOTES / "modification_search.md")

@@ -19,7 +19,7 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
 from easeoff.geometry import GlobalErrors, deviation_from_formula
-from easeoff.study.report.summary.result_summary import result_summary
+from easeoff.study.summary.result_summary import result_summary
 
 PAGE = REFERENCE / "results.md"
 CHOSEN = ("setting", "setting_units", "objective", "quantity_limit")  # texts that depend on what was asked for

@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.geometry import Misalignment
+from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
 from easeoff.study.plot.page import WIDTH, plain_bar, sheet, torque_name
-from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 
 IMAGE = IMAGES / "finite_elements" / "patterns.png"

@@ -15,8 +15,8 @@ import easeoff
 from easeoff.cases import gear_pair, shipped_cases
 from easeoff.contact import MeshCycle
 from easeoff.geometry import FlankName, Misalignment, pair_geometry
-from easeoff.study.plot.figures.picture_list import PICTURES
 from easeoff.study.plot.page import save
+from easeoff.study.plot.written_pictures import PICTURES
 from easeoff.verification.conventional_analysis import both_methods, line_differences, point_differences
 from easeoff.verification.smallest_gap import smallest_envelope
 

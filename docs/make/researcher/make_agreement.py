@@ -15,9 +15,9 @@ from folders import NOTES
 from tabulate import tabulate
 
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
-from easeoff.contact.solvers.active_set.polish import polished_answer
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.contact.solvers.backend_solution import adapter_of
+from easeoff.contact.solvers.polish import polished_answer
 from easeoff.study import CaseInMesh
 from easeoff.study.analysis.contact_analysis import contact_analysis
 from easeoff.verification import problems

@@ -19,11 +19,16 @@ from PIL import Image
 
 from easeoff.study.compare import compare, write_comparison
 from easeoff.study.compare.comparison_table import read_table
-from easeoff.study.compare.presentation.report_table import milliseconds, ratio, residual
-from easeoff.study.compare.presentation.time_tables import start_table, work_precision_tables
-from easeoff.study.compare.statistics.method_statistics import by_problem, headline, methods, of_method
-from easeoff.study.compare.statistics.run_time_statistics import RUN_TIME_SHIFT, shifted_geometric_mean
+from easeoff.study.compare.method_statistics import (
+    RUN_TIME_SHIFT,
+    by_problem,
+    headline,
+    methods,
+    of_method,
+    shifted_geometric_mean,
+)
 from easeoff.study.library.library_files import write_library
+from easeoff.study.report.comparison_report import milliseconds, ratio, residual, start_table, work_precision_tables
 
 PAGES = (RESEARCHER / "compare.md", NOTES / "contact_solvers.md")
 PARTS = ("small", "medium")

@@ -18,7 +18,7 @@ from folders import RESEARCHER
 import easeoff.study.library
 from easeoff.study.library import ReferenceAnswer, entries, generate, reference_answers
 from easeoff.study.library.library_entries import KINDS, PARTS
-from easeoff.study.library.problem_changes import CHANGES
+from easeoff.study.library.library_files import CHANGES
 from easeoff.study.library.reference_answers import TABLE, proved_answer, write_answers
 
 PAGE = RESEARCHER / "problem_library.md"

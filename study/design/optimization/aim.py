@@ -1,25 +1,349 @@
-"""Aim of a search: objectives and limits over sides, assemblies and torques, and their references at the start."""
+"""Aim of a search: objectives and limits over sides, assemblies and torques, and their references at the start.
+
+Quantities of an analysis for objectives and limits, and how they change with the settings.
+
+Form of the ease-off at some nodes of the flank, a rotation left out, and its change by the settings.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import get_args
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.checks import shown
-from ....core.errors import EaseoffError, InputError
-from ....geometry.pair.gear_pair import FlankName
-from ...analysis.solved_contact import SolvedContact
-from .composite import Composite
-from .contact_quantity import ContactQuantity, QuantityLimit
+from ....core.attributes import ordered
+from ....core.checks import number, shown
+from ....core.errors import EaseoffError, InputError, suggestion
+from ....geometry.pair.ease_off import exact_ease_off
+from ....geometry.pair.gear_pair import FlankName, GearPair
+from ...analysis.setting_derivatives import SolvedContact
+from .composite import Composite, Kind
 from .step_programme import Form, judged_objective
 from .trust_region import Merit
 
 Array = NDArray[np.float64]
+
+HARMONIC = re.compile(r"harmonic_([1-9]|1\d|20)")
+WRITTEN = re.compile(r"\s*(?:(drive|coast)\.)?([a-z_0-9]+)\s*(?:@\s*([0-9.eE+]+))?\s*")
+LIMIT = re.compile(r"(.+?)(<=|>=|=)(.+)")
+#: Rows of the greatest pressure that a programme looks at: those that could become the greatest in a trust region.
+ROW_COUNT = 80
+#: Change that a tip counts with which no longer reaches the flank at its place [mm].
+LOST_TIP = 10.0
+
+
+@dataclass(frozen=True)
+class QuantityKind:
+    """What a quantity is made of.
+
+    Parameters
+    ----------
+    units
+        Its unit.
+    long_name
+        What it is.
+    kind
+        Of the composite.
+    variable
+        Of ``SolvedContact`` whose values are its rows.
+    over_torque
+        Whether the torque changes it.
+    member
+        Of which it is, where the variable has both.
+    """
+
+    units: str
+    long_name: str
+    kind: Kind
+    variable: str
+    over_torque: bool = True
+    member: str | None = None
+
+
+_ERROR = "loaded transmission error"
+KINDS: dict[str, QuantityKind] = {
+    "peak_to_peak": QuantityKind("urad", f"peak to peak of the {_ERROR}", "range", "transmission_error"),
+    "max_pressure": QuantityKind("MPa", "greatest contact pressure", "greatest", "pressure"),
+    "unloaded_peak_to_peak": QuantityKind(
+        "urad",
+        "peak to peak of the unloaded transmission error",
+        "range",
+        "unloaded_transmission_error_envelope",
+        over_torque=False,
+    ),
+    **{
+        f"{member}_root_stress": QuantityKind(
+            "MPa", f"greatest root stress of the {member}", "greatest", "root_stress_history", member=member
+        )
+        for member in ("pinion", "gear")
+    },
+    "mean_power_loss": QuantityKind(
+        "W", "mean power loss, at the worst operating condition", "greatest", "mean_power_loss"
+    ),
+    **{
+        f"load_{what}_{way}": QuantityKind("1", f"{words} of the load, {way}", "affine", f"load_{what}_{way}")
+        for what, words in (("centre", "centre"), ("extent", "root-mean-square extent"))
+        for way in ("lengthwise", "profile")
+    },
+    "ease_off_change": QuantityKind(
+        "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off", over_torque=False
+    ),
+    "root_line_change": QuantityKind(
+        "mm",
+        "greatest change of the distance of blade tips from root cones",
+        "greatest",
+        "blade_tip_gap",
+        over_torque=False,
+    ),
+}
+#: What a case needs for variables that not every analysis has.
+NEEDED = {
+    "root_stress_history": "[compliance] model = 'fe' and edge radii of the blades",
+    "mean_power_loss": "a speed in [friction]",
+}
+NAMES = ("peak_to_peak", "harmonic_1 to harmonic_20", *list(KINDS)[1:])
+
+
+@dataclass(frozen=True)
+class ContactQuantity:
+    """One quantity of the contact, at one torque and on one side or at all.
+
+    Parameters
+    ----------
+    name
+        See ``NAMES``.
+    torque
+        At which it counts [N m]; ``None`` for all.
+    flank
+        Side on which it counts; ``None`` for all that are analysed.
+
+    Raises
+    ------
+    InputError
+        If there is no such quantity.
+
+    Examples
+    --------
+    >>> ContactQuantity.parsed("coast.peak_to_peak@250")
+    ContactQuantity(name='peak_to_peak', torque=250.0, flank='coast')
+    """
+
+    name: str
+    torque: float | None = None
+    flank: FlankName | None = None
+
+    def __post_init__(self) -> None:
+        if self.name not in KINDS and not HARMONIC.fullmatch(self.name):
+            raise InputError(
+                f"quantity = {shown(self.name)}: must be one of {', '.join(NAMES)}{suggestion(self.name, KINDS)}"
+            )
+        if self.torque is not None:
+            number("torque of a quantity", self.torque, "N m", above=0.0)
+            if not self.meaning.over_torque:
+                raise InputError(f"quantity = {shown(self.text)}: must be without torque, which does not change it")
+
+    @classmethod
+    def parsed(cls, text: str) -> ContactQuantity:
+        """Quantity of a text such as ``coast.max_pressure@250``; raises InputError if it is none."""
+        found = WRITTEN.fullmatch(text)
+        try:
+            torque = float(found[3]) if found and found[3] else None
+        except ValueError:
+            found = None
+        if found is None:
+            raise InputError(
+                f"quantity = {shown(text)}: must be NAME, NAME@TORQUE or FLANK.NAME, such as max_pressure@250 or "
+                f"coast.peak_to_peak; NAME is one of {', '.join(NAMES)}"
+            )
+        flank = next((one for one in get_args(FlankName) if one == found[1]), None)
+        return cls(found[2], torque, flank)
+
+    @property
+    def text(self) -> str:
+        """The quantity as it is written."""
+        torque = "" if self.torque is None else f"@{self.torque:g}"
+        return f"{'' if self.flank is None else f'{self.flank}.'}{self.name}{torque}"
+
+    @property
+    def unloaded(self) -> bool:
+        """Whether it is of the unloaded transmission error."""
+        return self.name == "unloaded_peak_to_peak"
+
+    @property
+    def meaning(self) -> QuantityKind:
+        """What it is made of."""
+        order = HARMONIC.fullmatch(self.name)
+        if order is None:
+            return KINDS[self.name]
+        name = f"amplitude of the {_ERROR} at {order[1]} times the mesh frequency"
+        return QuantityKind("urad", name, "norm", "transmission_error")
+
+    def composite(
+        self, values: xr.Dataset, slopes: xr.Dataset | None, torque: int, start: xr.Dataset, radius: float = 0.0
+    ) -> Composite:
+        """The quantity of one analysis as a function of the settings.
+
+        Parameters
+        ----------
+        values, slopes
+            Of ``SolvedContact``, with ``blade_tip_gap``; the derivatives by the settings (n) in units that change the
+            ease-off by one micrometre at most; without them the value alone counts.
+        torque
+            Number of the torque.
+        start
+            Values of the settings that a change begins at.
+        radius
+            Of the trust region in which the function is used [um].
+        """
+        meaning = self.meaning
+        level, slope = _rows(meaning, values, slopes, torque)
+        if self.name == "ease_off_change":
+            arm = ordered(start, "lever_arm", "lengthwise", "profile").ravel()
+            change = level - _rows(meaning, start, None, torque)[0]
+            level, slope = _both_signs(turned(change[:, None], arm)[:, 0], turned(slope, arm))
+            level, slope = _likely_greatest(level, slope, radius)
+        elif self.name == "root_line_change":
+            level = level - _rows(meaning, start, None, torque)[0]
+            lost = np.isnan(level) & np.isfinite(_rows(meaning, start, None, torque)[0])
+            level, slope = _both_signs(np.where(lost, LOST_TIP, level), slope)
+            level, slope = _likely_greatest(level, slope, radius)
+        elif meaning.kind == "norm":
+            order = int(self.name.rpartition("_")[2])
+            level, slope = _fourier(level[:, None], order)[:, 0], _fourier(slope, order)
+        elif meaning.kind == "greatest":
+            level, slope = _likely_greatest(level, slope, radius)
+        elif meaning.kind == "range":
+            known = np.isfinite(level)
+            if not known.any():
+                level, slope = np.zeros(level.size), np.zeros(slope.shape)
+            else:  # an unknown row counts as one that is known
+                level = np.where(known, level, level[known][0])
+                slope = np.where(known[:, None], slope, slope[known][0])
+        return Composite(meaning.kind, level, np.nan_to_num(slope))
+
+
+def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, torque: int) -> tuple[Array, Array]:
+    """Values (m) of a variable, and their derivatives (m, n)."""
+    if meaning.variable not in values:
+        raise InputError(f"{meaning.long_name}: must be of a case with {NEEDED[meaning.variable]}")
+    found = _chosen(values[meaning.variable], meaning, torque)
+    level = np.asarray(found.values, dtype=np.float64).ravel()
+    if slopes is None:
+        return level, np.zeros((level.size, 0))
+    change = _chosen(slopes[meaning.variable], meaning, torque).transpose(*found.dims, "setting")
+    return level, np.asarray(change.values, dtype=np.float64).reshape(level.size, -1)
+
+
+def _chosen(found: xr.DataArray, meaning: QuantityKind, torque: int) -> xr.DataArray:
+    if meaning.member is not None:
+        found = found.isel(member=("pinion", "gear").index(meaning.member))
+    return found.isel(torque=torque) if "torque" in found.dims else found
+
+
+def turned(change: Array, arm: Array) -> Array:
+    """Changes of the ease-off (s, n) less those of a rotation of the gear, with lever arms (s); zero where unknown."""
+    known = np.isfinite(change) & np.isfinite(arm)[:, None]
+    own = np.where(known, change, 0.0)
+    lever = np.where(known, arm[:, None], 0.0)
+    weight = np.sum(lever**2, axis=0)
+    turn = np.sum(lever * own, axis=0) / np.where(weight > 0.0, weight, 1.0)
+    return np.asarray(own - lever * turn)
+
+
+def _both_signs(level: Array, slope: Array) -> tuple[Array, Array]:
+    return np.concatenate([level, -level]), np.concatenate([slope, -slope])
+
+
+def _fourier(rows: Array, order: int) -> Array:
+    """Cosine and sine parts (2, n) of rows over the mesh cycle (k, n), as in ``loaded``."""
+    count = len(rows)
+    if order > count // 2:
+        return np.zeros((2, rows.shape[1]))
+    scale = (1.0 if 2 * order == count else 2.0) / count
+    found = scale * np.fft.rfft(rows, axis=0)[order]
+    return np.stack([found.real, found.imag])
+
+
+def _likely_greatest(level: Array, slope: Array, radius: float) -> tuple[Array, Array]:
+    """The rows that may become the greatest, always as many: the last one repeated where there are fewer."""
+    level, slope = np.where(np.isfinite(level), level, -np.inf), np.nan_to_num(slope)
+    bound = level + radius * np.linalg.norm(slope, axis=1)
+    chosen = np.argsort(-bound, kind="stable")[:ROW_COUNT]
+    chosen = np.concatenate([chosen, np.repeat(chosen[:1], ROW_COUNT - chosen.size)])
+    return np.where(np.isfinite(level[chosen]), level[chosen], 0.0), slope[chosen]
+
+
+@dataclass(frozen=True)
+class QuantityLimit:
+    """Limit of a quantity.
+
+    Parameters
+    ----------
+    quantity
+        What is limited.
+    bound
+        Its greatest value, or its least.
+    upper
+        Which of both.
+
+    Examples
+    --------
+    >>> [one.text for one in QuantityLimit.parsed("max_pressure@250 <= 1500")]
+    ['max_pressure@250<=1500']
+    """
+
+    quantity: ContactQuantity
+    bound: float
+    upper: bool = True
+
+    def __post_init__(self) -> None:
+        if self.quantity.meaning.kind != "affine":
+            number(f"limit of {self.quantity.text}", self.bound, self.quantity.meaning.units, above=0.0)
+            if not self.upper:
+                raise InputError(f"limit = {shown(self.text)}: must be an upper limit: {self.quantity.text}<=VALUE")
+
+    @classmethod
+    def parsed(cls, text: str) -> tuple[QuantityLimit, ...]:
+        """Limits of a text: ``NAME<=VALUE``, ``NAME>=VALUE`` or ``NAME=VALUE+-BAND``; raises InputError if none."""
+        parts = LIMIT.fullmatch(text.strip())
+        try:
+            numbers = [float(part) for part in parts[3].split("+-")] if parts else []
+        except ValueError:
+            numbers = []
+        if parts is None or len(numbers) != (2 if parts[2] == "=" else 1):
+            raise InputError(
+                f"limit = {shown(text)}: must be QUANTITY<=VALUE, QUANTITY>=VALUE or QUANTITY=VALUE+-BAND, such as "
+                "'max_pressure<=1500'; decimals have a point"
+            )
+        quantity = ContactQuantity.parsed(parts[1])
+        if parts[2] != "=":
+            return (cls(quantity, numbers[0], upper=parts[2] == "<="),)
+        value, half = numbers
+        return cls(quantity, value + half), cls(quantity, value - half, upper=False)
+
+    @property
+    def text(self) -> str:
+        """The limit as it is written."""
+        return f"{self.quantity.text}{'<=' if self.upper else '>='}{self.bound:g}"
+
+    @property
+    def scale(self) -> float:
+        """By what a violation is measured: the limit itself."""
+        return abs(self.bound) or 1.0
+
+    def normed(self, composite: Composite) -> Composite:
+        """A composite of the quantity as one that is one where the limit is reached."""
+        if composite.kind != "affine":
+            return composite.scaled(1.0 / self.scale)
+        sign = 1.0 if self.upper else -1.0
+        return composite.scaled(sign / self.scale, 1.0 - sign * self.bound / self.scale)
+
 
 #: Values of an objective at the start by side and number of the torque.
 Reference = dict[tuple[FlankName, int], float]
@@ -232,15 +556,15 @@ class Judgement:
         """Greatest ratio of every objective, and the worst value of every limit's quantity, by assembly (k, a)."""
         aim = self.aim
         ratios = np.full((len(aim.objectives), aim.assemblies), -np.inf)
-        for number, (one, own) in enumerate(zip(aim.objectives, self.references, strict=True)):
+        for row, (one, own) in enumerate(zip(aim.objectives, self.references, strict=True)):
             loads = aim.loads(one.quantity)
             values = aim.values(one.quantity, read) / np.array([own[load.flank, load.torque] for load in loads])
-            np.maximum.at(ratios[number], [load.assembly for load in loads], values)
+            np.maximum.at(ratios[row], [load.assembly for load in loads], values)
         limited = np.full((len(aim.limits), aim.assemblies), -np.inf)
         signs = np.array([1.0 if limit.upper else -1.0 for limit in aim.limits])
-        for number, limit in enumerate(aim.limits):
+        for row, limit in enumerate(aim.limits):
             places = [load.assembly for load in aim.loads(limit.quantity)]
-            np.maximum.at(limited[number], places, signs[number] * aim.values(limit.quantity, read))
+            np.maximum.at(limited[row], places, signs[row] * aim.values(limit.quantity, read))
         return ratios, signs[:, None] * limited
 
     def worst(self, read: Callable[[ContactQuantity, Load], Composite]) -> tuple[Array, Array, Array]:
@@ -249,3 +573,60 @@ class Judgement:
         values = [self.aim.values(one.quantity, read).max() for one in self.aim.objectives]
         uppers = np.array([limit.upper for limit in self.aim.limits], dtype=bool)
         return ratios.max(axis=1), np.array(values), np.where(uppers, limited.max(axis=1), limited.min(axis=1))
+
+
+#: Nodes lengthwise and along the profile.
+FORM_NODES = (9, 7)
+_GRID = ("lengthwise", "profile")
+
+
+@dataclass(frozen=True, eq=False)
+class EaseOffForm:
+    """Ease-off of one pair of flanks.
+
+    Parameters
+    ----------
+    lengthwise, profile
+        Fractions of the nodes.
+    lever_arm
+        At the nodes (s) [mm]; NaN where the flanks have no common part.
+    value
+        Ease-off (s) [um].
+    slopes
+        Its derivatives (s, n) by the settings, a rotation left out.
+    """
+
+    lengthwise: Array
+    profile: Array
+    lever_arm: Array
+    value: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, reading: Reading) -> EaseOffForm:
+        """Form of an analysis with derivatives."""
+        values = reading.values
+        rows, columns = (
+            np.unique(np.linspace(0, values.sizes[name] - 1, count).round().astype(int))
+            for name, count in zip(_GRID, FORM_NODES, strict=True)
+        )
+        chosen = np.ix_(rows, columns)
+        arm, value = (values[name].transpose(*_GRID).values[chosen].ravel() for name in ("lever_arm", "ease_off"))
+        change = reading.slopes["ease_off"].transpose(*_GRID, "setting").values[chosen]
+        known = np.where(np.isfinite(value), arm, np.nan)
+        slopes = turned(change.reshape(arm.size, -1), known)
+        t, h = (values[name].values[own] for name, own in zip(_GRID, (rows, columns), strict=True))
+        return cls(t, h, known, value, slopes)
+
+    def missed(self, pair: GearPair, step: Array) -> Array:
+        """What another pair lacks of the form after a step (n) to first order (s) [um]; zero where either is unknown.
+
+        Raises
+        ------
+        GeometryError
+            If its flanks do not meet.
+        """
+        gear = pair.gear.flank(self.lengthwise, self.profile)
+        exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        found = self.value + self.slopes @ step - 1e3 * exact.angle * exact.lever_arm
+        return turned(found[:, None], self.lever_arm)[:, 0]

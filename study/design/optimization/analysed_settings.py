@@ -1,8 +1,15 @@
-"""Analysed settings: the contact on every side and in every assembly, with derivatives by the free settings."""
+"""Analysed settings: the contact on every side and in every assembly, with derivatives by the free settings.
+
+Assemblies that a search protects: the case's own, given ones, and samples of distributed errors.
+
+Distance of the blades' tips from the root cones at toe, middle and heel, with derivatives by settings.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -10,24 +17,240 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....cases.deflections import Deflections
 from ....cases.schema.case_schema import Case
-from ....core.errors import EaseoffError, GeometryError
+from ....core.attributes import ordered
+from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
+from ....geometry.design.root_line import RootLine
 from ....geometry.pair.assembly import Misalignment
-from ....geometry.pair.gear_pair import FlankName
+from ....geometry.pair.gear_pair import FlankName, GearPair, Member
+from ....geometry.pair.near_pair import PairSetting, is_angle
 from ....geometry.tooth.tooth_surface import tooth_surface
-from ...analysis.named_setting import SIDES
-from ...analysis.solved_contact import SolvedContact
+from ...analysis.setting_derivatives import SIDES, SolvedContact
 from ...case_in_mesh import CaseInMesh, prepared_pair
-from .aim import Judgement, Load, Reading
-from .blade_tip_gap import BladeTips, blade_tip_gaps, blade_tip_slopes
+from ...sweep.axis import Distribution, sample_values
+from .aim import ContactQuantity, EaseOffForm, Judgement, Load, Reading
 from .composite import Composite
-from .contact_quantity import ContactQuantity
-from .ease_off_form import EaseOffForm
 from .free_setting import SettingSpace, pair_setting
 from .step_programme import LocalModel
 from .trust_region import Merit
 
+#: Fields of ``Misalignment`` by the names of assembly errors.
+ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
+
+
+def sampled_assemblies(
+    own: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
+) -> list[Misalignment]:
+    """Assemblies with errors drawn from distributions, the others being those of one assembly.
+
+    Parameters
+    ----------
+    own
+        The assembly without the distributed errors.
+    distributions
+        By ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself.
+    count
+        Number of samples; ``None`` if nothing is distributed.
+    seed
+        As of ``sweep``.
+
+    Raises
+    ------
+    InputError
+        If an error is unknown, or samples are given without distributions or the other way round.
+
+    Examples
+    --------
+    >>> found = sampled_assemblies(Misalignment(gear_axial=0.1), {"E": "uniform(-0.02, 0.02)"}, 4)
+    >>> len(found), found[0].gear_axial, max(abs(one.offset) for one in found) < 0.02
+    (4, 0.1, True)
+    """
+    chosen = _distributions(distributions)
+    if count is not None and not chosen:
+        raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
+    if count is None and chosen:
+        raise InputError(f"samples: must be given with the distribution of {', '.join(chosen)}, such as 8")
+    if count is None:
+        return []
+    values = sample_values(chosen, count, seed=seed)
+    return [_with_errors(own, {name: drawn[number] for name, drawn in values.items()}) for number in range(count)]
+
+
+def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
+    """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
+
+    Samples seldom reach the corners, where most quantities are greatest: without these a worst case over samples says
+    little of others.
+
+    Parameters
+    ----------
+    own, distributions
+        As of ``sampled_assemblies``. A normal distribution has no bounds; its error is left as it is.
+
+    Examples
+    --------
+    >>> spread = {"E": "uniform(-0.02, 0.02)", "P": "uniform(0.0, 0.1)", "G": "normal(0, 0.1)"}
+    >>> [(one.offset, one.pinion_axial) for one in corner_assemblies(Misalignment(), spread)]
+    [(-0.02, 0.0), (-0.02, 0.1), (0.02, 0.0), (0.02, 0.1)]
+    """
+    chosen = _distributions(distributions)
+    ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
+    if not ends:
+        return []
+    return [_with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+
+
+def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
+    """Distributions by error, parsed; raises InputError if an error is unknown."""
+    chosen: dict[str, Distribution] = {}
+    for name, one in given.items():
+        if name not in ERROR_FIELDS:
+            raise InputError(
+                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
+            )
+        chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
+    return chosen
+
+
+def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment:
+    """The assembly with other errors by name [mm, degree]."""
+    fields = {ERROR_FIELDS[name]: float(value) for name, value in errors.items()}
+    if "shaft_angle" in fields:
+        fields["shaft_angle"] = math.radians(fields["shaft_angle"])
+    return replace(own, **fields)
+
+
+def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
+    """Assemblies, refused where they depend on the torque.
+
+    Raises
+    ------
+    InputError
+        If one depends on the torque.
+    """
+    found = []
+    for one in given:
+        if isinstance(one, Deflections):
+            raise InputError(
+                "misalignment: must be the same at all torques for a search of settings; give the assembly of the "
+                "torque that matters"
+            )
+        found.append(one)
+    return found
+
+
 Array = NDArray[np.float64]
+
+#: Change of the root line that a search may make unless told otherwise, over the height of the flank.
+USUAL_CHANGE_RATIO = 0.01
+DIMENSIONS = ("member", "root_place")
+MEMBERS, PLACES = ["pinion", "gear"], ["toe", "middle", "heel"]
+#: Weight of the distances in a correction [um/mm]: a tenth of that of the ease-off.
+TIP_WEIGHT = 100.0
+
+
+def blade_tip_gaps(pair: GearPair) -> xr.DataArray:
+    """Distances of the blades' tips above the root cones of the loaded flanks [mm], negative where they cut deeper.
+
+    Returns
+    -------
+    xr.DataArray
+        The distances (member, root_place), NaN where the flank ends before.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> blade_tip_gaps(gear_pair(read_case("nasa-12x36"))).dims
+    ('member', 'root_place')
+    """
+    flanks = [(member.loaded.designed, member.section) for member in _both(pair)]
+    gaps = [RootLine.of(surface, section).gap(surface)[0] for surface, section in flanks]
+    return xr.DataArray(gaps, {"member": MEMBERS, "root_place": PLACES}, DIMENSIONS)
+
+
+def blade_tip_slopes(pair: GearPair, settings: Sequence[tuple[str, PairSetting]]) -> xr.DataArray:
+    """Derivatives of the distances by machine and cutter settings.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    settings
+        The settings (n) with their names.
+
+    Returns
+    -------
+    xr.DataArray
+        The derivatives (member, root_place, setting) per mm or degree.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> chosen = [("base", PairSetting("pinion", "sliding_base"))]
+    >>> change = blade_tip_slopes(gear_pair(read_case("nasa-12x36")), chosen)
+    >>> change.sel(member="pinion", root_place="middle").values.round(2).tolist()
+    [1.0]
+    """
+    change = np.zeros((len(MEMBERS), len(PLACES), len(settings)))
+    for row, (name, member) in enumerate(zip(MEMBERS, _both(pair), strict=True)):
+        surface = member.loaded.designed
+        _, line = RootLine.of(surface, member.section).gap(surface)
+        for column, (_, setting) in enumerate(settings):
+            if setting.of == name:
+                step = setting.scale
+                behind, ahead = (_both(setting.moved(pair, sign * step))[row].loaded.designed for sign in (-1.0, 1.0))
+                factor = math.radians(1.0) if is_angle(setting) else 1.0
+                change[row, :, column] = factor * line.change(surface, behind, ahead) / (2.0 * step)
+    over = {"member": MEMBERS, "root_place": PLACES, "setting": [name for name, _ in settings]}
+    return xr.DataArray(change, over, (*DIMENSIONS, "setting"))
+
+
+def _both(pair: GearPair) -> tuple[Member, Member]:
+    return pair.pinion, pair.gear
+
+
+@dataclass(frozen=True, eq=False)
+class BladeTips:
+    """Distances of the blades' tips from the root cones in an analysis with derivatives, weighted.
+
+    Parameters
+    ----------
+    value
+        At their places (p), times ``TIP_WEIGHT``.
+    slopes
+        Their derivatives (p, n) by the settings.
+    """
+
+    value: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, reading: Reading) -> BladeTips:
+        """Those of an analysis."""
+        value = ordered(reading.values, "blade_tip_gap", *DIMENSIONS).ravel()
+        slopes = ordered(reading.slopes, "blade_tip_gap", *DIMENSIONS, "setting").reshape(value.size, -1)
+        return cls(TIP_WEIGHT * value, TIP_WEIGHT * slopes)
+
+    def missed(self, pair: GearPair, step: Array) -> Array:
+        """What another pair lacks of the distances (p) after a step (n) to first order; zero where either is unknown.
+
+        Raises GeometryError if a cutter meets no tooth.
+        """
+        found = TIP_WEIGHT * ordered(blade_tip_gaps(pair).to_dataset(name="gap"), "gap", *DIMENSIONS).ravel()
+        return np.nan_to_num(self.value + self.slopes @ step - found)
+
+
+def usual_root_line_change(pairs: Sequence[GearPair]) -> float:
+    """Limit of the change of the root line [mm]: a share of the lower flank's height in its middle."""
+    heights = []
+    for pair in pairs:
+        for member in _both(pair):
+            axial, radial = member.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
+            heights.append(math.hypot(axial[1] - axial[0], radial[1] - radial[0]))
+    return USUAL_CHANGE_RATIO * min(heights)
+
+
 Readings = Mapping[tuple[FlankName, int], Reading]
 
 #: Corrections of a step, and the least effect of a combination of settings, over the greatest, that takes part.

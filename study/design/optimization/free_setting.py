@@ -31,8 +31,8 @@ from ....geometry.design.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ....geometry.pair.near_pair import PairSetting, is_angle
-from ...analysis.named_setting import CUTTER_KEYS, SIDES, derivative_settings
-from ...sweep.swept_quantity import swept_quantity
+from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
+from ...analysis.swept_quantity import swept_quantity
 
 Array = NDArray[np.float64]
 

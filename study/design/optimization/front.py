@@ -3,20 +3,27 @@
 Both ends are the optima of one objective each. Between them one objective is minimised under a ceiling of the other,
 each time in the middle of the widest gap, from the neighbour that keeps the ceiling, or else from the other one (method
 of epsilon constraints).
+
+Record of a search: settings, objectives, limits, programmes, assemblies and the front as datasets.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
+from ....core.attributes import labelled
+from ....core.errors import InputError
+from ...result_layout import GROUPS
 from .aim import Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
-from .trust_region import GAIN_TOLERANCE, Ending, Tolerance
+from .trust_region import GAIN_TOLERANCE, Ending, Step, Tolerance
 
 Array = NDArray[np.float64]
 
@@ -190,3 +197,200 @@ def best_of(points: Sequence[FrontPoint]) -> int:
     ratios = np.array([one.ratio for one in points])
     least, span = ratios.min(axis=0), np.maximum(np.ptp(ratios, axis=0), 1e-9)
     return int(np.argmin(np.hypot(*((ratios - least) / span).T)))
+
+
+def search_record(
+    start: AnalysedSettings, outcome: Outcome, judgement: Judgement, steps: Sequence[tuple[int, Step]]
+) -> xr.Dataset:
+    """The group ``optimal_settings``.
+
+    Parameters
+    ----------
+    start
+        The settings at the start.
+    outcome
+        The settings found.
+    judgement
+        Of both, without ceilings.
+    steps
+        All programmes, with the number of the search.
+    """
+    workshop, aim = start.workshop, judgement.aim
+    _, before, before_limited = judgement.worst(start.read)
+    ratio, after, after_limited = judgement.worst(outcome.point.read)
+    free = workshop.space.free
+    data: dict[str, Any] = {
+        "setting_start": ("setting", [one.start for one in free]),
+        "setting_found": ("setting", outcome.values),
+        "setting_value": ("setting", outcome.rounded),
+        "setting_low": ("setting", [one.low for one in free]),
+        "setting_high": ("setting", [one.high for one in free]),
+        "ease_off_per_setting": ("setting", 1.0 / workshop.units),
+        "low_multiplier": ("setting", outcome.prices.low),
+        "high_multiplier": ("setting", outcome.prices.high),
+        "objective_weight": ("objective", aim.weights),
+        "objective_start": ("objective", before),
+        "objective_value": ("objective", after),
+        "objective_ratio": ("objective", ratio),
+        "limit_bound": ("quantity_limit", [limit.bound for limit in aim.limits]),
+        "limited_start": ("quantity_limit", before_limited),
+        "limited_value": ("quantity_limit", after_limited),
+        "limit_multiplier": ("quantity_limit", outcome.prices.limits),
+        "ratio_by_assembly": (("objective", "assembly"), judgement.by_assembly(outcome.point.read)[0]),
+        **_assembly_errors(workshop.assemblies),
+        **_programmes(start, steps),
+    }
+    coords = {
+        "setting": ("setting", [one.name for one in free]),
+        "setting_units": ("setting", [one.units for one in free]),
+        "objective": ("objective", [one.quantity.text for one in aim.objectives]),
+        "objective_units": ("objective", [one.quantity.meaning.units for one in aim.objectives]),
+        "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
+        "limit_units": ("quantity_limit", np.array([one.quantity.meaning.units for one in aim.limits], dtype=np.str_)),
+        "assembly": np.arange(len(workshop.assemblies)),
+        "programme": np.arange(1, 1 + len(steps)),
+    }
+    merit = judgement.merit(outcome.point.read)
+    found = labelled(xr.Dataset(data, coords=coords))
+    found.attrs |= {
+        "form": aim.form,
+        "converged": int(outcome.ended == "converged"),
+        "ended": outcome.ended or "",
+        "refused_proposals": sum(bool(step.refusal) for _, step in steps),
+        "objective_total": merit.objective,
+        "violation": merit.violation,
+        "rounding_change_um": outcome.rounding_change,
+        "rounding_loss": outcome.rounding_loss,
+        "unrounded": outcome.unrounded,
+        "flanks": ", ".join(aim.flanks),
+        "edge_contact": int(start.readings[aim.flanks[0], 0].solved.edge_contact),
+    }
+    return found
+
+
+def _assembly_errors(assemblies: Sequence[Any]) -> dict[str, Any]:
+    names = {
+        "offset_error": "offset",
+        "pinion_axial_error": "pinion_axial",
+        "gear_axial_error": "gear_axial",
+        "shaft_angle_error": "shaft_angle",
+    }
+    return {name: ("assembly", [getattr(one, field) for one in assemblies]) for name, field in names.items()}
+
+
+def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> dict[str, Any]:
+    workshop = start.workshop
+    settings = [workshop.space.start + workshop.units * step.settings for _, step in steps]
+    return {
+        "search_number": ("programme", np.array([number for number, _ in steps], dtype=np.int64)),
+        "reach": ("programme", [step.radius for _, step in steps]),
+        "promised_objective": ("programme", [step.answer.objective for _, step in steps]),
+        "fresh_objective": ("programme", [step.fresh.objective for _, step in steps]),
+        "promised_violation": ("programme", [step.answer.violation for _, step in steps]),
+        "fresh_violation": ("programme", [step.fresh.violation for _, step in steps]),
+        "accepted": ("programme", np.array([step.accepted for _, step in steps], dtype=np.int8)),
+        "mending": ("programme", np.array([step.mending for _, step in steps], dtype=np.int8)),
+        "programme_status": ("programme", np.array([step.answer.status for _, step in steps], dtype=np.str_)),
+        "refusal": ("programme", np.array([step.refusal for _, step in steps], dtype=np.str_)),
+        "programme_settings": (("programme", "setting"), np.reshape(settings, (len(steps), workshop.units.size))),
+    }
+
+
+def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) -> xr.Dataset:
+    """The group ``front``.
+
+    Parameters
+    ----------
+    points
+        Of the front, in the order of the second objective.
+    record
+        From ``search_record``.
+    chosen
+        Number of the point whose analysis the result holds.
+    """
+    limits = (len(points), record.sizes["quantity_limit"])
+    data: dict[str, Any] = {
+        "front_ratio": (("point", "objective"), [one.ratio for one in points]),
+        "front_value": (("point", "objective"), [one.objective for one in points]),
+        "front_limited": (("point", "quantity_limit"), np.reshape([one.limited for one in points], limits)),
+        "front_setting": (("point", "setting"), [one.rounded for one in points]),
+        "front_found": (("point", "setting"), [one.values for one in points]),
+        "front_ceiling": ("point", [one.ceiling for one in points]),
+        "front_multiplier": ("point", [one.prices.ceiling for one in points]),
+        "front_limit_multiplier": (
+            ("point", "quantity_limit"),
+            np.reshape([one.prices.limits for one in points], limits),
+        ),
+        "front_low_multiplier": (("point", "setting"), [one.prices.low for one in points]),
+        "front_high_multiplier": (("point", "setting"), [one.prices.high for one in points]),
+        "front_violation": ("point", [one.violation for one in points]),
+        "front_converged": ("point", np.array([one.converged for one in points], dtype=np.int8)),
+        "front_rounding_change": ("point", [one.rounding_change for one in points]),
+        "front_rounding_loss": ("point", [one.rounding_loss for one in points]),
+        "front_analyses": ("point", [one.analyses for one in points]),
+    }
+    names = ("objective", "objective_units", "quantity_limit", "limit_units", "setting", "setting_units")
+    coords = {name: record[name] for name in names} | {"point": np.arange(len(points))}
+    found = labelled(xr.Dataset(data, coords=coords))
+    found.attrs["chosen_point"] = chosen
+    return found
+
+
+def front_points(tree: xr.DataTree) -> list[FrontPoint]:
+    """Points of the front of a result; none without one."""
+    if "front" not in tree.children:
+        return []
+    front = tree["front"].to_dataset()
+    names = [name for over in GROUPS["front"].values() for name in over]
+    found = []
+    for number in range(front.sizes["point"]):
+        one = {name.removeprefix("front_"): front[name].values[number] for name in names}
+        found.append(
+            FrontPoint(
+                one["found"],
+                one["setting"],
+                one["ratio"],
+                one["value"],
+                one["limited"],
+                Prices(
+                    one["limit_multiplier"], one["low_multiplier"], one["high_multiplier"], float(one["multiplier"])
+                ),
+                float(one["violation"]),
+                float(one["ceiling"]),
+                bool(one["converged"]),
+                float(one["rounding_change"]),
+                float(one["rounding_loss"]),
+                int(one["analyses"]),
+            )
+        )
+    return found
+
+
+def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
+    """Refuse to resume from a result of another search.
+
+    Parameters
+    ----------
+    tree
+        The result.
+    record
+        Names and start of this search.
+    front
+        Whether points of a front are kept, which hold for the same objectives and limits alone.
+
+    Raises
+    ------
+    InputError
+        If the result has no search, or one with other settings or another start; of a front other objectives or limits.
+    """
+    if "optimal_settings" not in tree.children:
+        raise InputError("resume: must be a result of 'easeoff optimize'")
+    known = tree["optimal_settings"].to_dataset()
+    for name in ("setting", "objective", "quantity_limit") if front else ("setting",):
+        own, wanted = known[name].values.tolist(), record[name].values.tolist()
+        if own != wanted:
+            raise InputError(
+                f"resume: its {name}s are {', '.join(own) or 'none'}: must be {', '.join(wanted) or 'none'}"
+            )
+    if not np.allclose(known["setting_start"].values, record["setting_start"].values, rtol=1e-9, atol=1e-9):
+        raise InputError("resume: its search began at other settings: must be a result of the same case")

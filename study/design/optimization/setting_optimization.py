@@ -22,20 +22,22 @@ from ....core.errors import EaseoffError, InputError
 from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
-from ...analysis.case_analysis import analyze
+from ...analysis.case_analysis import analyze, operation_of
 from ...analysis.contact_analysis import case_torques
-from ...analysis.friction_analysis import operation_of
-from ...analysis.shown_progress import shows_progress, told
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
-from ...sweep.distribution import Distribution
-from .aim import Aim, Judgement, Objective, Reference
-from .analysed_settings import AnalysedSettings, Workshop
-from .assembly_sample import constant_assemblies, corner_assemblies, sampled_assemblies
-from .blade_tip_gap import usual_root_line_change
-from .contact_quantity import NEEDED, ContactQuantity, QuantityLimit
+from ...progress import shows_progress, told
+from ...sweep.axis import Distribution
+from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit, Reference
+from .analysed_settings import (
+    AnalysedSettings,
+    Workshop,
+    constant_assemblies,
+    corner_assemblies,
+    sampled_assemblies,
+    usual_root_line_change,
+)
 from .free_setting import SettingSpace, free_settings, with_limits
-from .front import FRONT_TOLERANCE, best_of, front
-from .search_record import front_points, front_record, require_same_search, search_record
+from .front import FRONT_TOLERANCE, best_of, front, front_points, front_record, require_same_search, search_record
 from .setting_search import Outcome, SettingSearch, first_workshop
 from .step_programme import FORMS, Form
 from .trust_region import USUAL_TOLERANCE

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from ....cases.schema.case_schema import Case
 from ....core.checks import frozen_arrays
 from ....core.errors import EaseoffError
-from .aim import Judgement
+from .aim import EaseOffForm, Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
-from .ease_off_form import EaseOffForm
 from .step_programme import (
     LIMIT_MARGIN,
     SINGLE_REACH,

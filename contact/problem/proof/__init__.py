@@ -1,1 +1,0 @@
-"""The arithmetic behind the certificate: error-free sums, first contact, residuals, and what follows from them."""

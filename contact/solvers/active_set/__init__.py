@@ -1,1 +1,0 @@
-"""Active-set methods of the linear contact problem, and the exact answer on a given set."""

@@ -1,0 +1,136 @@
+"""Exact answer from an approximate one: solve on the active set that it shows.
+
+Interior-point and first-order methods leave forces with six to nine digits, but they nearly always tell the touching
+segments from the open ones. One linear system on that set gives all digits; if a sign comes out wrong, a few exchanges
+of segments may follow, which are steps of our own active-set method: a comparison of solvers allows none. Where the
+compliance is diag(d) + V V^T, the matrix is never formed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..problem.certificate import EXACT_TOLERANCE, Answer, unscaled
+from ..problem.contact_problem import ContactProblem
+from ..problem.scaled_problem import ScaledProblem
+from .primal_dual_active_set import SolvedSet, answer_of, primal_dual_active_set
+from .solution import ScaledAnswer
+from .touching_system import ModalProblem, solve_active_set, solve_modal_active_set
+
+#: Exchanges of segments that a polish may make. A poor answer must stay visible as such, not be replaced by a solve
+#: from scratch.
+MAX_EXCHANGES = 9
+
+
+@dataclass(frozen=True)
+class PolishRule:
+    """What a polish may do.
+
+    Attributes
+    ----------
+    exchanges
+        Exchanges of segments that it may make; none leaves the answer as it is if its active set was wrong.
+    roughest
+        Certificate up to which an answer is polished at all.
+    """
+
+    exchanges: int = MAX_EXCHANGES
+    roughest: float = math.inf
+
+
+#: Polish in a comparison: the active set was right or it was not, and the answer was at least roughly right. Without
+#: the second condition whoever says that every segment touches would be right wherever that is so.
+STRICT_POLISH = PolishRule(exchanges=0, roughest=1e-3)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Polish:
+    """Result of a polish.
+
+    Attributes
+    ----------
+    answer
+        In the units of the problem, with its certificate: exact, or as the solver gave it.
+    polished
+        Whether it was made exact.
+    exchanges
+        Exchanges of segments made for it.
+    """
+
+    answer: Answer
+    polished: bool
+    exchanges: int
+
+
+def polished_answer(
+    problem: ContactProblem, scaled: ScaledProblem, answer: ScaledAnswer, rule: PolishRule | None
+) -> Polish:
+    """Return an answer in the units of the problem with its certificate, exact where it can be made so.
+
+    Parameters
+    ----------
+    problem
+        The contact problem.
+    scaled
+        The same, scaled.
+    answer
+        Answer of a solver, scaled. Numbers that are not finite show no active set.
+    rule
+        What may be done; None for an answer that stays as it is.
+    """
+    if rule is None or not (math.isfinite(answer.rotation) and np.isfinite(answer.force).all()):
+        return Polish(unscaled(problem, answer.force, answer.rotation), False, 0)
+    if math.isfinite(rule.roughest):
+        own = unscaled(problem, answer.force, answer.rotation)
+        if not own.certificate.passes(rule.roughest):
+            return Polish(own, False, 0)
+    exact = exact_answer(scaled, answer, rule.exchanges)
+    if exact is not None:
+        better = unscaled(problem, exact.force, exact.rotation)
+        if better.certificate.passes(EXACT_TOLERANCE):
+            return Polish(better, True, exact.iterations - 1)
+    return Polish(unscaled(problem, answer.force, answer.rotation), False, 0)
+
+
+def exact_answer(problem: ScaledProblem, answer: ScaledAnswer, exchanges: int = MAX_EXCHANGES) -> ScaledAnswer | None:
+    """Make an approximate answer exact.
+
+    Parameters
+    ----------
+    problem
+        The scaled problem.
+    answer
+        Forces and rotation, approximately right.
+    exchanges
+        Exchanges of segments that may be made. Without any, forces that come out negative are set to zero: the
+        certificate tells whether they were more than rounding.
+
+    Returns
+    -------
+    ScaledAnswer or None
+        Its iterations are the linear systems solved. None if a system has no solution, or the active set could not be
+        settled.
+    """
+    solve_set: Callable[[NDArray[np.intp]], SolvedSet | None]
+    modal = ModalProblem.of(problem)
+    if modal is None:
+        gap = problem.compliance @ answer.force + problem.separation - answer.rotation * problem.lever_arm
+        solve_set = partial(solve_active_set, problem)
+    else:
+        gap = modal.gap(answer.force, answer.rotation)
+        solve_set = partial(solve_modal_active_set, modal)
+    active = answer.force > gap
+    if exchanges > 0:
+        return primal_dual_active_set(problem, active, max_iterations=exchanges + 1, solve_set=solve_set)
+    index = np.flatnonzero(active)
+    point = solve_set(index) if problem.lever_arm[index].any() else None
+    if point is None:
+        return None
+    point.refine()
+    return answer_of(point, active.size, 1)

@@ -1,0 +1,634 @@
+"""The linear system of the segments that touch, kept up to date as segments enter and leave.
+
+With the set A of touching segments the system
+
+    C_AA F_A - r_A theta = g_A,    r_A'F_A = T,    F = 0 elsewhere
+
+has a unique solution if no change of the forces of A is free: none that costs no energy and has no moment. The gaps
+are Y = C F - r theta - g; with g = -S they are those of the contact problem. Derivatives of a solution solve the same
+system with other right-hand sides.
+
+The linear system of a given active set: its segments touch, all others are open.
+
+    [ C_AA  -r_A ] [ F_A   ]   [ -S_A ]
+    [ r_A'    0  ] [ theta ] = [  T   ]
+
+is solved with one Cholesky factor of C_AA and two right-hand sides, u = C_AA^-1 r_A and v = C_AA^-1 S_A:
+theta = (T + r_A'v) / (r_A'u), F_A = theta u - v. A block that is singular to rounding is shifted and the answer
+refined, or refused, as the caller wants; `DenseTouching` leaves segments out, and goes from one set to the next.
+
+The system of the touching segments by a Cholesky factor, and by its explicit inverse once the segments change.
+
+    K = [ 0    r_A' ]        K [ -theta ]   [ T   ]
+        [ r_A  C_AA ],         [  F_A   ] = [ g_A ].
+
+A segment that enters or leaves changes the inverse by a matrix of rank one (Schur complement): O(a^2) instead of
+O(a^3). One step of iterative refinement with C itself takes away what the updates lose, and after many of them the
+inverse is made anew. C_AA itself may be singular.
+
+The linear system of a given active set for C = diag(d) + U U^T, without the matrix C.
+
+With the modal amplitudes c = U_A'F_A, the segments P of the active set that have a local compliance are eliminated,
+F_P = (theta r_P - S_P - U_P c) / d_P. What is left is small: the amplitudes, the forces of the segments Z that have
+(nearly) no local compliance, and the rotation,
+
+    [ I + U_P'U_P/d   -U_Z'   -U_P'r_P/d ] [ c     ]   [ -U_P'S_P/d    ]
+    [ -U_Z            -d_Z     r_Z       ] [ F_Z   ] = [  S_Z          ]
+    [ -r_P'U_P/d       r_Z'    r_P'r_P/d ] [ theta ]   [  T + r_P'S_P/d ]
+
+(the Woodbury identity with two borders). It costs O(a m^2) for a active segments and m modes. Digits lost where d is
+small come back by iterative refinement, whose residual takes O(n m). Where more segments without local compliance touch
+than there are modes, this matrix is singular: then the block C_AA of the active segments is factored instead, as it is
+where few segments touch.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgetrf, dgetrs, dpocon, dpotrf, dpotri, dpotrs
+
+from ..problem.scaled_problem import ScaledProblem
+
+Array = NDArray[np.float64]
+
+
+class TouchingAnswer(NamedTuple):
+    """Solution of the system for q right-hand sides: forces (n, q), rotations (q) and gaps (n, q)."""
+
+    force: Array
+    rotation: Array
+    gap: Array
+
+    def column(self, number: int) -> tuple[Array, float, Array]:
+        """Force (n), rotation and gap (n) of one right-hand side."""
+        return self.force[:, number], float(self.rotation[number]), self.gap[:, number]
+
+
+class TouchingSystem(Protocol):
+    """The system for a set of touching segments that changes one by one."""
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """The touching segments (n), a copy."""
+        ...
+
+    def enter(self, segment: int) -> bool:
+        """Add a segment; return False, and change nothing, where the forces would then not be unique."""
+        ...
+
+    def leave(self, segment: int) -> bool:
+        """Remove a segment; return False, and change nothing, where the rest cannot carry a torque by itself."""
+        ...
+
+    def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
+        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
+        ...
+
+    def yielding(self) -> Array:
+        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A."""
+        ...
+
+    def columns(self, segments: NDArray[np.intp]) -> Array:
+        """Return columns of C (n, q)."""
+        ...
+
+
+#: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
+#: the forces are taken for not unique.
+DEPENDENCE_TOLERANCE = 1e-11
+#: First shift of a numerically singular block, and the largest that is tried, relative to its mean diagonal.
+SMALLEST_SHIFT, LARGEST_SHIFT = 1e-14, 1e-6
+#: Steps of iterative refinement where the block was shifted.
+SHIFTED_REFINEMENTS = 8
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TouchingFactor:
+    """Cholesky factor of the compliance among the touching segments.
+
+    Attributes
+    ----------
+    lower
+        L with L L' = C_AA (a, a).
+    arm
+        r_A (a).
+    turning
+        u = C_AA^-1 r_A (a).
+    moment
+        r_A'u: the torque that turns the gear by one radian, the touching segments being held [N mm/rad].
+    shifted
+        Whether C_AA is singular to rounding, and the factor that of C_AA + shift I.
+    """
+
+    lower: Array
+    arm: Array
+    turning: Array
+    moment: float
+    shifted: bool = False
+
+    @classmethod
+    def of(cls, block: Array, arm: Array, *, shift: bool = False) -> TouchingFactor | None:
+        """Factorise; a block that is singular to rounding is shifted, or else there is no factor.
+
+        None also where the block has no factor with a shift (it is not positive semidefinite), or overflows.
+        """
+        # The block is symmetric: its transpose is the same matrix in the order LAPACK wants.
+        lower, failed = dpotrf(block.T, lower=1, clean=0)
+        if failed and shift:
+            lower = _shifted(block)
+        elif not failed and not shift:
+            # The trace bounds the largest eigenvalue, and costs less than a norm.
+            reciprocal_condition, _ = dpocon(lower, float(block.trace()), uplo="L")
+            failed = not reciprocal_condition > DEPENDENCE_TOLERANCE
+        if lower is None or (failed and not shift):
+            return None
+        turning = dpotrs(lower, arm, lower=1)[0]
+        moment = float(arm @ turning)
+        return cls(lower, arm, turning, moment, bool(failed)) if 0.0 < moment < np.inf else None
+
+    def balance(self, separation: Array, torque: float) -> tuple[Array, float]:
+        """Forces (a) and rotation that close the separations (a) under a torque."""
+        rigid = dpotrs(self.lower, separation, lower=1)[0]
+        rotation = (torque + float(self.arm @ rigid)) / self.moment
+        return rotation * self.turning - rigid, rotation
+
+    def solve(self, sides: Array) -> Array:
+        """C_AA^-1 times right-hand sides (a, q)."""
+        return np.asarray(dpotrs(self.lower, sides, lower=1)[0])
+
+    def apply(self, sides: Array) -> Array:
+        """K^-1 times right-hand sides (1 + a, q)."""
+        held = self.solve(sides[1:])
+        first = (self.arm @ held - sides[0]) / self.moment
+        return np.vstack([first, held - self.turning[:, None] * first])
+
+    def inverse(self) -> Array:
+        """K^-1."""
+        half = np.tril(dpotri(self.lower, lower=1)[0])
+        held = half + np.tril(half, -1).T
+        size = self.arm.size + 1
+        whole = np.empty((size, size))
+        whole[0, 0] = -1.0 / self.moment
+        whole[0, 1:] = whole[1:, 0] = self.turning / self.moment
+        whole[1:, 1:] = held - np.outer(self.turning, self.turning / self.moment)
+        return whole
+
+
+def _shifted(block: Array) -> Array | None:
+    """Cholesky factor of block + shift I, with the smallest shift that gives one."""
+    level = float(block.diagonal().mean())
+    level = level if level > 0.0 else 1.0
+    shift = SMALLEST_SHIFT
+    while shift < LARGEST_SHIFT:
+        trial = block.copy()
+        trial[np.diag_indices_from(trial)] += shift * level
+        lower, failed = dpotrf(trial.T, lower=1, overwrite_a=1, clean=0)
+        if not failed:
+            return np.asarray(lower)
+        shift *= 10.0
+    return None
+
+
+@dataclass(slots=True)
+class ActiveSetPoint:
+    """Forces and rotation that close the gaps of an active set, in scaled numbers.
+
+    Attributes
+    ----------
+    index
+        The active segments (a).
+    force
+        Their forces (a), of any sign.
+    rotation
+        Beyond first contact.
+    gap
+        Gaps of all segments (n); zero up to rounding on the active ones.
+    """
+
+    index: NDArray[np.intp]
+    force: Array
+    rotation: float
+    gap: Array
+    _problem: ScaledProblem
+    _rows: Array
+    _factor: TouchingFactor
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the block of the active segments is singular to rounding."""
+        return self._factor.shifted
+
+    def refine(self) -> None:
+        """Take one step of iterative refinement; several if the block is singular and was shifted.
+
+        The residual is that of the true system, so that the shift speeds or slows the convergence but leaves no bias.
+        """
+        for _ in range(SHIFTED_REFINEMENTS if self.shifted else 1):
+            imbalance = self._problem.torque - float(self._factor.arm @ self.force)
+            correction, turn = self._factor.balance(self.gap[self.index], imbalance)
+            self.force = self.force + correction
+            self.rotation += turn
+            self._update_gap()
+
+    def _update_gap(self) -> None:
+        self.gap = self.force @ self._rows
+        self.gap += self._problem.separation
+        self.gap -= self.rotation * self._problem.lever_arm
+
+
+def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
+    """Solve the system of an active set.
+
+    Parameters
+    ----------
+    problem
+        The scaled problem.
+    index
+        Active segments (a), at least one of them with a lever arm other than zero.
+
+    Returns
+    -------
+    ActiveSetPoint or None
+        None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
+    """
+    rows = problem.compliance[index]
+    factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
+    if factor is None:
+        return None
+    force, rotation = factor.balance(problem.separation[index], problem.torque)
+    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor)
+    point._update_gap()
+    if factor.shifted:
+        point.refine()
+    return point
+
+
+def first_contact_index(problem: ScaledProblem) -> int:
+    """Return the segment that touches first as the rigid bodies turn."""
+    positive = np.flatnonzero(problem.lever_arm > 0.0)
+    return int(positive[np.argmin(problem.separation[positive] / problem.lever_arm[positive])])
+
+
+#: Updates after which the inverse is made anew.
+MAX_UPDATES = 100
+
+
+class DenseTouching:
+    """See `touching_system.TouchingSystem`.
+
+    Parameters
+    ----------
+    compliance
+        C (n, n) [mm/N], symmetric and positive semidefinite.
+    lever_arm
+        r (n) [mm].
+    active
+        Touching segments (n). Those whose forces would not be unique are left out.
+    """
+
+    def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
+        self._compliance, self._arm = compliance, lever_arm
+        self._index = np.empty(0, dtype=np.intp)
+        self._factor: TouchingFactor | None = None
+        self._known = np.empty((0, 0))  # the inverse, where there is no factor
+        self._updates = 0
+        index = np.flatnonzero(active)
+        if index.size and not self._make(index):
+            # The most compliant first, so that the system stays as far from singular as it can.
+            order = np.argsort(-compliance.diagonal()[index], kind="stable")
+            turning = np.flatnonzero(lever_arm[index[order]] != 0.0)[:1]
+            for segment in index[np.concatenate([order[turning], np.delete(order, turning)])]:
+                self.enter(int(segment))
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """See `TouchingSystem`."""
+        mask = np.zeros(self._arm.size, dtype=np.bool_)
+        mask[self._index] = True
+        return mask
+
+    def enter(self, segment: int) -> bool:
+        """See `TouchingSystem`."""
+        if not self._index.size:
+            return self._make(np.array([segment], dtype=np.intp))
+        side = np.append(self._arm[segment], self._compliance[self._index, segment])
+        solved = self._inverse @ side
+        own = float(self._compliance[segment, segment])
+        yielded = float(side @ solved)
+        pivot = own - yielded
+        if not pivot > DEPENDENCE_TOLERANCE * max(own, abs(yielded)):
+            return False
+        size = solved.size
+        inverse = np.empty((size + 1, size + 1))
+        part = np.multiply.outer(solved, solved / pivot, out=inverse[:size, :size])
+        part += self._inverse
+        inverse[size, :size] = inverse[:size, size] = -solved / pivot
+        inverse[size, size] = 1.0 / pivot
+        self._changed(np.append(self._index, segment), inverse)
+        return True
+
+    def shares(self, segment: int) -> Array:
+        """Return the forces of the touching segments that a unit force of another one replaces (n)."""
+        solved = self._inverse @ np.append(self._arm[segment], self._compliance[self._index, segment])
+        result = np.zeros(self._arm.size)
+        result[self._index] = solved[1:]
+        return result
+
+    def leave(self, segment: int) -> bool:
+        """See `TouchingSystem`."""
+        place = int(np.flatnonzero(self._index == segment)[0])
+        column = self._inverse[:, place + 1]
+        pivot = float(column[place + 1])
+        rest = self._index[:-1].copy()
+        if place < rest.size:
+            rest[place] = self._index[-1]
+        if not rest.size or not pivot > 0.0 or not self._arm[rest].any():
+            return False
+        inverse = np.multiply.outer(column, column / -pivot)
+        inverse += self._inverse
+        inverse[place + 1], inverse[:, place + 1] = inverse[-1], inverse[:, -1]  # the last takes its place
+        self._changed(rest, inverse[:-1, :-1])
+        return True
+
+    def forces(self, closing: Array, torque: float) -> Array:
+        """Return the forces of one right-hand side (n), without the gaps and not refined."""
+        result = np.zeros(closing.size)
+        result[self._index] = self._apply(np.append(torque, closing[self._index])[:, None])[1:, 0]
+        return result
+
+    def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
+        """See `TouchingSystem`."""
+        index, arm = self._index, self._arm[self._index]
+        found = self._apply(np.vstack([torque, closing[index]]))
+        force, rotation = np.zeros(closing.shape), -found[0]
+        force[index] = found[1:]
+        gap = self._gap(force, rotation, closing)
+        if self._factor is None:
+            found = self._apply(np.vstack([torque - arm @ force[index], -gap[index]]))
+            force[index] += found[1:]
+            rotation = rotation - found[0]
+            gap = self._gap(force, rotation, closing)
+        gap[index] = 0.0
+        return TouchingAnswer(force, rotation, gap)
+
+    def _gap(self, force: Array, rotation: Array, closing: Array) -> Array:
+        return np.asarray(self._compliance @ force - self._arm[:, None] * rotation - closing)
+
+    def yielding(self) -> Array:
+        """See `TouchingSystem`; C_AA must not be singular."""
+        rows = self._compliance[self._index]
+        if self._factor is not None:
+            held = self._factor.solve(rows)
+        else:
+            turning = self._known[1:, 0]
+            held = (self._known[1:, 1:] - np.outer(turning, turning / self._known[0, 0])) @ rows
+        result = self._compliance.diagonal() - np.einsum("ij,ij->j", rows, held)
+        result[self._index] = 0.0
+        return np.asarray(result)
+
+    def columns(self, segments: NDArray[np.intp]) -> Array:
+        """See `TouchingSystem`."""
+        return self._compliance[:, segments]
+
+    @property
+    def _inverse(self) -> Array:
+        """K^-1, made of the factor when segments begin to change."""
+        if self._factor is not None:
+            self._known, self._factor = self._factor.inverse(), None
+        return self._known
+
+    def _apply(self, sides: Array) -> Array:
+        """K^-1 times right-hand sides (1 + a, q)."""
+        return self._known @ sides if self._factor is None else self._factor.apply(sides)
+
+    def _changed(self, index: NDArray[np.intp], inverse: Array) -> None:
+        self._index, self._known = index, inverse
+        self._updates += 1
+        if self._updates >= MAX_UPDATES:
+            self._make(index)
+
+    def _make(self, index: NDArray[np.intp]) -> bool:
+        """Factorise a set anew, if it is not singular."""
+        block, arm = self._compliance[np.ix_(index, index)], self._arm[index]
+        factor = TouchingFactor.of(block, arm)
+        if factor is None:
+            inverse = _inverse_of_border(block, arm)
+            if inverse is None:
+                return False
+            self._known = inverse
+        self._index, self._factor, self._updates = index, factor, 0
+        return True
+
+
+def _inverse_of_border(block: Array, arm: Array) -> Array | None:
+    """Inverse of K, where C_AA may be singular; None if K is."""
+    size, level, largest = arm.size + 1, float(block.diagonal().mean()), float(np.abs(arm).max())
+    if largest == 0.0:
+        return None
+    scale = np.full(size, 1.0 / np.sqrt(level) if level > 0.0 else 1.0)
+    scale[0] = 1.0 / (largest * scale[-1])
+    system = np.zeros((size, size))
+    system[0, 1:] = system[1:, 0] = arm
+    system[1:, 1:] = block
+    system *= np.outer(scale, scale)
+    try:
+        inverse = np.linalg.inv(system)
+    except np.linalg.LinAlgError:
+        return None
+    condition = float(np.abs(system).sum(axis=0).max()) * float(np.abs(inverse).sum(axis=0).max())
+    return np.asarray(inverse * np.outer(scale, scale)) if condition * DEPENDENCE_TOLERANCE < 1.0 else None
+
+
+#: Part of a segment's compliance below which its local compliance is not divided by.
+SMALLEST_LOCAL_FRACTION = 1e-4
+#: Steps of iterative refinement that are always taken.
+REFINEMENTS = 2
+#: Gap of a touching segment, relative to the largest term of the gaps, beyond which a system counts as singular.
+RESIDUAL_LIMIT = 1e-12
+#: Touching segments up to which their block of C is formed first, and up to which it is formed at all.
+SMALL_BLOCK, LARGEST_BLOCK = 150, 4000
+#: Segments up to which modes are not compressed: that costs more than it saves.
+SMALL_PROBLEM = 300
+
+
+@dataclass(frozen=True, eq=False)
+class ModalProblem:
+    """A scaled problem with C = diag(d) + U U^T, taken apart once for several active sets.
+
+    Attributes
+    ----------
+    problem
+        The scaled problem.
+    local
+        d, (n).
+    modes
+        U, compressed where there are many segments (n, m).
+    rigid
+        Segments whose local compliance is not divided by (n).
+    """
+
+    problem: ScaledProblem
+    local: Array
+    modes: Array
+    rigid: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, problem: ScaledProblem) -> ModalProblem | None:
+        """Take a problem apart; None where its compliance is one dense matrix."""
+        modal = problem.modal
+        if modal is None:
+            return None
+        rigid = ~(modal.diagonal > SMALLEST_LOCAL_FRACTION * modal.whole_diagonal)
+        small = modal.diagonal.size <= SMALL_PROBLEM
+        modes = math.sqrt(modal.weight) * modal.factor if small else modal.basis.factor
+        return cls(problem, modal.diagonal, modes, rigid)
+
+    def gap(self, force: Array, rotation: float) -> Array:
+        """Return C F + S - r theta, (n)."""
+        gap = self.local * force
+        gap += self.modes @ (force @ self.modes)
+        gap += self.problem.separation
+        gap -= rotation * self.problem.lever_arm
+        return gap
+
+
+@dataclass(slots=True)
+class ModalActiveSetPoint:
+    """Forces and rotation that close the gaps of an active set; as `ActiveSetPoint`, from the modes.
+
+    Attributes
+    ----------
+    index
+        The active segments (a).
+    force
+        Their forces (a), of any sign.
+    rotation
+        Beyond first contact.
+    gap
+        Gaps of all segments (n); zero up to rounding on the active ones.
+    """
+
+    index: NDArray[np.intp]
+    force: Array
+    rotation: float
+    gap: Array
+    _modal: ModalProblem
+    _system: _BorderedSystem | TouchingFactor
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the block of the active segments is singular to rounding."""
+        return isinstance(self._system, TouchingFactor) and self._system.shifted
+
+    def refine(self) -> None:
+        """Take one step of iterative refinement."""
+        problem = self._modal.problem
+        left = problem.torque - float(problem.lever_arm[self.index] @ self.force)
+        correction, turn = self._system.balance(self.gap[self.index], left)
+        self.force = self.force + correction
+        self.rotation += turn
+        self._update_gap()
+
+    def _update_gap(self) -> None:
+        force = np.zeros(self.gap.size)
+        force[self.index] = self.force
+        self.gap = self._modal.gap(force, self.rotation)
+
+
+class _BorderedSystem:
+    """Factored system of the modal amplitudes, the forces of the segments without local compliance and the rotation."""
+
+    def __init__(self, modal: ModalProblem, index: NDArray[np.intp]) -> None:
+        rigid = modal.rigid[index]
+        self._soft, self._rigid = np.flatnonzero(~rigid), np.flatnonzero(rigid)
+        modes, arm, local = modal.modes[index], modal.problem.lever_arm[index], modal.local[index]
+        soft_rows = np.column_stack([modes[self._soft], arm[self._soft]])
+        self._weighted = soft_rows / local[self._soft, None]
+        self._soft_rows, self._local = soft_rows, local[self._soft]
+        count, hard = modes.shape[1], self._rigid.size
+        gram = soft_rows.T @ self._weighted
+        matrix = np.zeros((count + hard + 1, count + hard + 1), order="F")
+        last = count + hard
+        matrix[:count, :count] = gram[:-1, :-1] + np.eye(count)
+        matrix[:count, last] = matrix[last, :count] = -gram[:-1, -1]
+        matrix[last, last] = gram[-1, -1]
+        matrix[count:last, :count] = -modes[self._rigid]
+        matrix[:count, count:last] = -modes[self._rigid].T
+        matrix[np.arange(count, last), np.arange(count, last)] = -local[self._rigid]
+        matrix[count:last, last] = matrix[last, count:last] = arm[self._rigid]
+        self._count = count
+        self._factor, self._pivots, info = dgetrf(matrix, overwrite_a=1)
+        self.is_regular = info == 0
+
+    def balance(self, separation: Array, torque: float) -> tuple[Array, float]:
+        """Return forces (a) and rotation for separations (a) of the active segments and a torque."""
+        own = separation[self._soft]
+        loads = own @ self._weighted
+        side = np.concatenate([-loads[:-1], separation[self._rigid], [torque + loads[-1]]])
+        found, _info = dgetrs(self._factor, self._pivots, side)
+        rotation = float(found[-1])
+        force = np.empty(separation.size)
+        force[self._rigid] = found[self._count : -1]
+        closing = self._soft_rows @ np.concatenate([found[: self._count], [-rotation]])
+        force[self._soft] = -(closing + own) / self._local
+        return force, rotation
+
+
+def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFactor | None:
+    """Cholesky factor of the block C_AA of the active segments, shifted where it is singular to rounding."""
+    modes = modal.modes[index]
+    block = modes @ modes.T
+    block[np.diag_indices_from(block)] += modal.local[index]
+    return TouchingFactor.of(block, modal.problem.lever_arm[index], shift=True)
+
+
+def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ModalActiveSetPoint | None:
+    """Solve the system of an active set.
+
+    Parameters
+    ----------
+    modal
+        The problem.
+    index
+        Active segments (a), at least one of them with a lever arm other than zero.
+
+    Returns
+    -------
+    ModalActiveSetPoint or None
+        None where no factor gives a solution, or the block of that many segments without local compliance is too large.
+    """
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        if index.size > SMALL_BLOCK:
+            bordered = _BorderedSystem(modal, index)
+            point = _refined(modal, index, bordered, REFINEMENTS) if bordered.is_regular else None
+            if _is_solved(point) or index.size > LARGEST_BLOCK:
+                return point
+        factor = _block_factor(modal, index)
+        if factor is None:
+            return None
+        return _refined(modal, index, factor, SHIFTED_REFINEMENTS if factor.shifted else REFINEMENTS)
+
+
+def _refined(
+    modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | TouchingFactor, refinements: int
+) -> ModalActiveSetPoint | None:
+    problem = modal.problem
+    force, rotation = system.balance(problem.separation[index], problem.torque)
+    point = ModalActiveSetPoint(index, force, rotation, np.empty(modal.local.size), modal, system)
+    point._update_gap()
+    for _ in range(refinements):
+        point.refine()
+    return point if np.isfinite(point.gap).all() else None
+
+
+def _is_solved(point: ModalActiveSetPoint | None) -> bool:
+    if point is None:
+        return False
+    separation = point._modal.problem.separation[point.index]
+    level = abs(point.rotation) + float(np.abs(separation).max())
+    return float(np.abs(point.gap[point.index]).max()) <= RESIDUAL_LIMIT * level

@@ -1,0 +1,338 @@
+"""Commands that list, design and convert cases.
+
+Command that writes commented templates of input files.
+
+Command that makes a lubricant's file from a data sheet.
+
+Command that writes the summary sheet of a case.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...core.errors import EaseoffError, InputError
+from ..terminal_bar import working
+from .command import EXIT_UNCERTIFIED, Command, quick_start
+from .shared_options import (
+    allow_outside_option,
+    echo,
+    force_option,
+    keyed_numbers,
+    next_commands,
+    output_option,
+    outside_allowed,
+    problem_format_options,
+)
+from .word_completion import case_names, design_names, template_names
+
+if TYPE_CHECKING:
+    from ...geometry.cutting.named_settings import MachineResolution
+
+KINDS = ("case", "design", "supports", "oil", "load-cases")
+#: The command that takes a file of each kind; ``FILE`` stands for it.
+TAKEN_BY = {
+    "case": ("run", "FILE", "-o", "RESULT.nc"),
+    "design": ("design", "FILE", "-o", "CASE.toml"),
+    "supports": ("run", "CASE", "-o", "RESULT.nc", "--supports", "FILE"),
+    "oil": ("run", "CASE", "-o", "RESULT.nc", "--speed", "SPEED", "--oil", "FILE"),
+    "load-cases": ("run", "CASE", "-o", "RESULT.nc", "--load-cases", "FILE"),
+}
+
+
+@click.command(cls=Command)
+@click.argument("kind", type=click.Choice(KINDS))
+@click.argument("name", required=False, shell_complete=template_names)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    show_default="NAME, if it is that of a file",
+    help="File to write: .toml, of load cases .csv.",
+)
+@click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
+def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
+    """Write a commented template of an input file of a KIND.
+
+    The template can be used as it is: its numbers are those of an example. Keys that the example does not give are in
+    it, too, switched off by a comment sign, with their meaning, unit and default.
+
+    NAME is what the numbers are taken from: of a case or design face-milled (the default), face-hobbed, or the name of
+    a shipped one; of supports and oil the name of a shipped one; of load cases the shipped case whose torques they
+    take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
+    """
+    from ...cases.schema.file_templates import TEMPLATE_KINDS, template
+    from ...cases.writing import require_replaceable, write_sealed
+    from ...core.output_file import check_writable
+
+    if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
+        output, name = Path(name), None
+    if output is None:
+        raise click.UsageError(
+            f"-o: must be given, as in 'easeoff new {kind} -o my{TEMPLATE_KINDS[kind].suffix}', or short 'easeoff new "
+            f"{kind} my{TEMPLATE_KINDS[kind].suffix}'"
+        )
+    check_writable(output, suffix=TEMPLATE_KINDS[kind].suffix)
+    require_replaceable(output, force)
+    write_sealed(template(kind, name), output)
+    echo(f"wrote {output}")
+    next_commands([output if word == "FILE" else word for word in TAKEN_BY[kind]])
+
+
+@click.command(cls=Command)
+@click.option("--viscosity-40", type=float, required=True, metavar="V", help="Kinematic viscosity at 40 degC in mm2/s.")
+@click.option(
+    "--viscosity-100", type=float, required=True, metavar="V", help="Kinematic viscosity at 100 degC in mm2/s."
+)
+@click.option("--density", type=float, required=True, metavar="RHO", help="Density at 15 degC in kg/m3.")
+@click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
+@click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")
+@click.option(
+    "--source", metavar="TEXT", default="its data sheet", show_default=True, help="Where the numbers are from."
+)
+@output_option("TOML file to write, for --oil and the table [friction].")
+def oil(
+    viscosity_40: float,
+    viscosity_100: float,
+    density: float,
+    base_oil: str,
+    title: str | None,
+    source: str,
+    output: Path,
+) -> None:
+    """Make a lubricant's file from the numbers of a data sheet.
+
+    The pressure-viscosity coefficient is estimated from viscosity and base oil; if you have measured values, write them
+    into the file.
+    """
+    from ...core.errors import InputError
+    from ...core.output_file import check_writable
+    from ...friction import data_sheet_lubricant, write_lubricant
+
+    check_writable(output)
+    if output.suffix.lower() != ".toml":
+        raise InputError(f"{output}: must be a name that ends in .toml")
+    made = data_sheet_lubricant(
+        output.stem,
+        viscosity_40=viscosity_40,
+        viscosity_100=viscosity_100,
+        density=density,
+        base_oil=base_oil,
+        title=title,
+        source=source,
+    )
+    write_lubricant(made, output)
+    for temperature in (40.0, 70.0, 100.0):
+        state = made.at(temperature)
+        echo(
+            f"{temperature:3.0f} degC: {1e3 * float(state.viscosity):.4g} mPa s, pressure-viscosity coefficient "
+            f"{1e9 * float(state.pressure_viscosity):.3g} / GPa (estimated)"
+        )
+    echo(f"wrote {output}")
+    next_commands(("run", "CASE", "-o", "RESULT.nc", "--speed", "SPEED", "--oil", output))
+
+
+STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
+
+
+def resolution(_ctx: click.Context, _param: click.Parameter, text: str | None) -> MachineResolution | None:
+    """Resolution of settings from an option."""
+    from ...geometry.cutting.named_settings import MachineResolution
+
+    return None if text is None else MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
+
+
+resolution_option = click.option(
+    "--resolution",
+    callback=resolution,
+    metavar="STEP=VALUE,...",
+    help="Steps of the settings in mm and degrees: length, angle, roll, modified_roll, motion, blade_radius, "
+    "blade_angle, edge_radius.  [default: 0.001 mm, 0.001 deg, ...]",
+)
+
+
+@click.command(cls=Command)
+@click.argument("case", shell_complete=case_names)
+@allow_outside_option
+@output_option("Sheet to write, .txt, .html or .rexs.")
+@resolution_option
+def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
+    """Write the summary sheet of a case: what an operator sets.
+
+    Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
+    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
+    case stays as it is; 'easeoff design --round' writes rounded settings into a case.
+    """
+    quick_start()
+    from ...cases import read_case, write_rexs
+    from ...cases.writing import with_blanks
+    from ...core.errors import InputError
+    from ...core.output_file import check_writable, whole_file
+    from ..design.rounded_settings import rounded_case
+    from ..summary.summary_sheet import summary_sheet
+
+    check_writable(output, case)
+    suffix = output.suffix.lower()
+    if suffix not in (".txt", ".html", ".rexs"):
+        raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
+    checked = read_case(case, allow_outside=outside_allowed())
+    made = summary_sheet(checked, resolution)
+    if suffix == ".rexs":
+        for note in write_rexs(with_blanks(rounded_case(checked, resolution)), output):
+            echo(note)
+    else:
+        with whole_file(output) as temporary:
+            _ = temporary.write_text(made.page() if suffix == ".html" else made.text(), encoding="utf-8")
+    echo(f"wrote {output}")
+    for note in made.notes:
+        echo(note, err=True)
+    for line in made.effects:
+        echo(line)
+
+
+@click.command(cls=Command)
+def cases() -> None:
+    """List shipped cases and other shipped files.
+
+    Cases, designs, supports, lubricants and measured flanks. Each is given by its name, in place of a file.
+    """
+    quick_start()
+    from ...cases.reading import shipped_cases, shipped_designs, shipped_deviations, shipped_supports
+    from ...friction import available_lubricants, lubricant
+
+    groups = {
+        "cases: easeoff run CASE -o RESULT.nc": shipped_cases(),
+        "designs: easeoff design DESIGN -o CASE.toml": shipped_designs(),
+        "supports: --supports NAME": shipped_supports(),
+        "lubricants: --oil NAME": {name: lubricant(name).title for name in available_lubricants()},
+        "measured flanks: --deviation MEMBER=NAME": {name: _measured_title(name) for name in shipped_deviations()},
+    }
+    width = max(len(name) for group in groups.values() for name in group)
+    parts = [
+        "\n".join([head, *(f"  {name:<{width}}  {title}" for name, title in group.items())])
+        for head, group in groups.items()
+    ]
+    echo("\n\n".join(parts))
+
+
+def _measured_title(name: str) -> str:
+    """What a shipped file of measured flanks holds, from its name: CASE-STATE-MEMBER."""
+    case, state, member = name.rsplit("-", 2)
+    return f"{state} {member} flank of the case {case}"
+
+
+@click.command(cls=Command)
+@click.argument("design", shell_complete=design_names)
+@allow_outside_option
+@output_option("Case file to write, .toml.")
+@force_option
+@click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
+@click.option("--round", "rounding", is_flag=True, help="Write settings rounded to the resolution of the machine.")
+@resolution_option
+def design(
+    design: str, output: Path, force: bool, report: bool, rounding: bool, resolution: MachineResolution | None
+) -> None:
+    """Design a pair and write it as a case file.
+
+    DESIGN is the name of a shipped design or the path of a design file: basic data and the wanted ease-off. The blanks
+    follow from the basic data; the pinion is fitted to the ease-off.
+    """
+    quick_start()
+    from ...cases import read_design, write_case
+    from ...cases.conversion import machine_resolution
+    from ...cases.writing import require_replaceable
+    from ...core.output_file import check_writable
+    from ..design.case_design import design_case
+    from ..design.design_check import rounding_limits
+    from ..design.rounded_settings import rounded_case, rounding_effect
+    from ..summary.design_report import design_report, summary_lines
+    from ..summary.summary_sheet import effect_line
+
+    if resolution is not None and not rounding:
+        raise InputError("--resolution: must go with --round")
+    check_writable(output, design, suffix=".toml")
+    require_replaceable(output, force)
+    checked = read_design(design, allow_outside=outside_allowed())
+    with working("blanks, gear, and a pinion fitted to the ease-off"):
+        case, found = design_case(checked)
+    effects = {}
+    if rounding:
+        exact, steps = case, resolution or machine_resolution(checked.resolution)
+        case = rounded_case(case, steps, *rounding_limits(checked, found, case))
+        effects = rounding_effect(exact, case)
+    write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
+    echo(f"wrote {output}")
+    echo(design_report(found) if report else "\n".join(summary_lines(found)))
+    for side, effect in effects.items():
+        echo(effect_line(side, effect))
+    if not found.analysable:
+        echo("no analysis can take this case yet: a member has no whole tooth, see above", err=True)
+        sys.exit(EXIT_UNCERTIFIED)
+    table = case.friction
+    outside = table is not None and table.seen_from(output.parent).is_outside
+    next_commands(("run", output, "-o", output.with_suffix(".nc"), *(["--allow-outside"] if outside else [])))
+
+
+@click.command(cls=Command)
+@click.argument("source", metavar="INPUT", shell_complete=case_names)
+@allow_outside_option
+@output_option(
+    "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
+)
+@force_option
+@problem_format_options
+def convert(source: str, output: Path, force: bool, format: str | None, form: str | None) -> None:
+    """Convert cases or contact problems to another format.
+
+    INPUT is the name of a shipped case, a case file (.toml), a REXS file (.rexs, .xml), or a session script of
+    Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed. Or it is a file of contact
+    problems (.nc, .mat, .npz, .qps, .mps, .hdf5), or a folder of such files with one problem each.
+    """
+    from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
+    from ...cases.conversion import given_pair
+    from ...cases.writing import require_replaceable
+    from ...core.output_file import check_writable
+    from ...geometry.pair.tooth_thickness import contradictions
+    from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
+    from ..compare.problem_export import convert_problems
+
+    suffix, target = Path(source).suffix.lower(), output.suffix.lower()
+    if suffix in PROBLEM_SUFFIXES or os.path.isdir(source):
+        echo(convert_problems(Path(source), output, format, form))
+        return
+    if format is not None or form is not None:
+        raise InputError(f"{source}: suffix = {suffix!r}: must be that of contact problems, with --format or --form")
+    if target not in (".toml", ".rexs", ".xml"):
+        raise InputError(f"{output}: suffix = {target!r}: must be .toml, .rexs or .xml")
+    check_writable(output, source)
+    if target == ".toml":
+        require_replaceable(output, force)
+    notes: list[str] = []
+    if suffix in ("", ".toml"):
+        case = read_case(source, allow_outside=outside_allowed())
+    elif suffix in (".rexs", ".xml"):
+        case, notes = read_rexs(source)
+    elif suffix in (".ses", ".txt"):
+        case, notes = read_session_script(source)
+    else:
+        raise InputError(
+            f"{source}: suffix = {suffix!r}: must be .toml, .rexs, .xml, .ses or .txt, or of contact problems "
+            f"{', '.join(PROBLEM_SUFFIXES)}"
+        )
+    try:
+        notes += [f"Warning: {text}" for text in contradictions(given_pair(case))]
+    except EaseoffError as error:  # teeth that an analysis refuses can be converted
+        notes.append(f"Warning: {error}")
+    if target == ".toml":
+        write_case(case, output, "\n".join([f"Made by easeoff from {Path(source).name}.", *notes]))
+    else:
+        notes = notes + write_rexs(case, output)
+    for note in notes:
+        echo(note)
+    echo(f"wrote {output}")

@@ -1,1 +1,0 @@
-"""Commands that list, write and convert input files."""

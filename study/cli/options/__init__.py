@@ -1,1 +1,0 @@
-"""Options of the commands and the reading of their values."""

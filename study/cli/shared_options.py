@@ -1,0 +1,483 @@
+"""Options that several commands share, and the values of options.
+
+Reading of option texts: lists of numbers, numbers by member, and KEY=NUMBER pairs.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ...core.errors import printable_lines
+from .command import as_given
+from .word_completion import deviation_names
+
+if TYPE_CHECKING:
+    from ...cases.deflections import Deflections
+    from ...geometry.pair.assembly import Misalignment
+
+WHOLE_NUMBER = re.compile(r"[+-]?\d+")
+
+
+def number_list(text: str, wanted: str, *, from_zero: bool = True) -> list[float]:
+    """Numbers separated by commas.
+
+    Parameters
+    ----------
+    text
+        The text; blanks around the numbers are allowed.
+    wanted
+        What the text must be, for messages.
+    from_zero
+        Whether 0 may stand before another whole number; else that is a decimal comma.
+
+    Raises
+    ------
+    click.BadParameter
+        If it is no such list, or looks like a number with a decimal comma.
+
+    Examples
+    --------
+    >>> number_list("50, 250", "numbers")
+    [50.0, 250.0]
+    """
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: must be {wanted}") from error
+    refuse_decimal_commas(text, from_zero=from_zero)
+    return values
+
+
+def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
+    """Refuse a list of whole numbers that do not increase: a decimal comma is the likely reason.
+
+    ``50,5`` would be the two values 50 and 5, and ``0,8`` the values 0 and 8. A list with a decimal point somewhere was
+    written by somebody who knows, and may be in any order; three and more numbers may fall from the first to the last,
+    as no decimal comma makes them.
+
+    Parameters
+    ----------
+    text
+        Numbers separated by commas.
+    from_zero
+        As for ``number_list``.
+
+    Raises
+    ------
+    click.BadParameter
+        With the number that may have been meant.
+
+    Examples
+    --------
+    >>> refuse_decimal_commas("50,250")
+    >>> refuse_decimal_commas("50.5,5")
+    >>> refuse_decimal_commas("800,400,100")
+    >>> try:
+    ...     refuse_decimal_commas("50,5")
+    ... except click.BadParameter as error:
+    ...     print(error.message)
+    '50,5': whole numbers in a list must increase, as in 5,50; a decimal has a point: 50.5
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) < 2 or not all(WHOLE_NUMBER.fullmatch(part) for part in parts):
+        return
+    numbers = [float(part) for part in parts]
+    # Of a value that comes twice the caller says so.
+    steps = [second - first for first, second in pairwise(numbers)]
+    falling = len(set(numbers)) == len(numbers) and any(step < 0.0 for step in steps)
+    falling &= len(steps) == 1 or any(step > 0.0 for step in steps)
+    padded = any(re.fullmatch(r"0\d+", part) for part in parts[1:])
+    zero = min(numbers) == 0.0 and not from_zero
+    if not (falling or padded or zero):
+        return
+    listed = ",".join(f"{value:g}" for value in sorted(set(numbers)))
+    order = f"whole numbers in a list must increase, as in {listed}; " if falling and not (padded or zero) else ""
+    raise click.BadParameter(f"{text!r}: {order}a decimal has a point: {parts[0]}.{parts[1].lstrip('+-')}")
+
+
+def by_member(text: str, quantity: str, example: str) -> list[float]:
+    """A number for both members, or one each, from PINION/GEAR."""
+    try:
+        found = [float(part) for part in text.split("/")]
+    except ValueError:
+        found = []
+    if len(found) not in (1, 2):
+        point = "; a decimal has a point" if "," in text else ""
+        raise click.BadParameter(f"{text!r}: must be {quantity}, or PINION/GEAR, such as {example}{point}")
+    return found
+
+
+def keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
+    """Numbers by key, from KEY=NUMBER separated by commas.
+
+    Examples
+    --------
+    >>> keyed_numbers("E=0.1, P=-0.2", ("E", "P"), "E=0.15")
+    {'E': 0.1, 'P': -0.2}
+    """
+    values: dict[str, float] = {}
+    for part in text.split(","):
+        key, equals, number = (piece.strip() for piece in part.partition("="))
+        if not equals and values and WHOLE_NUMBER.fullmatch(key):
+            raise click.BadParameter(
+                f"{text!r}: {key!r} has no key; a decimal has a point, and pairs are separated by commas: {example}"
+            )
+        try:
+            value = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part.strip()!r}: must be KEY=NUMBER, such as {example}") from error
+        if key not in keys:
+            raise click.BadParameter(f"{key!r}: must be one of {', '.join(keys)}")
+        if key in values:
+            raise click.BadParameter(f"{text!r}: {key} comes twice")
+        values[key] = value
+    return values
+
+
+THINNEST_COMPOUND = 0.5  # [um]; below it a thickness looks like mm
+
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
+MISALIGNMENT = "E=..,P=..,G=..,Sigma=..|FILE"
+DEFLECTION_FILE = "or a table of deflections over the torque, with the columns torque, E, P, G, Sigma, flank"
+THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
+EDGES = ("toe", "heel", "root", "tip")
+ALLOW_OUTSIDE = "easeoff.allow_outside"
+
+
+def flank_option(command: Command) -> Command:
+    """Option ``--flank`` of a command: drive or coast."""
+    return click.option(
+        "--flank",
+        type=click.Choice(["drive", "coast"]),
+        default="drive",
+        show_default=True,
+        help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
+    )(command)
+
+
+def output_option(text: str) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command: a file, described by a text."""
+    return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
+
+
+def force_option(command: Command) -> Command:
+    """Option ``--force`` of a command that writes a case file."""
+    return click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")(
+        command
+    )
+
+
+def problem_format_options(command: Command) -> Command:
+    """Options ``--format`` and ``--form`` of a command that writes contact problems."""
+    command = click.option(
+        "--form",
+        type=click.Choice(["dense", "lifted", "dual"]),
+        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
+    )(command)
+    return click.option(
+        "--format",
+        type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
+        show_default="suffix of the file",
+        help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
+        "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
+    )(command)
+
+
+def folder_option(default: str) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command that writes a folder."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        metavar="FOLDER",
+        default=default,
+        show_default=True,
+        help="Folder to write.",
+    )
+
+
+def deviation_option(text: str) -> Callable[[Command], Command]:
+    """Option ``--deviation`` of a command: files by member, described by a text."""
+    return click.option(
+        "--deviation",
+        "deviations",
+        multiple=True,
+        callback=deviations,
+        shell_complete=deviation_names,
+        metavar="MEMBER=FILE",
+        help=text,
+    )
+
+
+def allow_outside_option(command: Command) -> Command:
+    """Option ``--allow-outside`` of a command that reads a case or design; see ``outside_allowed``."""
+    return click.option(
+        "--allow-outside",
+        is_flag=True,
+        expose_value=False,
+        callback=_keep_allowed,
+        help="Open files outside the folder of the case, too, if the case names them, such as that of an oil.",
+    )(command)
+
+
+def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
+    ctx.meta[ALLOW_OUTSIDE] = value
+
+
+def outside_allowed() -> bool:
+    """Whether ``--allow-outside`` was given to the command that runs."""
+    return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
+
+
+def refuse_name_of_output(output: Path, **folders: Path | None) -> None:
+    """Refuse folders, by the names of their options, that have the name of the file to be written.
+
+    Raises
+    ------
+    click.UsageError
+        If one has.
+
+    Examples
+    --------
+    >>> refuse_name_of_output(Path("out.nc"), plots=Path("pictures"), store=None)
+    """
+    for option, folder in folders.items():
+        if folder is not None and os.path.abspath(folder) == os.path.abspath(output):
+            raise click.UsageError(f"--{option} = {str(folder)!r}: must be another name than that of the file")
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print lines with foreign text in them, which must not steer the terminal."""
+    click.echo(printable_lines(as_given(text)), err=err)
+
+
+def next_commands(*commands: Sequence[object]) -> None:
+    """Say which commands take what was written; each is given by its words after ``easeoff``."""
+    words = (shlex.join(["easeoff", *map(str, command)]) for command in commands)
+    echo(f"next: {', or '.join(words)}")
+
+
+def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
+    """Torques at the pinion [N m], rising; a line says so of those that were given otherwise."""
+    if text is None:
+        return None
+    values = number_list(text, "numbers in N m separated by commas, such as 50,250,500", from_zero=False)
+    for value in values:
+        if not 0.0 < value < 1e7:
+            coast = "; --flank coast analyses the flanks of the other sense of the torque" if value < 0.0 else ""
+            raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m{coast}")
+        if values.count(value) > 1:
+            raise click.BadParameter(f"{text!r}: {value:g} comes twice")
+    if values != sorted(values):
+        echo(f"torques in rising order: {', '.join(f'{value:g}' for value in sorted(values))} N m", err=True)
+    return tuple(sorted(values))
+
+
+def marking(_ctx: click.Context, _param: click.Parameter, value: float | None) -> float | None:
+    """Thickness of the marking compound [um]; a line says so of one that looks like mm."""
+    if value is not None and 0.0 < value < THINNEST_COMPOUND:
+        echo(f"--marking = {value:g}: thinner than any marking compound; um are meant, not mm?", err=True)
+    return value
+
+
+def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | Deflections | None:
+    """Assembly errors [mm, rad], from mm and degrees, or from the file of a table over the torque."""
+    if text is None:
+        return None
+    import math
+
+    if os.path.isfile(text):
+        from ...cases.deflection_table import read_deflections
+
+        return read_deflections(text)
+
+    from ...geometry.pair.assembly import Misalignment
+
+    if "=" not in text:
+        wanted = "E=0.15,P=-0.12, or the file of a table of deflections; there is no file of this name"
+        raise click.BadParameter(f"{text!r}: must be KEY=NUMBER, such as {wanted}")
+    values = keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
+    for key, value in values.items():
+        if not abs(value) < 10.0:
+            raise click.BadParameter(f"{key}={value:g}: must lie between -10 and 10 (mm, Sigma in degrees)")
+    offset, pinion_axial, gear_axial, shaft_angle = (values.get(key, 0.0) for key in MISALIGNMENT_KEYS)
+    return Misalignment(offset, pinion_axial, gear_axial, math.radians(shaft_angle))
+
+
+def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+    """Files of deviations by member."""
+    values: dict[str, str] = {}
+    for text in texts:
+        member, equals, file = (part.strip() for part in text.partition("="))
+        if not equals or not file or member not in ("pinion", "gear"):
+            raise click.BadParameter(f"{text!r}: must be pinion=FILE or gear=FILE")
+        if member in values:
+            raise click.BadParameter(f"{text!r}: {member} comes twice")
+        values[member] = file
+    return values
+
+
+def flank_files(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Files of measured flanks by member, at most one a flank."""
+    values: dict[str, tuple[str, ...]] = {}
+    for text in texts:
+        for member, file in deviations(_ctx, _param, (text,)).items():
+            values[member] = (*values.get(member, ()), file)
+            if len(values[member]) > 2:
+                raise click.BadParameter(f"{text!r}: {member} comes more than twice; it has two flanks")
+    return values
+
+
+def thicknesses(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+    """Measured excess of the tooth thickness by member [um]."""
+    if text is None:
+        return None
+    values = keyed_numbers(text, ("pinion", "gear"), "gear=12.5")
+    for member, value in values.items():
+        if not abs(value) <= THICKNESS_LIMIT:
+            raise click.BadParameter(
+                f"{member}={value:g}: must lie between -{THICKNESS_LIMIT:g} and {THICKNESS_LIMIT:g} um"
+            )
+    return values
+
+
+def nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    """Numbers of nodes, lengthwise and along the profile."""
+    if text is None:
+        return None
+    first, _, second = text.lower().partition("x")
+    try:
+        nodes = int(first), int(second)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: must be LENGTHWISExPROFILE, such as 61x31") from error
+    if min(nodes) < 5 or max(nodes) > 1001:
+        raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
+    return nodes
+
+
+def teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
+    """Number of teeth, or ``all``."""
+    if text is None or text == "all":
+        return text
+    try:
+        return int(text)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: must be a number of teeth, or all") from error
+
+
+def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+    """Margins of a measuring grid [mm], by edge of the flank."""
+    return None if text is None else keyed_numbers(text, EDGES, "toe=3,root=1.2")
+
+
+def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
+    """Names of solvers, each once."""
+    if text is None:
+        return None
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name and names.count(name) > 1:
+            raise click.BadParameter(f"{text!r}: {name} comes twice")
+    return names
+
+
+def names(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
+    """Names separated by commas, each once."""
+    if text is None:
+        return None
+    found = tuple(name.strip() for name in text.split(","))
+    for name in found:
+        if not name:
+            raise click.BadParameter(f"{text!r}: must be names separated by commas")
+        if found.count(name) > 1:
+            raise click.BadParameter(f"{text!r}: {name} comes twice")
+    return found
+
+
+def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Path, ...]) -> tuple[Path, ...]:
+    """Files of contact problems, each once."""
+    whole = [os.path.realpath(path) for path in paths]
+    for path, own in zip(paths, whole, strict=True):
+        if whole.count(own) > 1:
+            raise click.BadParameter(f"{path} comes twice")
+        if os.path.isdir(path):
+            raise click.BadParameter(
+                f"{path} is a folder: give a file; 'easeoff convert {path} -o problems.nc' makes one of its problems"
+            )
+    return paths
+
+
+def tolerances(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float]:
+    """Tolerances of a sweep; none if it is not wanted."""
+    return [] if text is None else number_list(text, "tolerances separated by commas, such as 1e-3,1e-6,1e-9")
+
+
+def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
+    """Numbers separated by commas, or FROM:TO:COUNT, evenly spaced."""
+    if text is None:
+        return None
+    wanted = "numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
+    if ":" not in text:
+        return number_list(text, wanted, from_zero=param.name == "temperature")
+    try:
+        first, last, count = text.split(":")
+        start, span, steps = float(first), float(last) - float(first), int(count) - 1
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: must be {wanted}") from error
+    if not 1 <= steps < 10_000:
+        raise click.BadParameter(f"{text!r}: COUNT = {count}: must lie between 2 and 10000")
+    return [start + span * i / steps for i in range(steps + 1)]
+
+
+def roughnesses(
+    ctx: click.Context, param: click.Parameter, text: str | None
+) -> list[float | tuple[float, float]] | None:
+    """RMS roughnesses [um] separated by commas, each a number or PINION/GEAR."""
+    if text is None or "/" not in text:
+        values = numbers(ctx, param, text)
+        return None if values is None else list(values)
+    for member in text.split("/"):
+        refuse_decimal_commas(member, from_zero=False)
+    members = [by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
+    return [found[0] if len(found) == 1 else (found[0], found[1]) for found in members]
+
+
+def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
+    """Shares of the revolutions by torque [N m], from a torque alone or TORQUE=SHARE separated by commas."""
+    wanted = "a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3; a decimal has a point"
+    shares: dict[float, float] = {}
+    parts = text.split(",")
+    for part in parts:
+        torque, equals, share = part.partition("=")
+        if len(parts) > 1 and not equals:
+            raise click.BadParameter(f"{text!r}: {part.strip()!r} has no share: must be {wanted}")
+        try:
+            key, value = float(torque), float(share) if equals else 1.0
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: must be {wanted}") from error
+        if key in shares:
+            raise click.BadParameter(f"{text!r}: {key:g} comes twice")
+        shares[key] = value
+    return shares
+
+
+def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
+    """Wear coefficients of pinion and gear [mm^2/N]."""
+    found = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
+    if not any(found):
+        raise click.BadParameter(
+            f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
+        )
+    return found[0], found[-1]

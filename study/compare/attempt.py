@@ -1,0 +1,481 @@
+"""Attempt of a solver at a problem: its claim, its certificate and its times.
+
+This runs in a process of its own.
+
+Method of a comparison: a solver with settings, a start and, in a sweep, a tolerance.
+
+Posed problem: a contact problem of a comparison with its number in a file, its digest and its reference.
+
+A solver that returns what it has kept from an earlier call shall neither be right nor be fast. So no call has the data
+of the one before: separations and torque are multiplied by a load factor, other for each call, and with them the forces
+and the rotation of the answer. Active set and conditioning stay as they are, and each answer is certified, and compared
+with the reference, on the data of its own call.
+
+Residual of an answer on the problem as its solver got it: what solvers compare with their own tolerance.
+
+The certificate judges the answer, this the solver. They differ: complementarity in the certificate is the largest of
+the smaller one of force and gap, and of n products F_i Y_i the sum is the duality gap, so that a gap of 1e-6 leaves
+complementarity of up to 1e-3.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...contact.problem.certificate import NO_CERTIFICATE, Answer, Certificate, with_certificate
+from ...contact.problem.contact_problem import ContactProblem
+from ...contact.problem.exchange.problem_file import read_labels, read_problems
+from ...contact.solvers import SOLVERS, ContactSolution, Solver, solve
+from ...contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
+from ...contact.solvers.polish import STRICT_POLISH
+from ...contact.solvers.solution import RAISED
+from ...contact.solvers.solver_declaration import declared_solver
+from ...core.errors import InputError
+
+#: Settings a solver can be run with, and what they mean; the headline first.
+SETTINGS = {
+    "scaled": "scaled problem, tight tolerances; the solver's own answer",
+    "polished": "the same, then one linear solve on the active set that the solver found",
+    "raw": "problem in mm and N, the solver's default settings; its own answer",
+    "sweep": "scaled problem, a tolerance of the sweep; the solver's own answer",
+}
+HEADLINE, POLISHED, RAW, SWEEP = SETTINGS
+#: Starts of a solver.
+COLD, WARM = "cold", "warm"
+
+#: What a solver calls the tolerances that a sweep sets all alike; one that is not listed has none.
+TOLERANCE_NAMES = {name: entry.tolerance_settings for name, entry in SOLVERS.items() if entry.tolerance_settings}
+#: What a sweep calls the tolerance of a function of one's own.
+OWN_TOLERANCE_NAME = "tolerance"
+#: Smallest tolerance that a solver takes.
+LEAST_TOLERANCE = {name: entry.least_tolerance for name, entry in SOLVERS.items() if entry.least_tolerance}
+#: Solvers whose answers or iterations change with the start they are given. The others ignore it, or have none:
+#: a warm start of theirs would measure noise.
+STARTING_SOLVERS = tuple(name for name, entry in SOLVERS.items() if entry.warm_start)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A solver with everything that is chosen for it.
+
+    Attributes
+    ----------
+    solver
+        A name of the table of solvers, or of one's own.
+    settings
+        A name of `SETTINGS`.
+    start
+        ``cold`` or ``warm``.
+    tolerance
+        Tolerance of a sweep; zero for those of the settings.
+
+    Examples
+    --------
+    >>> Method("osqp", "sweep", "cold", 1e-3).keywords(10.0)["eps_abs"]
+    0.001
+    """
+
+    solver: str
+    settings: str
+    start: str = COLD
+    tolerance: float = 0.0
+
+    def keywords(self, time_limit: float) -> dict[str, Any]:
+        """Return the keywords that the solver is called with; for ``raw`` a time limit alone, where it takes one."""
+        if self.solver not in SOLVERS:
+            own = {"time_limit": time_limit}
+            return {**own, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else own
+        table: Mapping[str, Any] = SOLVERS[self.solver].settings
+        key = SOLVERS[self.solver].time_setting
+        limits = {key: time_limit} if key in table else {}
+        if self.settings == RAW:
+            return limits
+        least = max(self.tolerance, LEAST_TOLERANCE.get(self.solver, 0.0))
+        swept = dict.fromkeys(TOLERANCE_NAMES[self.solver], least) if self.tolerance else {}
+        return {**table, **limits, **swept}
+
+
+def has_tolerance(solver: str) -> bool:
+    """Whether a sweep of tolerances changes anything for a solver."""
+    return solver in TOLERANCE_NAMES or solver not in SOLVERS
+
+
+def polishes_itself(solver: str) -> bool:
+    """Whether the table's settings have a solver polish its own answer, whatever its tolerance."""
+    return solver in SOLVERS and bool(SOLVERS[solver].settings.get("polishing", False))
+
+
+#: Load factors are one and a number of such steps.
+FACTOR_COUNT, FACTOR_STEP = 31, 1.0 / 62.0
+#: Load factor of the call that is not measured, the first in a process.
+UNMEASURED_FACTOR = 1.0 + 0.5 * FACTOR_STEP
+#: Certificate below which the answer to the problem before solves this one, too: there is nothing to measure.
+START_CERTIFICATE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class PosedProblem:
+    """A problem of a file and the reference that answers to it are compared with.
+
+    Parameters
+    ----------
+    file
+        Name of the file in the table.
+    number
+        Number of the problem in its file, from 0.
+    problem
+        The problem itself.
+    digest
+        Digest of its data, see ``problem_digest``.
+    reference
+        Solution of the native solver.
+    before
+        Forces (n) [N] of the problem before, for a warm start; ``None`` if that does not fit, or has the same answer.
+    name, kind
+        Labels of the file; empty if it has none.
+    """
+
+    file: str
+    number: int
+    problem: ContactProblem
+    digest: str
+    reference: ContactSolution
+    before: NDArray[np.float64] | None
+    name: str = ""
+    kind: str = ""
+
+    def start(self, method: Method) -> NDArray[np.float64] | None:
+        """Return the forces (n) [N] that a method starts from; None for a cold start."""
+        return self.before if method.start == WARM else None
+
+    @cached_property
+    def before_digest(self) -> str:
+        """Digest of the warm start; empty if there is none."""
+        return "" if self.before is None else hashlib.sha256(self.before.tobytes()).hexdigest()
+
+    def varied(self, factor: float) -> PosedProblem:
+        """Return the same problem with separations, torque and warm start multiplied by a factor."""
+        if factor == 1.0:
+            return self
+        problem = multiplied(self.problem, factor)
+        before = None if self.before is None else factor * self.before
+        return replace(self, problem=problem, reference=solve(problem, "native"), before=before)
+
+
+def multiplied(problem: ContactProblem, factor: float) -> ContactProblem:
+    """Return a problem with separations and torque multiplied: its forces and rotation are multiplied alike."""
+    return ContactProblem(factor * problem.separation, problem.lever_arm, factor * problem.torque, problem.compliance)
+
+
+def load_factor(method: Method, repetition: int, number: int) -> float:
+    """Return the load factor of a call, the same in every comparison, other than those of the calls before and after.
+
+    Parameters
+    ----------
+    method
+        The method.
+    repetition
+        From 1.
+    number
+        Number of the problem in its file, from 0.
+
+    Examples
+    --------
+    >>> load_factor(Method("osqp", "scaled"), 1, 0), load_factor(Method("osqp", "scaled"), 2, 0) > 1.0
+    (1.0, True)
+    """
+    kind = (2 * list(SETTINGS).index(method.settings)) + (method.start == WARM)
+    if method.tolerance:
+        kind += round(-10.0 * math.log10(method.tolerance))
+    # Multiples of other primes: neighbours in any of the three are apart.
+    return 1.0 + FACTOR_STEP * ((11 * kind + 7 * number + repetition - 1) % FACTOR_COUNT)
+
+
+def posed_problems(path: Path, name: str) -> list[PosedProblem]:
+    """Read the problems of a file and solve them for reference.
+
+    Parameters
+    ----------
+    path
+        The file.
+    name
+        Its name in the table.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no problems, or has one that is not convex: no certificate could prove it.
+    """
+    problems = read_problems(path)
+    if not problems:
+        raise InputError(f"{path} holds no contact problems")
+    labels = read_labels(path)
+    names, kinds = ([str(value) for value in labels.get(key, [""] * len(problems))] for key in ("name", "kind"))
+    posed: list[PosedProblem] = []
+    before: NDArray[np.float64] | None = None
+    for number, problem in enumerate(problems):
+        if not problem.is_positive_semidefinite:
+            raise InputError(
+                f"{path}, problem {number}: its compliance has a negative eigenvalue, so no answer can be proved"
+            )
+        reference = solve(problem, "native")
+        usable = before if before is not None and _is_start(problem, before) else None
+        digest = problem_digest(problem)
+        posed.append(PosedProblem(name, number, problem, digest, reference, usable, names[number], kinds[number]))
+        before = reference.force if reference.certified else None
+    return posed
+
+
+def _is_start(problem: ContactProblem, force: NDArray[np.float64]) -> bool:
+    """Whether forces (n) [N] can start the solution of a problem: of its size, and not its answer already."""
+    if force.size != problem.size:
+        return False
+    work = float(force @ (problem.deflection(force) + problem.separation_at_first_contact))
+    rotation = work / problem.torque if problem.torque > 0.0 else 0.0
+    return not with_certificate(problem, force, rotation).certificate.passes(START_CERTIFICATE)
+
+
+def problem_digest(problem: ContactProblem) -> str:
+    """Digest of all data of a problem: the same for identical problems only."""
+    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
+    digest = hashlib.sha256(np.float64(problem.torque).tobytes())
+    for array in (problem.separation, problem.lever_arm, *parts):
+        digest.update(repr(array.shape).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def posed_residual(problem: ContactProblem, answer: Answer, *, raw: bool = False) -> float:
+    """Largest of primal residual, dual residual and duality gap, each over one plus the size of its terms.
+
+    One plus the size: a solver may hold its tolerance as an absolute or as a relative one.
+
+    Parameters
+    ----------
+    problem
+        As it was given.
+    answer
+        Of the solver, as it left it.
+    raw
+        Whether the solver got the problem in mm and N, not scaled.
+
+    Returns
+    -------
+    float
+        NaN where there is no answer.
+
+    Examples
+    --------
+    >>> from easeoff.contact import ContactProblem, solve
+    >>> problem = ContactProblem(np.zeros(2), np.full(2, 50.0), 2.0e5, np.diag([2e-6, 2e-6]))
+    >>> answer = solve(problem).answer
+    >>> posed_residual(problem, answer) < 1e-15
+    True
+    """
+    force, rotation = np.asarray(answer.force, dtype=np.float64), answer.elastic_rotation
+    if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
+        return math.nan
+    with np.errstate(over="ignore", invalid="ignore"):
+        if raw:
+            rotation, separation = answer.rotation, problem.separation
+            deflection, arm, torque = problem.deflection(force), problem.lever_arm, problem.torque
+        else:
+            scaled, scaling = problem.scaled(), problem.scaling
+            force, rotation = force / scaling.force, rotation / scaling.rotation
+            separation, arm, torque = scaled.separation, scaled.lever_arm, scaled.torque
+            deflection = scaled.deflection(force)
+        closing = rotation * arm
+        gap = deflection + separation - closing  # the multiplier of F >= 0 where it is not negative
+        largest = max(float(np.abs(term).max()) for term in (deflection, separation, closing))
+        work, preload = float(force @ deflection), float(force @ separation)
+        primal = max(
+            abs(float(arm @ force) - torque) / (1.0 + abs(torque)),
+            -float(force.min()) / (1.0 + float(np.abs(force).max())),
+        )
+        dual = -float(gap.min()) / (1.0 + largest)
+        surplus = abs(work + preload - rotation * torque) / (1.0 + max(abs(work), abs(preload), abs(rotation * torque)))
+    worst = max(primal, dual, surplus)
+    return worst if math.isfinite(worst) else math.nan
+
+
+#: Claims of a solver whose process ended, or was ended when its time was over.
+CRASHED, TIME_LIMIT = "crashed", "time_limit"
+
+_LONGEST_MESSAGE = 160
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """Outcome of one attempt. Times are NaN where they are not known.
+
+    Attributes
+    ----------
+    claim
+        Report of the solver: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
+        process ended).
+    message
+        Its own words.
+    run_time, processor_time
+        Wall time and processor time of the whole call [s]: check, scaling, solver, polish, certificate.
+    call_time
+        Wall time of the bare call of the solver, from its data in its form to its answer [s].
+    setup_time, solve_time
+        Its set-up and its solve [s], as it reports them, or else as they were measured around it.
+    time_source
+        Who measured these two: ``solver``, ``interface``, or an empty text.
+    polish_time
+        Wall time of the polish [s].
+    certificate
+        Of the answer, on the problem as it was given; infinite without an answer.
+    posed_residual
+        Of the answer, on the problem as the solver got it, see `posed_residual`; NaN without an answer.
+    elastic_rotation, reference_rotation
+        Rotation beyond first contact [rad], and that of the certified reference; NaN without an answer.
+    iterations
+        -1 if unknown.
+    polished
+        Whether the answer is that of one exact solve on the active set the solver found.
+    exchanges
+        Exchanges of segments made for that.
+    load_factor
+        Factor of separations and torque in this call.
+    """
+
+    claim: str
+    message: str = ""
+    run_time: float = math.nan
+    processor_time: float = math.nan
+    call_time: float = math.nan
+    setup_time: float = math.nan
+    solve_time: float = math.nan
+    time_source: str = ""
+    polish_time: float = math.nan
+    certificate: Certificate = NO_CERTIFICATE
+    posed_residual: float = math.nan
+    elastic_rotation: float = math.nan
+    reference_rotation: float = math.nan
+    iterations: int = -1
+    polished: bool = False
+    exchanges: int = 0
+    load_factor: float = 1.0
+
+    @classmethod
+    def of(cls, solution: ContactSolution) -> Attempt:
+        """Return the outcome that a solution is, without what is worked out afterwards."""
+        times = solution.times
+        return cls(
+            solution.claim,
+            plain(solution.words),
+            solution.run_time,
+            call_time=times.call,
+            setup_time=times.setup,
+            solve_time=times.solve,
+            time_source=times.measured_by,
+            polish_time=times.polish,
+            certificate=solution.certificate,
+            elastic_rotation=float(solution.answer.elastic_rotation),
+            iterations=solution.iterations,
+            polished=solution.polished,
+            exchanges=solution.exchanges,
+        )
+
+
+def load_adapter(solver: str) -> Adapter | Solver | None:
+    """Return the adapter of a solver, or the declaration of one's own; None for the native one, which needs none.
+
+    Parameters
+    ----------
+    solver
+        A name of the table of solvers or of an entry point, or ``module:function``.
+
+    Raises
+    ------
+    InputError
+        The module cannot be imported or has no such function.
+    MissingSolverError
+        The package of a solver of the table cannot be loaded.
+    """
+    if solver == "native":
+        return None
+    declared = declared_solver(solver)
+    if declared is None:
+        return adapter_of(solver)
+    importlib.import_module("qpsolvers")  # slow imports are not to be timed
+    return declared
+
+
+def attempt(
+    problem: ContactProblem,
+    method: Method,
+    adapter: Adapter | Solver | None,
+    time_limit: float,
+    start: NDArray[np.float64] | None = None,
+) -> Attempt:
+    """Let a solver try a problem.
+
+    Parameters
+    ----------
+    problem
+        Rebuilt for every attempt, so that nothing found by an earlier one is reused.
+    method
+        The solver and its settings.
+    adapter
+        The adapter from `load_adapter`.
+    time_limit
+        Time limit passed to the backend [s], which may ignore it.
+    start
+        Forces (n) [N] that solve a neighbouring problem, for a warm start.
+    """
+    fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
+    begin, processor = perf_counter(), process_time()
+    solution: ContactSolution | None
+    refused = ""
+    if adapter is None:
+        solution = solve(fresh, "native", initial_active=None if start is None else start > 0.0)
+    else:
+        solution, refused = _backend_solution(fresh, method, adapter, time_limit, start)
+    # One clock for all: what a solution says of its own run time may come from a function of the user's.
+    run_time, processor_time = perf_counter() - begin, process_time() - processor
+    found = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
+    if solution is not None:
+        residual = posed_residual(fresh, solution.answer, raw=method.settings == RAW)
+        found = replace(found, posed_residual=residual)
+    return replace(found, run_time=run_time, processor_time=processor_time)
+
+
+def _backend_solution(
+    problem: ContactProblem,
+    method: Method,
+    adapter: Adapter | Solver,
+    time_limit: float,
+    start: NDArray[np.float64] | None,
+) -> tuple[ContactSolution | None, str]:
+    """Solution of a backend; or none, and why it refused its settings."""
+    raw = method.settings == RAW
+    keywords = method.keywords(time_limit)
+    if isinstance(adapter, Solver):
+        keywords = {key: value for key, value in keywords.items() if adapter.takes(key)}
+    if start is not None:
+        keywords["initvals"] = start.copy() if raw else start / problem.scaling.force
+    rule = STRICT_POLISH if method.settings == POLISHED else None
+    try:
+        return backend_solution(problem, method.solver, adapter, keywords, polish=rule, raw=raw), ""
+    except InputError as error:
+        return None, plain(f"{type(error).__name__}: {error}")
+
+
+def plain(text: str) -> str:
+    """One printable line of bounded length."""
+    line = " ".join("".join(c if c.isprintable() or c.isspace() else "?" for c in text).split())
+    return line if len(line) <= _LONGEST_MESSAGE else line[: _LONGEST_MESSAGE - 3] + "..."

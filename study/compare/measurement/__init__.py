@@ -1,1 +1,0 @@
-"""Measurement of a comparison: problems, attempts in processes of their own, machine and versions."""

@@ -1,1 +1,0 @@
-"""Presentation of a comparison: report, tables and figures."""

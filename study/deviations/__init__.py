@@ -1,1 +1,0 @@
-"""Deviations of a case: from files, datasets or formulas, the geometry with them, and corrections of settings."""

@@ -1,1 +1,0 @@
-"""Files for other programs: measuring points, surfaces and meshes of teeth, and contact in mesh position."""

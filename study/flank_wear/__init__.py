@@ -1,1 +1,0 @@
-"""Wear of the flanks over a duty cycle."""

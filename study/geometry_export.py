@@ -1,0 +1,191 @@
+"""Geometry export: measuring points, CAD surfaces and meshes of a case's teeth as files."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ..cases.conversion import gear_pair
+from ..cases.schema.case_schema import Case
+from ..core.checks import whole
+from ..core.errors import InputError
+from ..core.memory import require_memory
+from ..core.output_file import check_writable
+from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
+from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
+from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
+from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES
+from ..geometry.formats.step import require_opencascade
+from ..geometry.pair.gear_pair import GearPair
+from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
+from ..geometry.tooth.tooth_surface import tooth_patches
+
+FlankChoice = Literal["concave", "convex", "both"]
+POINT_SIZE = 2.5e3  # memory of a point or node while it is found and written [byte]
+SURFACE_NODES = (61, 31)  # splines through them are within 0.02 um of the flanks of the shipped cases
+
+
+def pair_of(case: Case) -> GearPair:
+    """Pair of a case, seen from the drive side, or from the coast side if only that is described."""
+    described = case.pinion.concave is not None and case.gear.convex is not None
+    return gear_pair(case, "drive" if described else "coast")
+
+
+def export_points(
+    case: Case,
+    path: Path,
+    member: MemberName,
+    flank: FlankChoice = "both",
+    *,
+    rows: int = 5,
+    columns: int = 9,
+    margins: EdgeMargins | None = None,
+) -> str:
+    """Write the measuring points of a member.
+
+    Parameters
+    ----------
+    case, path, member, flank
+        As in ``export``.
+    rows, columns
+        Points from root to tip and from toe to heel.
+    margins
+        Margins at the edges of the flank; a tenth of face width and depth if left out.
+
+    Returns
+    -------
+    str
+        Description of what was written.
+
+    Raises
+    ------
+    InputError
+        If the grid or a margin cannot be used, the case does not describe the flank, or the file cannot be written.
+    GeometryError
+        If a point of the grid is not on the flank.
+    """
+    require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
+    pair = pair_of(case)
+    points = cmm_points(
+        named_member(pair, member), rows, columns, margins, tooth_angle=tooth_angle(pair, member)
+    ).assign_attrs({"member": member, "title": case.title})
+    known = [str(name) for name in points["flank"].values]
+    if flank != "both":
+        if flank not in known:
+            raise InputError(
+                f"flank = {flank!r}: must be {known[0]}, the only flank of the {member} that the case describes"
+            )
+        points = points.sel(flank=[flank])
+        known = [flank]
+    write_cmm_points(points, path)
+    return f"{rows} x {columns} points of the {member}, {' and '.join(known)} flank"
+
+
+def export_surfaces(
+    case: Case,
+    path: Path,
+    member: MemberName,
+    flank: FlankChoice = "both",
+    *,
+    teeth: int | None = 1,
+    nodes: tuple[int, int] = SURFACE_NODES,
+) -> str:
+    """Write the surface of one or more teeth of a member.
+
+    Parameters
+    ----------
+    case, path, member, flank
+        As in ``export``; ``both`` flanks also write the other surfaces of the tooth.
+    teeth
+        Number of teeth; ``None`` for all.
+    nodes
+        Nodes of a flank, lengthwise and along the profile.
+
+    Returns
+    -------
+    str
+        Description of what was written.
+
+    Raises
+    ------
+    InputError
+        If a number cannot be used or the file cannot be written.
+    GeometryError
+        If part of the surface does not exist.
+    MissingPackageError
+        If the format needs a package that is not installed.
+    """
+    step = path.suffix.lower() in STEP_SUFFIXES
+    if step:
+        require_opencascade()
+    pair = pair_of(case)
+    number = named_member(pair, member).teeth
+    wanted = number if teeth is None else whole("teeth", teeth, 1, number)
+    copies = 1 if step else wanted  # a STEP file has one tooth and where its copies stand
+    size = f"nodes = {nodes[0]}x{nodes[1]}" + ("" if copies == 1 else f", teeth = {copies}")
+    require_memory(size, POINT_SIZE * math.prod(nodes) * copies, "the surface")
+    patches = tooth_patches(pair, member, nodes)
+    if flank != "both":
+        patches = {name: points for name, points in patches.items() if name.startswith(flank)}
+    pitch = 2.0 * np.pi / number
+    if step:
+        write_step(patches, path, teeth=wanted, pitch=pitch, name=f"{case.title}, {member}")
+    else:
+        write_mesh(patches, path, teeth=wanted, pitch=pitch)
+    return f"{wanted} of {number} teeth of the {member}: {', '.join(patches)}"
+
+
+def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
+    """Write measuring points, CAD surfaces or a mesh of a member, as the suffix of the file says.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    path
+        The file.
+    member
+        ``pinion`` or ``gear``.
+    flank
+        Flank to write.
+    options
+        ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces.
+
+    Returns
+    -------
+    str
+        Description of what was written.
+
+    Raises
+    ------
+    InputError
+        If no format has the suffix, an option is for another format, or as ``export_points`` and ``export_surfaces``.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.cases import read_case
+    >>> with TemporaryDirectory() as folder:
+    ...     export(read_case("nasa-12x36"), Path(folder) / "gear.csv", "gear", "convex", {"rows": 3})
+    '3 x 9 points of the gear, convex flank'
+    """
+    suffix = path.suffix.lower()
+    surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)
+    if suffix not in (*POINT_SUFFIXES, *surfaces):
+        raise InputError(
+            f"{path}: suffix = {suffix!r}: must be {', '.join(POINT_SUFFIXES)} for measuring points, "
+            f"{', '.join(surfaces)} for surfaces"
+        )
+    points = suffix in POINT_SUFFIXES
+    foreign = set(options) & ({"teeth", "nodes"} if points else {"rows", "columns", "margins"})
+    if foreign:
+        kind = "surfaces" if points else "measuring points"
+        raise InputError(
+            f"{', '.join(f'--{name}' for name in sorted(foreign))}: must go with {kind}, not with a {suffix} file"
+        )
+    check_writable(path)
+    write = export_points if points else export_surfaces
+    return write(case, path, member, flank, **options)

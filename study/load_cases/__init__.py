@@ -1,1 +1,0 @@
-"""Analysis over load cases, and the means of a duty cycle."""

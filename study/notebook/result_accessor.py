@@ -1,0 +1,556 @@
+"""Accessor ``easeoff`` of a tree of xarray: what one does with a result in a notebook.
+
+Key numbers of a result as tables of pandas, in the units in which people read them.
+
+Tables and texts in HTML, without a style of their own, for a notebook.
+
+Short summary of a result as HTML, for a notebook.
+"""
+
+from __future__ import annotations
+
+import html
+import inspect
+import math
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial, update_wrapper
+from importlib import import_module
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ...core.errors import InputError, printable, suggestion
+from ...core.netcdf_file import in_memory
+from ..analysis.key_numbers import key_numbers
+from ..report.report_tables import loaded_numbers, misalignment_rows, supports_rows
+from ..result_layout import VARIABLES, faults, load_case_faults
+from ..summary.deflection_report import misalignment_over_torque
+from ..summary.load_case_summary import input_columns, load_case_notes, result_columns
+from ..summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, head_rows, is_rough, result_notes, unloaded_rows
+from ..summary.supports_report import SHARES, bearing_loads
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ...cases import Case
+
+FAULT_COUNT_LIMIT = 3  # that a message names
+
+
+class ResultSummary:
+    """Summary of a result: printed it is the text of ``easeoff show``, in a notebook a short page.
+
+    Parameters
+    ----------
+    tree
+        A result.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> found = easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.summary()
+    >>> str(found).splitlines()[3]
+    'pair          12 x 36, left-hand pinion, drive flanks'
+    >>> found.tables["loaded"]["peak_to_peak [urad]"].round().tolist()
+    [221.0]
+    """
+
+    def __init__(self, tree: xr.DataTree) -> None:
+        self._tree = tree
+
+    @cached_property
+    def text(self) -> str:
+        """The text of ``easeoff show``."""
+        if "load_cases" in self._tree.children:
+            from ..summary.load_case_summary import load_case_summary
+
+            return load_case_summary(self._tree)
+        from ..summary.result_summary import result_summary
+
+        return result_summary(self._tree)
+
+    @cached_property
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Key numbers as tables of pandas: ``unloaded``, ``misalignment``, ``supports``, ``loaded``, ``friction``.
+
+        Misalignment, supports and friction are there if the result has them; of load cases there is ``load_cases``
+        alone. A column bears the name of its variable and the unit in which people read it: angles are in degrees,
+        torques in N m. The result itself keeps rad and N mm. ``tables["loaded"].T`` has a row a number.
+        """
+        return summary_frames(self._tree)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def _repr_html_(self) -> str:
+
+        return result_page(self._tree)
+
+
+class ResultPlots:
+    """Pictures of a result: every function of ``easeoff.plot`` that takes one, as a method.
+
+    Parameters
+    ----------
+    tree
+        A result.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> "pressure" in dir(easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.plot)
+    True
+    """
+
+    def __init__(self, tree: xr.DataTree) -> None:
+        self._tree = tree
+
+    def __dir__(self) -> list[str]:
+        return sorted(_pictures())
+
+    def __repr__(self) -> str:
+        return f"pictures of a result: {', '.join(sorted(_pictures()))}"
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        functions = _pictures()
+        if name not in functions:
+            known = ", ".join(sorted(functions))
+            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, functions)}")
+        function = functions[name]
+        bound = update_wrapper(partial(function, self._tree), function)
+        signature = inspect.signature(function)
+        others = list(signature.parameters.values())[1:]
+        bound.__signature__ = signature.replace(parameters=others)  # type: ignore[attr-defined]
+        del bound.__wrapped__
+        return bound
+
+
+def _pictures() -> dict[str, Callable[..., Any]]:
+    """Functions of ``easeoff.plot`` that take a result first."""
+    plot = import_module("easeoff").plot
+    found = {name: getattr(plot, name) for name in plot.__all__}
+    return {
+        name: function
+        for name, function in found.items()
+        if inspect.isfunction(function) and next(iter(inspect.signature(function).parameters), "") in ("tree", "result")
+    }
+
+
+class ResultAccessor:
+    """What one does with a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
+
+    Every method raises ``InputError`` if the tree is no result of ``analyze``, ``modify``, ``optimize``,
+    ``study.analyze_load_cases`` or ``read_result``.
+
+    Parameters
+    ----------
+    tree
+        The tree.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> tree.easeoff.case.gear.number_of_teeth
+    36
+    >>> tree["loaded"].easeoff.summary()
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: tree = '/loaded': must be a whole result; this is a group of one: take tree.root
+    """
+
+    def __init__(self, tree: xr.DataTree) -> None:
+        self._tree = tree
+
+    def summary(self) -> ResultSummary:
+        """Main numbers as text, as tables of pandas, and in a notebook as a short page.
+
+        Examples
+        --------
+        >>> import easeoff
+        >>> summary = easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.summary()
+        >>> list(summary.tables)
+        ['unloaded', 'loaded']
+        """
+        return ResultSummary(self._result())
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write the report, one HTML file that needs no network, and return its path; see ``study.write_report``.
+
+        Parameters
+        ----------
+        path
+            File to write, replaced if it exists; missing folders are made.
+
+        Examples
+        --------
+        >>> import easeoff
+        >>> from tempfile import TemporaryDirectory
+        >>> with TemporaryDirectory() as folder:
+        ...     easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.report(f"{folder}/report.html").name
+        'report.html'
+        """
+        from ..report.report_file import write_report
+
+        write_report(self._result(), path)
+        return Path(path)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the result to a netCDF-4 file and return its path; see ``write_result``.
+
+        Parameters
+        ----------
+        path
+            File to write, replaced if it exists; missing folders are made.
+
+        Examples
+        --------
+        >>> import easeoff
+        >>> from tempfile import TemporaryDirectory
+        >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+        >>> with TemporaryDirectory() as folder:
+        ...     easeoff.read_result(tree.easeoff.save(f"{folder}/nasa.nc")).identical(tree)
+        True
+        """
+        from ..result import write_result
+
+        write_result(self._result(), path)
+        return Path(path)
+
+    @property
+    def plot(self) -> ResultPlots:
+        """Pictures: ``tree.easeoff.plot.pressure(...)`` is ``easeoff.plot.pressure(tree, ...)``, and so on."""
+        return ResultPlots(self._result())
+
+    @property
+    def case(self) -> Case:
+        """The case that the result keeps, as it was read.
+
+        What names files elsewhere, such as that of an oil, is left out with a warning if they are not found from the
+        working folder.
+        """
+        from ...cases import parse_case
+        from ..report.stored_case import stored_case
+
+        tree = self._result()
+        try:
+            return parse_case(str(tree.attrs.get("case", "")), "the case of the result")
+        except InputError as error:
+            reason = " ".join(str(error).split())
+        found = stored_case(tree)
+        if found is None:
+            raise InputError(f"case of the result: {reason}")
+        warnings.warn(f"friction and load cases of the case are left out: {reason}", UserWarning, stacklevel=2)
+        return found
+
+    def __repr__(self) -> str:
+        try:
+            return self.summary().text
+        except InputError as error:
+            return str(error)
+
+    def _repr_html_(self) -> str | None:
+        try:
+            return self.summary()._repr_html_()
+        except InputError:
+            return None  # a notebook shows the text instead
+
+    def _result(self) -> xr.DataTree:
+        """The tree, if it is a result, with all values in memory."""
+        tree = self._tree
+        known = "easeoff_version" in tree.attrs
+        if not known and "easeoff_version" in tree.root.attrs:
+            raise InputError(f"tree = {tree.path!r}: must be a whole result; this is a group of one: take tree.root")
+        tree = in_memory(tree)
+        found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
+        if not known or found == [f"no group {name}" for name in VARIABLES]:
+            name = f"tree = {str(tree.name or tree.path)!r}"
+            raise InputError(f"{name}: must be a result of easeoff.analyze, modify, optimize or easeoff.read_result")
+        if found:
+            raise InputError(f"tree: damaged or changed: {'; '.join(found[:FAULT_COUNT_LIMIT])}")
+        return tree
+
+
+CONDITION_DIMENSIONS = ("torque", "speed", "temperature", "roughness")
+TORQUE = "torque [N m]"
+#: Units of the data that nobody reads, and what they are shown in: unit and factor.
+READ_UNITS = {
+    "rad": ("deg", math.degrees(1.0)),
+    "N mm": ("N m", 1e-3),
+    "rpm": ("1/min", 1.0),
+    "1": ("", 1.0),
+    "": ("", 1.0),
+}
+
+
+def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
+    """Key numbers of a result as tables; a column bears the name of its variable and the unit.
+
+    Parameters
+    ----------
+    tree
+        A result.
+
+    Returns
+    -------
+    dict of str to pandas.DataFrame
+        ``unloaded``: one row. ``misalignment``, if it depends on the torque, and ``supports``, if there are some: means
+        over the mesh cycle, a row a torque [N m], the rotations of the gear and the bearing loads. ``loaded``: a row a
+        torque. ``friction``, if the result has it: a row an operating condition. Of load cases: ``load_cases`` with a
+        row each. Wide ones are best read as ``frame.T``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> frames = summary_frames(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    >>> list(frames), frames["loaded"].index.tolist(), round(frames["loaded"]["harmonic 1 [urad]"].iloc[0])
+    (['unloaded', 'loaded'], [100.0], 115)
+    """
+    if "load_cases" in tree.children:
+        return {"load_cases": frame_over(tree["load_cases"].to_dataset(), ("load_case",))}
+    numbers = key_numbers(tree)
+    parts: dict[str, list[str]] = {"unloaded": [], "loaded": [], "friction": []}
+    for name, variable in numbers.data_vars.items():
+        part = "friction" if "speed" in variable.dims else "loaded" if "torque" in variable.dims else "unloaded"
+        parts[part].append(str(name))
+    indices: dict[str, tuple[str, ...]] = {
+        "unloaded": (),
+        "loaded": CONDITION_DIMENSIONS[:1],
+        "friction": CONDITION_DIMENSIONS,
+    }
+    frames = {part: frame_over(numbers[names], indices[part]) for part, names in parts.items() if names}
+    assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
+    held = {part: frame for part, frame in assembly.items() if frame is not None}
+    return {"unloaded": frames.pop("unloaded")} | held | frames
+
+
+def _misalignment(tree: xr.DataTree) -> pd.DataFrame | None:
+    """E, P, G and Sigma over the torque; ``None`` if they do not depend on it."""
+    import pandas as pd
+
+    found = misalignment_over_torque(tree)
+    if found is None:
+        return None
+    means = found[1].mean(axis=1)
+    means[:, 3] = np.degrees(means[:, 3])
+    return pd.DataFrame(
+        means, index=pd.Index(found[0], name=TORQUE), columns=["E [mm]", "P [mm]", "G [mm]", "Sigma [deg]"]
+    )
+
+
+def _supports(tree: xr.DataTree) -> pd.DataFrame | None:
+    """Parts of the gear's rotation and bearing loads over the torque; ``None`` without supports."""
+    import pandas as pd
+
+    if "supports" not in tree.children:
+        return None
+    group = tree["supports"].to_dataset().sortby("torque")
+    rotations = ("whole_rotation", *SHARES.values())
+    columns = {f"{name} [urad]": group[name].mean("mesh_position").values for name in rotations}
+    for name, radial, axial in zip(*bearing_loads(tree), strict=True):
+        columns |= {f"{name}, radial [N]": radial.mean(axis=1), f"{name}, axial [N]": axial.mean(axis=1)}
+    return pd.DataFrame(columns, index=pd.Index(group["torque"].values, name=TORQUE))
+
+
+def frame_over(numbers: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
+    """Variables as columns over some dimensions; one with further dimensions takes a column for each of theirs."""
+    import pandas as pd
+
+    columns: dict[str, Any] = {}
+    for name, variable in numbers.data_vars.items():
+        others = [str(dim) for dim in variable.dims if dim not in index]
+        whole = variable.transpose(*index, *others)
+        flat = whole.values.reshape(*whole.shape[: len(index)], -1)
+        # A dimension without values of its own, such as the orders of harmonics, counts from 1.
+        along = [numbers[dim].values if dim in numbers.coords else range(1, whole.sizes[dim] + 1) for dim in others]
+        for number, place in enumerate(product(*along)):
+            head, values = _read(" ".join([str(name), *map(str, place)]), variable, flat[..., number])
+            columns[head] = np.ravel(values)
+    if not index:
+        return pd.DataFrame(columns)
+    labels = [_read(name, numbers[name], numbers[name].values) for name in index]
+    known = [pd.Index(values, name=head) for head, values in labels]
+    return pd.DataFrame(columns, index=known[0] if len(known) == 1 else pd.MultiIndex.from_product(known))
+
+
+def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
+    """Head and values of a quantity in the unit in which people read it."""
+    if "flag_meanings" in variable.attrs:
+        words = {
+            int(value): word.replace("_", " ")
+            for value, word in zip(
+                np.atleast_1d(variable.attrs["flag_values"]), str(variable.attrs["flag_meanings"]).split(), strict=True
+            )
+        }
+        return name, np.vectorize(lambda value: words.get(int(value), ""), otypes=[object])(values)
+    unit = str(variable.attrs.get("units", ""))
+    told, factor = READ_UNITS.get(unit, (unit, 1.0))
+    return (f"{name} [{told}]" if told else name), values if factor == 1.0 else factor * values
+
+
+def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table; the first column names the rows.
+
+    Examples
+    --------
+    >>> html_table([], [["a"]])
+    '<table><tbody><tr><td style="text-align:left">a</td></tr></tbody></table>'
+    """
+    head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
+    body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
+    lines = "".join(f"<tr>{cells}</tr>" for cells in body)
+    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{lines}</tbody></table>"
+
+
+def html_text(text: object) -> str:
+    """A text with the signs of its units, which terminals may lack.
+
+    Examples
+    --------
+    >>> html_text("3 um < 4 um")
+    '3 µm &lt; 4 µm'
+    """
+    words = printable(str(text)).replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
+    return html.escape(words.replace(" deg", " °"))
+
+
+def _cell(kind: str, text: str, *, left: bool) -> str:
+    """A cell: the names of rows are on the left, numbers on the right, whatever the notebook's own style."""
+    return f'<{kind} style="text-align:{"left" if left else "right"}">{html_text(text)}</{kind}>'
+
+
+TORQUE_COUNT_LIMIT = 8  # side by side
+ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
+#: Numbers of the loaded contact that are shown, by the variable that the report names; the rest are in the text.
+SHOWN_NUMBERS = (
+    "loaded/mean_level",
+    "loaded/peak_to_peak",
+    "loaded/mean_mesh_stiffness",
+    "loaded/contact_ratio",
+    "loaded/max_load_share",
+    "loaded/edge_share",
+    "loaded/pattern_centre_lengthwise",
+    "loaded/pattern_centre_profile",
+    "loaded/pattern_length",
+    "loaded/pattern_height",
+    "loaded/max_pressure",
+    "loaded/max_pressure_lengthwise",
+    "loaded/max_pressure_profile",
+    "loaded/max_pressure_line_end",
+    "root_stress/max_root_stress",
+    "loaded/status",
+)
+
+MISALIGNMENT = ("torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]")
+#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and formats, the
+#: usual one, and that where much of the loss is outside the range of the friction formula.
+CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
+FRICTION = {
+    "friction coefficient": ("mean_friction_coefficient", 1.0, (".4f", ".3f")),
+    "power loss [W]": ("mean_power_loss", 1.0, (".1f", ".0f")),
+    "efficiency [%]": ("efficiency", 100.0, (".2f", ".1f")),
+    "least film [µm]": ("min_film_thickness", 1.0, (".3f", ".3f")),
+    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, (".0f", ".0f")),
+}
+
+
+def result_page(tree: xr.DataTree) -> str:
+    """Short summary of a result: pair, contact under load, friction and notes, in HTML without a style of its own.
+
+    Parameters
+    ----------
+    tree
+        A result.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> "greatest pressure [MPa]" in result_page(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    True
+    """
+    tree = in_memory(tree)
+    parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
+    if "load_cases" in tree.children:
+        numbers = tree["load_cases"].to_dataset()
+        for columns in (input_columns(numbers), result_columns(numbers)):
+            rows = list(zip(*columns.values(), strict=True))
+            heads = [head.replace("\n", " ") for head in columns]
+            parts += [html_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows), "load_cases")]
+        notes = load_case_notes(tree)
+    else:
+        parts.append(html_table([], [list(row) for row in head_rows(tree)]))
+        parts += [*_assembly(tree), "<p><b>Without load</b></p>"]
+        parts.append(html_table([], [[name.strip(), words] for name, words in unloaded_rows(key_numbers(tree))]))
+        parts += ["<p><b>Under load</b></p>", _loaded(tree), *_friction(tree)]
+        notes = result_notes(tree)
+    if notes:
+        told = "".join(f"<li>{html_text(note.removeprefix('Note: '))}</li>" for note in notes)
+        word = "note" if len(notes) == 1 else "notes"
+        parts.append(f"<details open><summary>{len(notes)} {word}</summary><ul>{told}</ul></details>")
+    return "<div>\n" + "\n".join(part for part in parts if part) + "\n</div>"
+
+
+def _loaded(tree: xr.DataTree) -> str:
+    """Table of the contact under load, a column a torque."""
+    numbers = loaded_numbers(tree)
+    torques = numbers["torques"][:TORQUE_COUNT_LIMIT]
+    rows = [
+        [f"{name} [{unit}]" if unit else name, *values[:TORQUE_COUNT_LIMIT]]
+        for name, unit, variable, *values in numbers["rows"]
+        if variable in SHOWN_NUMBERS
+    ]
+    left = _left(len(numbers["torques"]), "loaded", TORQUE_COUNT_LIMIT)
+    return html_table(["torque at the pinion [N m]", *torques], rows) + left
+
+
+def _assembly(tree: xr.DataTree) -> list[str]:
+    """Tables of the misalignment over the torque, and of the supports, if the result has them."""
+    parts = []
+    if rows := misalignment_rows(tree):
+        parts.append(
+            _titled("Misalignment over the torque, mean over the mesh cycle", MISALIGNMENT, rows, "misalignment")
+        )
+    for table in supports_rows(tree):
+        parts.append(_titled(table["title"], table["heads"], table["rows"], "supports"))
+    return parts
+
+
+def _titled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], name: str) -> str:
+    """A table under its title."""
+    return f"<p><b>{html_text(title)}</b></p>" + html_table(heads, rows[:ROW_COUNT_LIMIT]) + _left(len(rows), name)
+
+
+def _friction(tree: xr.DataTree) -> list[str]:
+    """Table of friction and efficiency, a row an operating condition, if the result has it."""
+    if "friction" not in tree.children:
+        return []
+    friction = tree["friction"].to_dataset()
+    names = tuple(CONDITIONS)
+    shown = {head: row for head, row in FRICTION.items() if row[0] in friction}
+    values = {head: factor * friction[name].transpose(*names).values for head, (name, factor, _) in shown.items()}
+    conditions = list(np.ndindex(*(friction.sizes[name] for name in names)))
+    rough, clamped = is_rough(friction), friction["temperature_clamped"].values
+    rows = []
+    for at in conditions[:ROW_COUNT_LIMIT]:
+        words = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        words[2] += "*" if clamped[at[2]] else ""
+        rows.append(words + [format(values[head][at], forms[int(rough[at])]) for head, (_, _, forms) in shown.items()])
+    notes = [ROUGH_NOTE] * bool(rough.any()) + [CLAMPED_NOTE] * bool(clamped.any())
+    told = [f"<p>{html_text(note)}</p>" for note in notes]
+    return [html_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction"), *told]
+
+
+def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
+    """How many rows or columns of a table are not shown, and where they are."""
+    return (
+        f"<p>and {count - limit} more: <code>summary().tables[&quot;{name}&quot;]</code></p>" if count > limit else ""
+    )

@@ -1,1 +1,0 @@
-"""Figures of results as functions of what they show."""

@@ -1,0 +1,407 @@
+"""Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction, heat.
+
+Efficiency chart: power loss over the mesh cycle, and efficiency over every varied operating condition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from ...contact.evaluation.tooth_passage import two_cycles
+from ...contact.lines.contact_lines import boundary_distance
+from ...core.checks import number
+from ...core.errors import InputError
+from ...friction import FrictionModel
+from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
+from ...friction.operation import named_models
+from ..summary.plausibility import TOLD_SHARE, range_notes
+from .contact_pattern_chart import (
+    drop_short,
+    number_lines,
+    outlined,
+    points_per_unit,
+    triangulated,
+    without_border,
+    without_steep,
+)
+from .page import (
+    BODY_SIZE,
+    GREY,
+    INK,
+    SMALL_SIZE,
+    WIDTH,
+    evenly_chosen,
+    in_print,
+    legend_of_curves,
+    plain_axes,
+    plain_bar,
+    torque_name,
+)
+from .panel_grid import TORQUE_TOLERANCE, OwnAxes, chosen_parts, panels
+from .tooth_view import ToothView, draw_flank, fine_grid
+
+Array = NDArray[Any]
+
+COLOUR_MAPS = {
+    "rolling_velocity": "Blues",
+    "sliding_velocity": "Oranges",
+    "slide_to_roll": "Purples",
+    "equivalent_radius": "Greys",
+    "lambda_ratio": "Greens",
+    "friction_coefficient": "YlOrRd",
+    "flash_temperature": "Reds",
+    "pressure_velocity": "PuBuGn",
+}
+QUANTITY_NAMES = {
+    "rolling_velocity": "rolling velocity [m/s]",
+    "sliding_velocity": "sliding velocity [m/s]",
+    "slide_to_roll": "slide-to-roll ratio",
+    "equivalent_radius": "equivalent radius [mm]",
+    "lambda_ratio": "lambda ratio",
+    "friction_coefficient": "friction coefficient",
+    "flash_temperature": "flash temperature [K]",
+    "pressure_velocity": "pressure × velocity [MPa m/s]",
+}
+CONDITION_UNITS = {"torque": "N m", "speed": "1/min", "temperature": "°C", "roughness": "µm"}
+GRID = (121, 61)
+LEVEL_COUNT = 7
+COLOUR_LIMIT = 0.62  # darkest part of a colour map that is used
+TRIANGLE_SIDE_LIMIT = 5.0  # longest side of a triangle over the median
+CONTOUR_DISTANCE = 2.0  # [pt] between contour lines at least
+CONTOUR_LENGTH_MINIMUM = 0.15  # of the panel's width
+LEVEL_PERCENTILES = {True: (1.0, 99.0), False: (7.0, 95.0)}  # between which contour lines are drawn, if smooth or not
+
+
+@dataclass(frozen=True)
+class FlankMap:
+    """Map of a quantity on the gear flank.
+
+    Parameters
+    ----------
+    points
+        Fractions (2, n).
+    values
+        Values at the points (n).
+    smooth
+        Whether they are known on the whole common flank, or only under load.
+    """
+
+    points: Array
+    values: Array
+    smooth: bool
+
+
+def velocity_maps(
+    tree: xr.DataTree, view: ToothView, speed: float, model: FrictionModel | None = None
+) -> dict[str, FlankMap]:
+    """Maps of rolling and sliding velocity [m/s] at a speed of the pinion [1/min], and of the slide-to-roll ratio."""
+    model = model or FrictionModel()
+    ease_off = tree["ease_off"].to_dataset()
+    grid = fine_grid(GRID).reshape(2, -1)
+    found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid)
+    omega = speed * 2.0 * np.pi / 60.0
+    fields = {
+        "rolling_velocity": np.abs(model.rolling(found)) * omega,
+        "sliding_velocity": found.sliding_speed * omega,
+        "slide_to_roll": model.slide_to_roll(found),
+    }
+    inside = boundary_distance(view.fields, grid) >= -0.05  # a little beyond: the outline cuts it off
+    return {name: FlankMap(grid, np.where(inside, values, np.nan), True) for name, values in fields.items()}
+
+
+def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
+    """Map of a field over (mesh_position, segment) under load at one torque.
+
+    Parameters
+    ----------
+    loaded
+        The group ``loaded`` at one torque.
+    field
+        Values; NaN where there is none.
+
+    Segments without pressure, those of edges beside the lines, are left out: an edge passes points that lines pass too,
+    and what is computed for it is that of its whole strip.
+    """
+    order = ("mesh_position", "segment")
+    values = field.transpose(*order).values
+    chosen = np.isfinite(values) & (loaded["force"].transpose(*order).values > 0.0)
+    chosen &= loaded["pressure"].transpose(*order).values > 0.0
+    points = np.stack([loaded[n].transpose(*order).values[chosen] for n in ("lengthwise", "profile")])
+    return FlankMap(points, values[chosen], False)
+
+
+def draw_values(
+    axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None
+) -> ContourSet | None:
+    """Draw a map in shades between labelled contour lines and return the shades; text if it has too few points."""
+    x, y = view.in_plane(flank_map.points)
+    finite = np.isfinite(flank_map.values)
+    if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
+        x, y = view.in_plane(np.array([0.5, 0.5]))
+        text = "the same everywhere" if np.any(finite) else "no values"
+        axes.text(x, y, text, ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)
+        return None
+    values = flank_map.values
+    if levels is None:
+        levels = np.asarray(
+            MaxNLocator(LEVEL_COUNT).tick_values(*np.percentile(values[finite], LEVEL_PERCENTILES[flank_map.smooth]))
+        )
+    lines: ContourSet
+    shading: ContourSet
+    outline = view.outline(view.common)
+    shades = pale(colours)
+    if flank_map.smooth:
+        shape = GRID
+        known = np.ma.masked_invalid(values.reshape(shape))
+        plane = (x.reshape(shape), y.reshape(shape), known)
+        shading = axes.contourf(*plane, levels=levels, cmap=shades, extend="both", zorder=1)
+        shading.set_clip_path(PathPatch(outline, transform=axes.transData))
+        lines = axes.contour(*plane, levels=levels, colors=INK, linewidths=0.5, zorder=2)
+        lines.set_clip_path(PathPatch(outline, transform=axes.transData))
+        region = outlined(outline)
+    else:
+        mesh = Triangulation(x[finite], y[finite])
+        # Long triangles would bridge bays of the loaded region.
+        corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
+        longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
+        mesh.set_mask(longest > TRIANGLE_SIDE_LIMIT * np.median(longest))
+        shading = axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
+        # The load ends within a segment: at the border values jump from one line of contact to the next.
+        steepest = float(levels[1] - levels[0]) / (CONTOUR_DISTANCE / float(points_per_unit(axes)[0]))
+        lined = without_steep(without_border(mesh), values[finite], steepest)
+        if not lined.get_masked_triangles().size:  # of a coarse analysis
+            return shading
+        lines = axes.tricontour(lined, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
+        drop_short(lines, CONTOUR_LENGTH_MINIMUM * float(np.ptp(axes.get_xlim())))
+        region = triangulated(mesh)
+    number_lines(axes, lines, region, SMALL_SIZE - 0.5)
+    return shading
+
+
+def pale(name: str) -> Colormap:
+    """Lighter part of a colour map, on which dark numbers are legible."""
+    return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, COLOUR_LIMIT, 64)))
+
+
+def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
+    """Draw a map on an empty flank, with its name and range above and a colour bar beside it."""
+    draw_flank(axes, view, labels=(False, False))
+    axes.tick_params(bottom=False, left=False, labelleft=False)
+    shading = draw_values(axes, view, flank_map, COLOUR_MAPS[name], levels)
+    if shading is not None:
+        figure: Any = axes.get_figure(root=True)
+        plain_bar(figure.colorbar(shading, ax=axes, shrink=0.75, aspect=14, pad=0.02), "")
+    axes.set_title(QUANTITY_NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    finite = flank_map.values[np.isfinite(flank_map.values)]
+    if finite.size:
+        low, high = float(finite.min()), float(finite.max())
+        digits = int(np.clip(2 - np.floor(np.log10(max(high, 1e-9))), 0, 6))
+        extent = f"{low:.{digits}f} to {high:.{digits}f}"
+        axes.set_title(extent, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
+    """Middle torque, speed, temperature and roughness of a result."""
+    middle = {name: friction[name].values for name in ("torque", "speed", "temperature", "roughness")}
+    return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
+
+
+def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
+    """RMS roughness [um] as pictures show it: pinion/gear if the flanks differ.
+
+    Parameters
+    ----------
+    friction
+        The group ``friction`` or one of its variables.
+    index
+        Number of the roughness.
+    """
+    pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
+    return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
+
+
+def draw_friction_maps(
+    tree: xr.DataTree,
+    view: ToothView,
+    conditions: Mapping[str, float | None] | None = None,
+    quantities: str | Sequence[str] | None = None,
+    own: OwnAxes = None,
+) -> Figure:
+    """Draw the friction maps of a result; arguments as of ``contact_figures.friction_maps``."""
+    friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
+    at = chosen_condition(friction) | _given(friction, conditions or {})
+    index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
+    here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
+    maps = velocity_maps(tree, view, at["speed"], FrictionModel(rolling_frame=friction.attrs["rolling_frame"]))
+    force = here["force"] if "force" in here else under_load["force"]
+    touching = under_load.assign(force=force)
+    maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
+    for name in ("lambda_ratio", "friction_coefficient", "flash_temperature", "pressure_velocity"):
+        if name in here:
+            maps[name] = loaded_map(touching, here[name])
+    clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
+    rough = roughness_name(friction, index["roughness"])
+    told = (
+        f"{torque_name(at['torque'])}, {at['speed']:g} 1/min, "
+        f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
+    )
+    note = " · ".join([told, *in_print(range_notes(friction, index))])
+    names = chosen_parts(list(maps), quantities, "quantities")
+    rows, columns = -(-len(names) // 2), min(2, len(names))
+    height = rows * ((WIDTH - 0.4) / columns * view.aspect + 0.25)
+    heading = "Sliding, rolling and friction, gear flank"
+    found = panels(tree, heading, height, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(found.axes, names, strict=True):
+        panel(axes, view, name, maps[name])
+    return found.figure
+
+
+def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict[str, float]:
+    """Values of the result that conditions ask for, by name; those that are ``None`` are left out."""
+    found = {}
+    for name, wanted in conditions.items():
+        if wanted is None:
+            continue
+        values = friction[name].values
+        near = np.flatnonzero(np.isclose(values, number(name, wanted), rtol=TORQUE_TOLERANCE, atol=0.0))
+        if not near.size:
+            there = ", ".join(f"{value:g}" for value in np.sort(values))
+            raise InputError(f"{name} = {wanted:g}: must be one of the result's: {there} {CONDITION_UNITS[name]}")
+        found[name] = float(values[near[0]])
+    return found
+
+
+AXES = {
+    "speed": "speed of the pinion [1/min]",
+    "torque": "torque at the pinion [N m]",
+    "temperature": "oil temperature [°C]",
+    "roughness": "RMS roughness [µm]",
+}
+UNITS = {"speed": "1/min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
+PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
+COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
+CURVE_COUNT_LIMIT = 5
+ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, and their least distance over the axis
+MARKED_COUNT_LIMIT = 40  # computed points of a curve that are marked
+EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
+
+
+def curves(
+    axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, float], *, on_page: bool = True
+) -> None:
+    """Draw the efficiency along one operating condition, a curve for each value of another, the rest as given.
+
+    Marks are computed points, if they are few; open ones are conditions where more than ``TOLD_SHARE`` of the power
+    loss lies beyond the range of the formula.
+    """
+    quantity = 100.0 * friction["efficiency"]
+    fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
+    here = quantity.isel(fixed).transpose(by, along)
+    order = np.argsort(here[along].values)
+    chosen = evenly_chosen(here[by].values, CURVE_COUNT_LIMIT)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        label = value_name(quantity, by, int(index))
+        x, y = here[along].values[order], here.values[index][order]
+        axes.plot(x, y, color=colour, linewidth=1.6, label=label)
+        if order.size > MARKED_COUNT_LIMIT:
+            continue
+        out = np.zeros(order.size, dtype=bool)
+        if "extrapolated_share" in friction:
+            out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
+        axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
+        axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
+    plain_axes(axes)
+    low, high = axes.get_ylim()
+    more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
+    axes.set_ylim(low - more, high + more)
+    axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
+    if along == "roughness":
+        name_pairs(axes, quantity)
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, here.sizes[by], by))
+
+
+def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
+    """Label an axis of roughnesses with those of both flanks, if they differ."""
+    values, indices = np.unique(quantity["roughness"].values, return_index=True)
+    names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
+    if not any("/" in name for name in names):
+        return
+    label = "quadratic mean of both flanks' RMS roughnesses [µm]"
+    if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
+        axes.set_xticks(values, names)
+        label = "RMS roughness, pinion/gear where they differ [µm]"
+    axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+
+
+def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
+    """Value of an operating condition with its unit."""
+    value = float(quantity[condition].values[index])
+    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
+
+
+def how_many(drawn: int, count: int, condition: str) -> str:
+    """Number of values that have a curve; empty if all have one."""
+    return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
+
+
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on_page: bool = True) -> None:
+    """Draw the power loss over two mesh cycles as part of the input power, a curve a torque."""
+    fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
+    loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
+    torques = friction["torque"].values
+    chosen = evenly_chosen(torques, CURVE_COUNT_LIMIT)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        times, values = two_cycles(loss[index])
+        axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
+    plain_axes(axes)
+    axes.set_xlim(0, 2)
+    axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+    axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
+
+
+def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw the efficiency chart of a result with friction; arguments as of ``contact_figures.efficiency``."""
+    friction = tree["friction"].to_dataset()
+    at = chosen_condition(friction)
+    varied = [name for name in AXES if friction.sizes[name] > 1]
+    names = chosen_parts(["cycle", *varied], parts)
+    rows, columns = -(-len(names) // 2), min(2, len(names))
+    marks = "open marks: 5 % of the power loss or more is beyond the range of the formula"
+    beyond = [marks] if bool((friction.get("extrapolated_share", xr.DataArray(0.0)) >= TOLD_SHARE).any()) else []
+    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction)), *beyond])
+    shape, count = (rows, columns), len(names)
+    found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
+    for axes, name in zip(found.axes, names, strict=True):
+        if name == "cycle":
+            over_the_cycle(axes, friction, at, on_page=found.on_page)
+            title(axes, friction, at, ("torque",))
+            continue
+        by = COMPANION[name]
+        curves(axes, friction, name, by, at, on_page=found.on_page)
+        axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
+        title(axes, friction, at, (name, by))
+    return found.figure
+
+
+def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
+    """Title of a panel: the conditions that do not vary in it."""
+    index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
+    held = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
+    axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

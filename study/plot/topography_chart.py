@@ -1,0 +1,210 @@
+"""Topographies of measured flanks: deviations at the nodes of the grid as lines along the normal.
+
+Maps of what changes the ease-off of the gear flank: deviations, and a modification.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ...contact.lines.contact_lines import boundary_distance
+from ...contact.lines.flank_splines import fit
+from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from .contact_pattern_chart import number_lines, outlined
+from .page import BLUE, BODY_SIZE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, torque_name
+from .panel_grid import OwnAxes, chosen_parts, panels
+from .tooth_view import ToothView, draw_flank, fine_grid
+
+Array = NDArray[Any]
+
+FLANK_STATES = {"before": "measured", "after": "predicted after the correction"}
+HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
+SHEAR = 0.08  # by which the sheet leans over to the right, of its length: bars of one column stand side by side
+BAR_SHARE = 0.16  # of the greatest deviation over the sheet's length, as drawn
+LABELLED_NODES_LIMIT = 63  # above which values stand at the corners and the middle alone
+
+
+def draw(correction: Correction, title: str, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
+    """Draw the topographies of a correction; arguments as of ``contact_figures.topography``."""
+    names = chosen_parts(tuple(FLANK_STATES), parts)
+    flanks = correction.flanks
+    tree = xr.DataTree(xr.Dataset(attrs={"title": title, "easeoff_version": version("easeoff")}))
+    note = "µm along the normal, upwards (+) more metal · a rotation of the tooth is left out"
+    found = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
+    for number, axes in enumerate(found.axes):
+        flank, name = flanks[number // len(names)], names[number % len(names)]
+        largest = max(float(np.nanmax(np.abs(getattr(flank, part)))) for part in names)
+        _draw_flank(axes, flank, name, 1e3 * max(largest, 1e-4))
+    return found.figure
+
+
+def sheet_places(flank: CorrectedFlank) -> Array:
+    """Places of the nodes on the drawn sheet (2, columns, rows): from toe to heel, and up from the root."""
+    section, deviation = flank.member.section, flank.deviation
+    sine, cosine = np.sin(section.pitch_angle), np.cos(section.pitch_angle)
+    along = cosine * deviation.axial + sine * deviation.radial
+    up = cosine * deviation.radial - sine * deviation.axial
+    along, up = ((v - v.min()) / (v.max() - v.min()) for v in (along, up))
+    return np.stack([along + SHEAR * up, HEIGHT_SHARE * up])
+
+
+def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) -> None:
+    """Draw one flank with a scale at which a deviation [um] is as long as a bar may be."""
+    x, y = sheet_places(flank)
+    value = 1e3 * getattr(flank, part)
+    scale = BAR_SHARE / largest
+    thin = 1.0 if value.size <= LABELLED_NODES_LIMIT else 0.6
+    for lines, colour, width in (((x, y), FAINT, 0.6 * thin), ((x, y + scale * value), INK, 0.9 * thin)):
+        for of_column in zip(*lines, strict=True):
+            axes.plot(*of_column, color=colour, linewidth=width, zorder=1)
+        for of_row in zip(lines[0].T, lines[1].T, strict=True):
+            axes.plot(*of_row, color=colour, linewidth=width, zorder=1)
+    for one_x, one_y, one in zip(x.ravel(), y.ravel(), value.ravel(), strict=True):
+        colour = VERMILION if one > 0.0 else BLUE
+        axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)
+    for column, row in _labelled(value.shape):
+        one = value[column, row]
+        if np.isnan(one):
+            continue
+        text = f"{round(one, 1) or 0.0:+.1f}" if abs(one) < 10.0 else f"{one:+.0f}"
+        place = (x[column, row], y[column, row] + scale * one)
+        # Beside the bar and above the row's line: rows are near one another, columns are not.
+        axes.annotate(
+            text.replace("-", "−"), place, (1.5, 0.5), textcoords="offset points", ha="left", va="bottom",
+            fontsize=5.5, color=INK,
+        )  # fmt: skip
+    _label(axes, x, y, flank, part, value)
+    _draw_scale(axes, scale, largest)
+    axes.set_axis_off()
+    axes.set_xlim(-0.13, 1.27)
+    axes.set_ylim(-BAR_SHARE - 0.14, HEIGHT_SHARE + BAR_SHARE + 0.12)
+
+
+def _labelled(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Nodes whose values are written: all of a usual grid, else corners and middle."""
+    if shape[0] * shape[1] <= LABELLED_NODES_LIMIT:
+        return [(column, row) for column in range(shape[0]) for row in range(shape[1])]
+    columns, rows = ((0, size // 2, size - 1) for size in shape)
+    return [(column, row) for column in columns for row in rows]
+
+
+def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, value: Array) -> None:
+    """Write the edges of the flank, its name, and the sizes of its deviations."""
+    style: dict[str, Any] = {"fontsize": SMALL_SIZE, "color": GREY, "va": "center"}
+    middle = 0.5 * HEIGHT_SHARE
+    axes.text(-0.05, middle, "toe", ha="right", **style)
+    axes.text(1.09 + SHEAR, middle, "heel", ha="left", **style)
+    axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
+    axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
+    axes.set_title(f"{flank.side} flank, {FLANK_STATES[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    known = value[np.isfinite(value)]
+    sizes = f"rms {np.sqrt(np.mean(known**2)):.2f} · {known.min():+.1f} to {known.max():+.1f} µm"
+    text = f"{sizes} · sum of squares {np.sum(known**2):.4g} µm²".replace("-", "−")
+    axes.text(0.0, -BAR_SHARE - 0.12, text, ha="left", **style)
+
+
+def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
+    """Draw a bar of a round length [um] beside the sheet."""
+    power = 10.0 ** np.floor(np.log10(largest))
+    length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
+    axes.plot([1.16] * 2, [-BAR_SHARE, scale * length - BAR_SHARE], color=INK, linewidth=1.6, solid_capstyle="butt")
+    axes.text(
+        1.16,
+        scale * length - BAR_SHARE + 0.015,
+        f"{length:g} µm",
+        ha="center",
+        va="bottom",
+        fontsize=SMALL_SIZE,
+        color=INK,
+    )
+
+
+CHANGE_MAP = "RdBu_r"  # red where the gap grows
+LEVEL_COUNT = 12
+SPAN_MINIMUM = 0.2  # [um]
+COMPARED = {
+    "max_line_load": "greatest line load [N/mm]",
+    "max_pressure": "greatest pressure [MPa]",
+    "max_end_load": "greatest line load at the edges [N/mm]",
+    "peak_to_peak": "transmission error, peak to peak [µrad]",
+}
+CHANGE_PARTS = ("surface", *COMPARED)
+
+
+def draw_deviations(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
+    """Draw what the deviations of both flanks add to the ease-off."""
+    change = tree["ease_off"].to_dataset()["ease_off_change"]
+    height = (WIDTH - 1.6) * view.aspect + 0.35
+    note = "change of the gap along the normal, of both flanks together"
+    found = panels(tree, "Deviations of the flanks, gear flank", height, note, (1, 1), own)
+    draw_change(found.axes[0], view, change, "gap added by the deviations [µm]")
+    return found.figure
+
+
+def draw_optimization(
+    tree: xr.DataTree, view: ToothView, parts: str | Sequence[str] | None = None, own: OwnAxes = None
+) -> Figure:
+    """Draw an optimised modification, and what it changes; arguments as of ``study_figures.optimization``."""
+    names = chosen_parts(CHANGE_PARTS, parts)
+    record = tree["optimization"].to_dataset()
+    rows, columns = -(-len(names) // 2), min(2, len(names))
+    note = "worst assembly" if record.sizes["assembly"] > 1 else ""
+    found = panels(tree, "Optimised ease-off", 2.35 * rows, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(found.axes, names, strict=True):
+        if name == "surface":
+            draw_change(axes, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
+        else:
+            _draw_stages(axes, record[name].max("assembly"), COMPARED[name])
+    return found.figure
+
+
+def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -> None:
+    """Draw a change of the ease-off [um] over (lengthwise, profile) on the common flank, with a colour bar."""
+    draw_flank(axes, view)
+    axes.tick_params(axis="y", pad=15, length=0)  # beyond the word at the toe
+    axes.set_title(label, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    grid = fine_grid()
+    nodes = change.transpose("lengthwise", "profile").values
+    values = fit(change["lengthwise"].values, change["profile"].values, {"change": nodes})("change", grid)
+    inside = boundary_distance(view.fields, grid) >= 0.0
+    if not np.any(inside):
+        return
+    low, high = (float(extreme(values[inside])) for extreme in (np.min, np.max))
+    low, high = min(low, -0.5 * SPAN_MINIMUM), max(high, 0.5 * SPAN_MINIMUM)
+    levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    extent = float(np.abs(levels).max())
+    x, y = view.in_plane(grid)
+    outline = view.outline(view.common)
+    style: dict[str, Any] = {"levels": levels, "zorder": 1, "extend": "both"}
+    shading = axes.contourf(x, y, values, cmap=CHANGE_MAP, norm=TwoSlopeNorm(0.0, -extent, extent), **style)
+    shading.set_clip_path(PathPatch(outline, transform=axes.transData))  # the edge of the shading is smooth
+    lines = axes.contour(x, y, np.where(inside, values, np.nan), levels=levels, colors=INK, linewidths=0.5, zorder=2)
+    number_lines(axes, lines, outlined(outline))
+    figure: Any = axes.get_figure(root=True)
+    ticks = levels[np.round(levels / (levels[1] - levels[0])) % 2 == 0]
+    style = {"shrink": 0.8, "pad": 0.02, "extendfrac": 0, "spacing": "proportional"}
+    plain_bar(figure.colorbar(shading, ax=axes, ticks=ticks, **style), "")
+
+
+def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:
+    """Draw bars before and after, a pair a torque."""
+    torques = values["torque"].values
+    places = np.arange(torques.size)
+    for number, (stage, colour) in enumerate((("before", FAINT), ("after", BLUE))):
+        heights = np.nan_to_num(values.sel(stage=stage).values)
+        axes.bar(places + 0.38 * (number - 0.5), heights, width=0.36, color=colour, label=stage)
+    plain_axes(axes)
+    axes.set_xticks(places, [torque_name(float(torque)) for torque in torques])
+    axes.set_title(label, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)

@@ -1,0 +1,327 @@
+"""Pictures of a result as files.
+
+Pictures of a result: which there are, and the function that draws each.
+
+File of a result of any kind, read to be drawn.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from ...core.checks import distinct, file_path, one_of, whole
+from ...core.errors import InputError
+from ...core.netcdf_file import tree_or_none
+from ...core.regular_file import named
+from ..result import checked_result, read_result
+from ..result_layout import VARIABLES, require_layout
+from ..summary.deflection_report import misalignment_over_torque
+from ..sweep.sweep_file import checked_sweep, is_sweep
+from . import contact_figures, study_figures
+from .drawing_style import drawing
+from .picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Drawing = Callable[..., "Figure"]
+
+#: Pictures of every result.
+PICTURES: dict[str, Drawing] = {
+    "ease_off": contact_figures.ease_off,
+    "contact_pattern": contact_figures.contact_pattern,
+    "pressure": contact_figures.pressure,
+    "transmission_error": contact_figures.transmission_error,
+    "load_sharing": contact_figures.load_sharing,
+}
+#: Pictures of some results, each with what they have.
+FURTHER_PICTURES: dict[str, tuple[Drawing, Callable[[xr.DataTree], bool]]] = {
+    "root_stress": (contact_figures.root_stress, lambda tree: "root_stress" in tree.children),
+    "friction_maps": (contact_figures.friction_maps, lambda tree: "friction" in tree.children),
+    "efficiency": (contact_figures.efficiency, lambda tree: "friction" in tree.children),
+    "misalignment": (contact_figures.misalignment, lambda tree: misalignment_over_torque(tree) is not None),
+    "deviations": (contact_figures.deviations, lambda tree: "ease_off_change" in tree["ease_off"]),
+    "optimization": (study_figures.optimization, lambda tree: "optimization" in tree.children),
+    "front": (study_figures.front, lambda tree: "front" in tree.children),
+}
+#: Pictures of what is no result of an analysis, with a variable or group by which it is known.
+STUDY_PICTURES: dict[str, tuple[Drawing, str]] = {
+    "load_cases": (study_figures.load_cases, "load_cases"),
+    "vh_check": (study_figures.vh_check, "print_excess"),
+    "wear": (study_figures.wear, "wear_depth"),
+}
+#: Those that take torques; ``friction_maps`` takes one.
+WITH_TORQUES = ("pressure", "transmission_error", "load_sharing", "root_stress", "friction_maps")
+
+
+def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
+    """Names of the pictures that a result has.
+
+    Parameters
+    ----------
+    result
+        Of ``analyze``, ``modify``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or
+        ``study.wear``, or what ``read_result`` and ``study.sweep.read_sweep`` read.
+
+    Raises
+    ------
+    InputError
+        If it is none of these, or a sweep without a point that has numbers.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> pictures(tree)
+    ('ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing')
+    """
+    if isinstance(result, xr.Dataset) and "swept" in result.attrs:
+        from .study_charts import pictures as of_sweep
+
+        return of_sweep(result)
+    held = result.children if isinstance(result, xr.DataTree) else getattr(result, "data_vars", ())
+    for name, (_, sign) in STUDY_PICTURES.items():
+        if sign in held:
+            return (name,)
+    if not isinstance(result, xr.DataTree) or not VARIABLES.keys() <= {*held}:
+        raise InputError("result: must be of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'")
+    return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
+
+
+def kind_of(name: str) -> tuple[str, ...]:
+    """Names of all pictures of the kind of result that has one of a name.
+
+    Examples
+    --------
+    >>> kind_of("wear")
+    ('wear',)
+    """
+    if name.startswith("sweep_"):
+        from .study_charts import PICTURES as OF_SWEEPS
+
+        return OF_SWEEPS
+    return (name,) if name in STUDY_PICTURES else (*PICTURES, *FURTHER_PICTURES)
+
+
+def draw_picture(
+    result: xr.DataTree | xr.Dataset,
+    name: str,
+    *,
+    torque: Sequence[float] | None = None,
+    marking: float | None = None,
+) -> Figure:
+    """A picture of a result on a page of its own, by its name.
+
+    Parameters
+    ----------
+    result, name
+        A result, and a name of ``pictures``.
+    torque
+        Torques at the pinion [N m], for pictures that take them; the friction maps show the last one.
+    marking
+        Thickness of the marking compound of the contact pattern [um].
+
+    Raises
+    ------
+    InputError
+        As the function that draws the picture.
+    """
+    if name.startswith("sweep_"):
+        return study_figures.sweep(result, name)  # type: ignore[arg-type]
+    draw = PICTURES.get(name) or (FURTHER_PICTURES.get(name) or STUDY_PICTURES[name])[0]
+    options: dict[str, Any] = {}
+    if torque is not None and name in WITH_TORQUES:
+        options["torque"] = torque[-1] if name == "friction_maps" else torque
+    if name == "contact_pattern":
+        options["marking"] = marking
+    return draw(result, **options)
+
+
+FLANKS = ("drive", "coast")
+DPI_MINIMUM, DPI_LIMIT = 30, 1200
+
+
+def write_pictures(
+    result: xr.DataTree | xr.Dataset,
+    folder: str | os.PathLike[str],
+    *,
+    names: str | Sequence[str] | None = None,
+    torque: float | Sequence[float] | None = None,
+    flank: str | None = None,
+    marking: float | None = None,
+    file_format: str = "png",
+    dpi: int | None = None,
+) -> list[Path]:
+    """Draw pictures of a result into a folder.
+
+    A file is named after case, flank and picture, as in ``fm-11x41-drive-pressure.png``. Pictures of an earlier result
+    with the same case and flank are replaced or removed: nothing stays that could be taken for a picture of this one.
+    Other files are left alone. Of load cases, each has its pictures in a folder of its name.
+
+    Parameters
+    ----------
+    result
+        Of ``analyze``, ``modify``, ``optimize``, ``sweep``, ``study.analyze_load_cases``, ``study.vh_check`` or
+        ``study.wear``, or what ``read_result`` and ``study.sweep.read_sweep`` read.
+    folder
+        The folder; made if it does not exist.
+    names
+        One or several names of pictures, see ``pictures``; all if left out.
+    torque
+        One or several torques of the result at the pinion [N m], for the pictures that show torques.
+    flank
+        ``drive`` or ``coast``, of load cases or sweeps with both; all if left out.
+    marking
+        Thickness of the marking compound of the unloaded print [um]; that of the result if left out.
+    file_format
+        ``png``, ``svg`` or ``pdf``.
+    dpi
+        Dots per inch of PNG files; 160 if left out.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If the result does not have a picture, torque or flank, a number is out of range, or the folder cannot be
+        written to.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_pictures(tree, folder, names=["ease_off", "pressure"])]
+    ['nasa-12x36-drive-ease_off.png', 'nasa-12x36-drive-pressure.png']
+    """
+    one_of("format", file_format, FORMATS)
+    if dpi is not None:
+        dpi = whole("dpi", dpi, DPI_MINIMUM, DPI_LIMIT)
+    if marking is not None:
+        from ...contact.evaluation.marking_print import checked_thickness
+
+        checked_thickness(marking)
+    torques = None if torque is None else distinct("torque", torque, "N m").tolist()
+    parts = list(_parts(result, file_path("folder", folder), flank))
+    written: list[Path] = []
+    with drawing(None):  # which loads the drawing library without a configuration of this folder
+        chosen = _chosen([one for one, _ in parts], names, torques)
+        for (one, place), own in zip(parts, chosen, strict=True):
+            for name in own:
+                figure = draw_picture(one, name, torque=torques, marking=marking)
+                if dpi is not None:
+                    figure.set_dpi(dpi)
+                path = place / f"{file_prefix(one)}-{name}.{file_format}"
+                written.append(save_picture(figure, path, one))
+    for one, place in parts:
+        _remove_earlier(one, place, written)
+    return written
+
+
+def _parts(
+    result: xr.DataTree | xr.Dataset, folder: Path, flank: str | None
+) -> Iterator[tuple[xr.DataTree | xr.Dataset, Path]]:
+    """What is drawn, and where: the result, and of one over load cases each of theirs; those of a flank alone."""
+    if flank is not None:
+        one_of("flank", flank, FLANKS)
+    if isinstance(result, xr.Dataset) and "flank" in result.dims:
+        there = [str(name) for name in result["flank"].values]
+        yield (result if flank is None else result.isel(flank=[_number(there, flank)])), folder
+        return
+    if isinstance(result, xr.DataTree) and "load_cases" in result.children:
+        cases = result["results"].children.items() if "results" in result.children else ()
+        there = [str(tree.attrs.get("flank", "")) for _, tree in cases]
+        if flank is not None:
+            _number(there, flank)
+        else:
+            yield result, folder
+        yield from ((tree, folder / name) for name, tree in cases if flank in (None, tree.attrs.get("flank")))
+        return
+    if flank is not None:
+        _number([str(result.attrs.get("flank", ""))], flank)
+    yield result, folder
+
+
+def _number(there: Sequence[str], flank: str) -> int:
+    """Number of a flank among those that are there."""
+    if flank not in there:
+        raise InputError(f"flank = {flank!r}: must be one of the result's: {', '.join(sorted(set(there)))}")
+    return list(there).index(flank)
+
+
+def _chosen(
+    results: Sequence[xr.DataTree | xr.Dataset], names: str | Sequence[str] | None, torques: Sequence[float] | None
+) -> list[tuple[str, ...]]:
+    """Names of the pictures of each result; those that are asked for if one has them, before anything is drawn."""
+    from .panel_grid import chosen_parts
+
+    there = [pictures(one) for one in results]
+    known = tuple(dict.fromkeys(name for own in there for name in own))
+    wanted = chosen_parts(known, names, "pictures")
+    if torques is not None:
+        _require_torques(results, torques)
+        if names is not None and not set(wanted) & set(WITH_TORQUES):
+            raise InputError(f"torque: must go with one of the pictures {', '.join(WITH_TORQUES)}")
+    return [tuple(name for name in wanted if name in own) for own in there]
+
+
+def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Sequence[float]) -> None:
+    """Refuse torques for what has none to choose, and those that a result does not have."""
+    from .panel_grid import chosen_torques
+
+    trees = [one for one in results if isinstance(one, xr.DataTree) and "loaded" in one.children]
+    if len(trees) != len(results):
+        raise InputError("torque: must go with a result of 'easeoff run' without load cases")
+    for tree in trees:
+        chosen_torques(tree["loaded"].to_dataset()["torque"].values, torques, 0)
+
+
+def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Sequence[Path]) -> None:
+    """Remove the pictures of an earlier result of the same kind, case and flank."""
+    prefix, mark = f"{file_prefix(result)}-", result_mark(result)
+    kind = kind_of(pictures(result)[0])
+    for path, (_, own) in pictures_of_results(folder).items():
+        earlier = path.name.startswith(prefix) and path.stem.removeprefix(prefix) in kind and own != mark
+        if earlier and path not in written:
+            with suppress(OSError):
+                path.unlink()
+
+
+def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
+    """Read a file of ``easeoff run``, ``modify``, ``optimize``, ``sweep``, ``vh`` or ``wear``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is none of these or damaged.
+
+    Examples
+    --------
+    >>> from easeoff import InputError
+    >>> try:
+    ...     read_drawn("no-such-file.nc")
+    ... except InputError as error:
+    ...     print(error)
+    no-such-file.nc: there is no such file
+    """
+    tree = tree_or_none(path)
+    if tree is None:
+        return read_result(path)  # says what is wrong with the file
+    found = tree.to_dataset()
+    if is_sweep(found):
+        return checked_sweep(found, path)
+    for sign, kind in (("print_excess", "V-H check"), ("wear_depth", "wear")):
+        if sign in found.variables:
+            require_layout(named(path), found, kind)
+            return found
+    return checked_result(tree, Path(path))

@@ -1,0 +1,116 @@
+"""Progress of what is called from Python: one line in a notebook or on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from inspect import signature
+from typing import Any, ParamSpec, TypeVar
+
+from ..core.checks import instance, shown
+from ..core.errors import InputError
+from .terminal_bar import terminal_bar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Call = TypeVar("Call", bound=Callable[..., None])
+
+
+def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Have a function show its progress where it is given ``progress=True``, and refuse what is no function.
+
+    Parameters
+    ----------
+    name
+        What is done, such as "analysis".
+    unit
+        What a step is, in the singular.
+
+    Examples
+    --------
+    >>> @shows_progress("counting", "step")
+    ... def counted(*, progress=None):
+    ...     return progress
+    >>> counted(progress=False) is None
+    True
+    >>> counted(progress="yes")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: progress = 'yes': must be True, False, or a function that is called after every step
+    """
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        staged = "stage" in signature(function).parameters
+
+        @wraps(function)
+        def showing(*args: P.args, **kwargs: P.kwargs) -> R:
+            given: Any = kwargs
+            progress = given.get("progress")
+            if staged:
+                instance("stage", given.get("stage"), Callable | None)
+            if progress is False:
+                given["progress"] = progress = None
+            if progress is not True:
+                if progress is not None and not callable(progress):
+                    words = "must be True, False, or a function that is called after every step"
+                    raise InputError(f"progress = {shown(progress)}: {words}")
+                return function(*args, **kwargs)
+            with _bar(desc=name, unit=unit) as bar:
+                given["progress"] = lambda *numbers: _count(bar, *numbers)
+                if staged and given.get("stage") is None:
+                    given["stage"] = bar.set_description_str
+                return function(*args, **kwargs)
+
+        return showing
+
+    return decorated
+
+
+def told(progress: Call | bool | None) -> Call | None:
+    """The function that is called after every step of a function that ``shows_progress``; ``None`` if there is none.
+
+    Examples
+    --------
+    >>> told(False) is None
+    True
+    """
+    return None if isinstance(progress, bool) else progress
+
+
+def _bar(**options: Any) -> Any:
+    """A bar of tqdm in a notebook, which is gone at the end, and what the commands show elsewhere."""
+    if "ipykernel" in sys.modules:
+        return _notebook_bar(**options)
+
+    return terminal_bar(**options)
+
+
+@contextmanager
+def _notebook_bar(**options: Any) -> Iterator[Any]:
+    from tqdm.auto import tqdm
+
+    tqdm.monitor_interval = 0  # no thread, see terminal_bar
+    bar: Any
+    widgets = "tqdm.notebook" in sys.modules and issubclass(tqdm, sys.modules["tqdm.notebook"].tqdm_notebook)
+    if not widgets:
+        with tqdm(leave=False, **options) as bar:
+            yield bar
+        return
+    from IPython.display import display
+
+    # Displayed here and not by tqdm, whose bar leaves its first line as text in the notebook's file.
+    with tqdm(leave=False, display=False, **options) as bar:
+        shown_bar = display(bar.container, display_id=True)
+        try:
+            yield bar
+        finally:
+            if shown_bar is not None:
+                shown_bar.update({"text/plain": ""}, raw=True)
+
+
+def _count(bar: Any, *numbers: float) -> None:
+    """Count a step, or set the number of those that are done and of all."""
+    if len(numbers) > 1:
+        bar.total = numbers[1]
+    bar.update(numbers[0] - bar.n if numbers else 1)

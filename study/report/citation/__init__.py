@@ -1,1 +1,0 @@
-"""How to cite the package, and the published sources that a result rests on."""

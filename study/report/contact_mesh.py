@@ -1,0 +1,490 @@
+"""Contact in mesh position as a VTK file: teeth of both members, and the loaded segments on them.
+
+Contact segments of a mesh position as strips in the tangent plane of the gear flank, and the pressure under them.
+
+Mesh of quadrilaterals with data at points and cells, gathered part by part.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...contact.lines.contact_lines import boundary_distance
+from ...contact.lines.flank_splines import FlankSplines, fit
+from ...core.attributes import ordered
+from ...core.checks import file_path, number, two_whole
+from ...core.errors import InputError
+from ...core.memory import require_memory
+from ...core.output_file import check_writable, whole_file
+from ...geometry.formats.mesh import vtu_file
+from ...geometry.pair.gear_pair import MEMBERS, GearPair
+from ...geometry.tooth.tooth_flanks import MemberName
+from ...geometry.tooth.tooth_surface import tooth_patches
+from ..plot.drawn_result import require_result
+from ..plot.tooth_view import ToothView, fine_grid, tooth_view
+from .flank_pictures import gear_raster, on_member, rasterised
+from .mesh_scene import flank_places, member_turns, pair_of_result, placed, turned
+from .stored_case import stored_case
+
+Array = NDArray[Any]
+Index = NDArray[np.int64]
+
+#: Values of a segment in a file, by the name there: group, variable and factor.
+SEGMENT_VALUES = {
+    "pressure [MPa]": ("loaded", "pressure"),
+    "force [N]": ("loaded", "force"),
+    "half width [mm]": ("loaded", "half_width"),
+    "film thickness [um]": ("friction", "film_thickness"),
+    "lambda ratio [1]": ("friction", "lambda_ratio"),
+    "friction coefficient [1]": ("friction", "friction_coefficient"),
+    "sliding velocity [m/s]": ("friction", "sliding_velocity"),
+    "flash temperature [K]": ("friction", "flash_temperature"),
+}
+LOAD_PER_LENGTH, CONTACT_TEMPERATURE = "load per length [N/mm]", "contact temperature [degC]"
+SHARP_HALF_WIDTH = 0.05  # [mm] of a segment on a sharp edge, whose contact has no width
+LENGTH_TOLERANCE = 1e-9  # relative, between the segments of a line
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Loaded segments at a mesh position.
+
+    Parameters
+    ----------
+    points
+        Fractions of their middles on the gear flank (2, n).
+    tooth
+        Numbers of their tooth pairs (n).
+    line
+        Numbers of their contact lines (n).
+    length, half_width
+        Size [mm] (n) each.
+    values
+        Values (n) by name in a file.
+    """
+
+    points: Array
+    tooth: Index
+    line: Index
+    length: Array
+    half_width: Array
+    values: dict[str, Array]
+
+
+def loaded_segments(at_position: xr.Dataset, friction: xr.Dataset | None) -> Segments:
+    """Loaded segments of the group ``loaded`` at one torque and mesh position, with friction at one condition."""
+    force = np.nan_to_num(ordered(at_position, "force", "segment"))
+    chosen = np.flatnonzero(force > 0.0)
+    tooth, length = (ordered(at_position, name, "segment") for name in ("tooth", "length"))
+    known = np.nan_to_num(np.stack([tooth, length]))
+    new = (known[0][1:] != known[0][:-1]) | (np.abs(np.diff(known[1])) > LENGTH_TOLERANCE * known[1][1:])
+    line = np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+    groups = {"loaded": at_position} | ({} if friction is None else {"friction": friction})
+    values = {
+        name: ordered(groups[group], variable, "segment")[chosen]
+        for name, (group, variable) in SEGMENT_VALUES.items()
+        if group in groups and variable in groups[group]
+    }
+    values[LOAD_PER_LENGTH] = force[chosen] / length[chosen]
+    if "flash temperature [K]" in values and friction is not None:
+        values[CONTACT_TEMPERATURE] = values["flash temperature [K]"] + float(friction["bulk_temperature"])
+    width = ordered(at_position, "half_width", "segment")[chosen]
+    return Segments(
+        np.stack([ordered(at_position, name, "segment")[chosen] for name in ("lengthwise", "profile")]),
+        tooth[chosen].astype(np.int64),
+        line[chosen],
+        length[chosen],
+        np.where(width > 0.0, width, SHARP_HALF_WIDTH),
+        values,
+    )
+
+
+def flank_positions(flanks: xr.Dataset, member: MemberName) -> FlankSplines:
+    """Spline ``position`` [mm] of a member's flank, in its own frame, over its own fractions."""
+    position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[MEMBERS.index(member)]
+    return fit(flanks["lengthwise"].values, flanks["profile"].values, {"position": position})
+
+
+def strip_corners(segments: Segments, splines: FlankSplines) -> Array:
+    """Corners (n, 4, 3) [mm] of the strips on the gear flank, in its frame.
+
+    Parameters
+    ----------
+    segments
+        The segments.
+    splines
+        Of ``flank_positions``.
+    """
+    middle = splines("position", segments.points).T
+    first, second = (splines("position", segments.points, order).T for order in ((1, 0), (0, 1)))
+    normal = np.cross(first, second)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    along = _directions(middle, segments.line, first)
+    along -= np.sum(along * normal, axis=1, keepdims=True) * normal
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.cross(normal, along) * segments.half_width[:, None]
+    ahead = along * (0.5 * segments.length)[:, None]
+    return np.stack(
+        [middle - ahead - across, middle + ahead - across, middle + ahead + across, middle - ahead + across], axis=1
+    )
+
+
+def _directions(middle: Array, line: Index, default: Array) -> Array:
+    """Directions (n, 3) of the contact lines at the middles (n, 3) of their segments."""
+    found = default.copy()
+    for one in np.unique(line):
+        own = np.flatnonzero(line == one)
+        if own.size > 1:
+            found[own] = np.gradient(middle[own], axis=0)
+    return found
+
+
+def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
+    """Hertzian pressure [MPa] at points (m, n, 3) of a flank under strips.
+
+    Parameters
+    ----------
+    points
+        Nodes of the flank [mm].
+    strips
+        Corners of the strips (k, 4, 3) [mm].
+    pressure
+        Greatest pressure of the strips (k) [MPa]; NaN for none.
+
+    Returns
+    -------
+    Array
+        Pressure (m, n), zero beside the strips.
+
+    Examples
+    --------
+    >>> strip = np.array([[[-1.0, -0.2, 0.0], [1.0, -0.2, 0.0], [1.0, 0.2, 0.0], [-1.0, 0.2, 0.0]]])
+    >>> line = np.array([[[0.0, 0.0, 0.0], [0.0, 0.12, 0.0], [0.0, 0.3, 0.0]]])
+    >>> band_pressure(line, strip, np.array([1000.0])).round(9).tolist()
+    [[1000.0, 800.0, 0.0]]
+    """
+    from scipy.spatial import cKDTree
+
+    flat = points.reshape(-1, 3)
+    found = np.zeros(len(flat))
+    tree = cKDTree(flat)
+    middle = strips.mean(axis=1)
+    along, across = 0.5 * (strips[:, 1] - strips[:, 0]), 0.5 * (strips[:, 3] - strips[:, 0])
+    reach = np.linalg.norm(along, axis=1) + np.linalg.norm(across, axis=1)
+    for k in np.flatnonzero(np.isfinite(pressure)):
+        near = np.array(tree.query_ball_point(middle[k], 1.01 * reach[k]), dtype=np.int64)
+        if not near.size:
+            continue
+        away = flat[near] - middle[k]
+        u = away @ along[k] / (along[k] @ along[k])
+        v = away @ across[k] / (across[k] @ across[k])
+        within = np.abs(u) <= 1.0
+        value = pressure[k] * np.sqrt(np.maximum(1.0 - v**2, 0.0))
+        np.maximum.at(found, near[within], value[within])
+    return found.reshape(points.shape[:2])
+
+
+class QuadMesh:
+    """Quadrilaterals with their data.
+
+    Parameters
+    ----------
+    point_names
+        Names of the values at points.
+    labels
+        Names of the integers of every cell.
+    cell_names
+        Names of the values of cells.
+
+    Examples
+    --------
+    >>> mesh = QuadMesh(["gap"], ["part"], ["force"])
+    >>> mesh.add_grid(np.zeros((3, 2, 3)), {"gap": np.ones((3, 2))}, [0])
+    >>> mesh.add_strips(np.zeros((1, 4, 3)), {"force": np.array([5.0])}, [1])
+    >>> points, quads, cell_data, point_data = mesh.content()
+    >>> quads.tolist(), cell_data["force"].tolist()
+    ([[0, 2, 3, 1], [2, 4, 5, 3], [6, 7, 8, 9]], [nan, nan, 5.0])
+    """
+
+    def __init__(self, point_names: Sequence[str], labels: Sequence[str], cell_names: Sequence[str]) -> None:
+        self.labels, self.cell_names = tuple(labels), tuple(cell_names)
+        self._points: list[Array] = []
+        self._quads: list[Array] = []
+        self._point_data: dict[str, list[Array]] = {name: [] for name in point_names}
+        self._cell_data: dict[str, list[Array]] = {name: [] for name in (*labels, *cell_names)}
+        self._count = 0
+
+    def add_grid(self, points: Array, fields: Mapping[str, Array], labels: Sequence[int]) -> None:
+        """Add a grid of points (m, n, 3) with values (m, n) by name; those that are missing are NaN."""
+        node = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+        quads = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 4)
+        self._add(points.reshape(-1, 3), quads, fields, {}, labels)
+
+    def add_strips(self, corners: Array, values: Mapping[str, Array], labels: Sequence[int]) -> None:
+        """Add separate cells with their corners (k, 4, 3) and values (k) by name; those that are missing are NaN."""
+        self._add(corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4), {}, values, labels)
+
+    def _add(
+        self,
+        points: Array,
+        quads: Array,
+        fields: Mapping[str, Array],
+        values: Mapping[str, Array],
+        labels: Sequence[int],
+    ) -> None:
+        self._points.append(points)
+        self._quads.append(quads + self._count)
+        self._count += len(points)
+        for name, kept in self._point_data.items():
+            kept.append(fields[name].ravel() if name in fields else np.full(len(points), np.nan))
+        for name, label in zip(self.labels, labels, strict=True):
+            self._cell_data[name].append(np.full(len(quads), label, dtype=np.int32))
+        for name in self.cell_names:
+            self._cell_data[name].append(values[name] if name in values else np.full(len(quads), np.nan))
+
+    def content(self) -> tuple[Array, Array, dict[str, Array], dict[str, Array]]:
+        """Points (n, 3), corners of the cells (c, 4), and data by name of cells and of points."""
+        cells, points = (
+            {name: np.concatenate(kept) for name, kept in data.items()} for data in (self._cell_data, self._point_data)
+        )
+        return np.concatenate(self._points), np.concatenate(self._quads), cells, points
+
+
+SUFFIX = ".vtu"
+FLANK_NODES = (121, 49)
+NODE_SIZE = 2.0e4  # memory of a node of a flank, with those of all teeth, while it is found and written [byte]
+RASTER = (361, 145)  # points over a flank from which the nodes have their values
+POSITION_TOLERANCE = 1e-6
+MEMBER_NAMES: tuple[MemberName, ...] = ("pinion", "gear")
+BOTH_MEMBERS = len(MEMBER_NAMES)
+PARTS = {"loaded flank": 0, "other surface": 1, "contact segment": 2}
+EASE_OFF, PATTERN, BAND = "ease-off [um]", "greatest pressure over the cycle [MPa]", "contact pressure [MPa]"
+
+
+def export_contact(
+    tree: xr.DataTree,
+    path: str | os.PathLike[str],
+    *,
+    torque: float | None = None,
+    mesh_position: float = 0.0,
+    nodes: tuple[int, int] = FLANK_NODES,
+) -> str:
+    """Write the teeth in contact at a mesh position as an unstructured grid of VTK.
+
+    Cells are quadrilaterals: the surfaces of the teeth of both members that are in mesh, and on the gear flank a strip
+    for every loaded segment, as long as the segment and as wide as its contact band. Cell data are the integers
+    ``member`` (0 pinion, 1 gear, 2 both), ``pair`` and ``part`` (0 loaded flank, 1 other surface, 2 contact segment),
+    and the values of the segments, which are NaN elsewhere. Point data are, on the loaded flanks, ease-off, greatest
+    pressure over the mesh cycle and Hertzian pressure at the mesh position; NaN elsewhere. Names bear the units.
+
+    The teeth stand as rigid ones of conjugate flanks would: deformation, rotation under load and motion of supports are
+    not drawn, and the flanks are apart or overlap by some hundredths of a millimetre where they touch.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    path
+        The file, replaced if it exists; its suffix is ``.vtu``.
+    torque
+        A torque of the result at the pinion [N m]; the greatest if left out.
+    mesh_position
+        A mesh position of the result, from 0 to 1.
+    nodes
+        Nodes of a flank, lengthwise and along the profile.
+
+    Returns
+    -------
+    str
+        Description of what was written.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, keeps no case, does not have the torque or mesh position, or the file cannot be
+        written.
+    GeometryError
+        If part of a tooth's surface does not exist.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     export_contact(tree, Path(folder) / "pattern.vtu", nodes=(31, 15))
+    '1 tooth pair in contact at 100 N m, mesh position 0'
+    """
+    target = file_path("path", path)
+    if target.suffix.lower() != SUFFIX:
+        raise InputError(f"{target}: suffix = {target.suffix!r}: must be {SUFFIX} for the contact of a result")
+    check_writable(target)
+    require_result(tree)
+    nodes = two_whole("nodes", nodes, 2)
+    require_memory(f"nodes = {nodes[0]}x{nodes[1]}", NODE_SIZE * math.prod(nodes), "the surfaces of the teeth")
+    teeth = TeethInMesh.of(tree, torque, nodes)
+    number = teeth.position_number(mesh_position)
+    content, pairs = teeth.at(number)
+    with whole_file(target) as temporary:
+        temporary.write_bytes(content)
+    said = "1 tooth pair" if pairs == 1 else f"{pairs} tooth pairs"
+    return f"{said} in contact at {teeth.torque:g} N m, mesh position {teeth.positions[number]:g}"
+
+
+@dataclass(frozen=True)
+class TeethInMesh:
+    """Teeth of a result at one torque; ``of`` makes them.
+
+    Parameters
+    ----------
+    tree
+        The result.
+    loaded
+        Its group ``loaded`` at the torque.
+    friction
+        Its group ``friction`` at the torque and the middle of the other conditions; ``None`` if it has none.
+    pair
+        The gear pair.
+    patches
+        Surface of a tooth of each member: grids of points by name.
+    views
+        Flanks of pinion and gear.
+    """
+
+    tree: xr.DataTree
+    loaded: xr.Dataset
+    friction: xr.Dataset | None
+    pair: GearPair
+    patches: dict[MemberName, dict[str, Array]]
+    views: dict[MemberName, ToothView]
+
+    @classmethod
+    def of(cls, tree: xr.DataTree, torque: float | None, nodes: tuple[int, int]) -> TeethInMesh:
+        """Teeth at a torque [N m], the greatest if it is ``None``."""
+        from ..plot.friction_charts import chosen_condition
+        from ..plot.panel_grid import chosen_torques
+
+        loaded = tree["loaded"].to_dataset()
+        torques = loaded["torque"].values
+        index = int(np.argmax(torques)) if torque is None else int(chosen_torques(torques, torque, 1)[0])
+        case = stored_case(tree)
+        if case is None:
+            raise InputError("the result keeps no case that can be read: its teeth cannot be made; analyse it anew")
+        pair = pair_of_result(tree, case)
+        friction = None
+        if "friction" in tree.children:
+            whole = tree["friction"].to_dataset()
+            at = chosen_condition(whole)
+            friction = whole.isel({name: int(np.argmax(whole[name].values == at[name])) for name in list(at)[1:]})
+            friction = friction.isel(torque=index)
+        patches = {member: tooth_patches(pair, member, nodes) for member in MEMBER_NAMES}
+        views = {member: tooth_view(tree, member) for member in MEMBER_NAMES}
+        return cls(tree, loaded.isel(torque=index), friction, pair, patches, views)
+
+    @property
+    def torque(self) -> float:
+        """Torque at the pinion [N m]."""
+        return float(self.loaded["torque"])
+
+    @property
+    def positions(self) -> Array:
+        """Mesh positions (k)."""
+        return np.asarray(self.loaded["mesh_position"].values)
+
+    def position_number(self, mesh_position: float) -> int:
+        """Number of a mesh position.
+
+        Raises
+        ------
+        InputError
+            If the result does not have it.
+        """
+        near = np.abs(self.positions - number("mesh_position", mesh_position))
+        if not np.min(near) <= POSITION_TOLERANCE:
+            count = self.positions.size
+            nearest = self.positions[np.argmin(near)]
+            raise InputError(
+                f"mesh_position = {mesh_position:g}: must be one of the {count} of the result, K/{count}; the nearest "
+                f"is {nearest:.10g}"
+            )
+        return int(np.argmin(near))
+
+    @cached_property
+    def _turns(self) -> dict[str, float]:
+        return member_turns(self.tree, self.pair)
+
+    def _angle(self, member: MemberName, tooth: int, number: int) -> float:
+        """Rotation [rad] of the tooth of a pair from its stored position."""
+        rate = 1.0 if member == "pinion" else 1.0 / float(self.tree["ease_off"].attrs["ratio"])
+        pitch = 2.0 * math.pi / int(self.tree.attrs["pinion_teeth"])
+        rotation = float(ordered(self.loaded, "pinion_rotation", "mesh_position")[number])
+        return self._turns[member] + rate * (rotation - tooth * pitch)
+
+    def in_mesh(self, points: Array, member: MemberName, tooth: int, number: int) -> Array:
+        """Points (..., 3) [mm] of a member's own frame where the tooth of a pair stands at a mesh position."""
+        own = self.tree["ease_off"].attrs
+        axis, origin = (np.asarray(own[f"{member}_{name}"], float) for name in ("axis", "origin_mm"))
+        return turned(placed(points, self.pair, member), axis, origin, self._angle(member, tooth, number))
+
+    @cached_property
+    def _flank_fields(self) -> dict[MemberName, dict[str, Array]]:
+        """Ease-off and greatest pressure over the cycle at the nodes of the loaded flanks (m, n)."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        from ...contact.evaluation.pressure_map import pressure_map
+
+        gear = self.views["gear"].fields
+        grid = fine_grid(RASTER)
+        gap = 1e3 * gear("ease_off_angle", grid) * gear("lever_arm", grid)
+        gap = np.where(boundary_distance(gear, grid) >= 0.0, gap, np.nan)
+        surface = pressure_map(self.loaded)
+        axes = tuple(np.linspace(0.0, 1.0, count) for count in RASTER)
+        found: dict[MemberName, dict[str, Array]] = {}
+        for member, view in self.views.items():
+            own = on_member(view.fields, surface.points, member)
+            pattern = np.nan_to_num(rasterised(own, surface.pressure, surface.triangles, RASTER))
+            ease_off = gap if member == "gear" else gear_raster(grid, gap, view, RASTER)
+            places = np.clip(
+                np.moveaxis(flank_places(self.pair, member, self.patches[member][self._flank(member)]), 0, -1), 0.0, 1.0
+            )
+            rasters = {EASE_OFF: ease_off, PATTERN: pattern}
+            found[member] = {name: RegularGridInterpolator(axes, raster)(places) for name, raster in rasters.items()}
+        return found
+
+    def _flank(self, member: MemberName) -> str:
+        """Name of the loaded flank's patch."""
+        sides = {"pinion": ("concave", "convex"), "gear": ("convex", "concave")}
+        return f"{sides[member][self.tree.attrs['flank'] != 'drive']}_flank"
+
+    def at(self, number: int) -> tuple[bytes, int]:
+        """Content of the file at a mesh position, and the number of tooth pairs in contact."""
+        friction = None if self.friction is None else self.friction.isel(mesh_position=number)
+        segments = loaded_segments(self.loaded.isel(mesh_position=number), friction)
+        teeth = [int(tooth) for tooth in np.unique(segments.tooth)] or [0]
+        mesh = QuadMesh((EASE_OFF, PATTERN, BAND), ("member", "pair", "part"), tuple(segments.values))
+        corners = strip_corners(segments, flank_positions(self.tree["flanks"].to_dataset(), "gear"))
+        for tooth in teeth:
+            chosen = segments.tooth == tooth
+            strips = self.in_mesh(corners[chosen], "gear", tooth, number)
+            pressure = segments.values["pressure [MPa]"][chosen]  # NaN on sharp edges
+            for index, member in enumerate(MEMBER_NAMES):
+                for name, points in self.patches[member].items():
+                    at = self.in_mesh(points, member, tooth, number)
+                    if name == self._flank(member):
+                        fields = self._flank_fields[member] | {BAND: band_pressure(at, strips, pressure)}
+                        mesh.add_grid(at, fields, (index, tooth, PARTS["loaded flank"]))
+                    else:
+                        mesh.add_grid(at, {}, (index, tooth, PARTS["other surface"]))
+            values = {name: own[chosen] for name, own in segments.values.items()}
+            mesh.add_strips(strips, values, (BOTH_MEMBERS, tooth, PARTS["contact segment"]))
+        return vtu_file(*mesh.content()), len(teeth)

@@ -1,1 +1,0 @@
-"""Contact report: one HTML file with tables, charts, flank pictures and turnable teeth, from one or several results."""

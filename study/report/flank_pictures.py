@@ -1,0 +1,444 @@
+"""Data of the flank pictures: outlines, rasters over the mesh cycle, and the loaded segments at each mesh position.
+
+Flank rasters: values at an even grid over the fractions of a member's flank, from contact lines or from splines.
+
+Departures from the designed flanks for the report: measured or worn flanks, wear, and the modified ease-off.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, get_args
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.conversion import gear_pair
+from ...cases.schema.case_schema import Case
+from ...contact.evaluation.carrying_error import CarryingError
+from ...contact.evaluation.flank_region import ProjectionPlane
+from ...contact.evaluation.marking_print import MarkingPrint
+from ...contact.evaluation.pressure_map import pressure_map
+from ...contact.lines.contact_lines import boundary_distance
+from ...contact.lines.flank_splines import FlankSplines
+from ...core.attributes import ordered
+from ...core.errors import EaseoffError
+from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
+from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..plot.pattern_lines import contact_pattern
+from ..plot.tooth_view import ToothView, fine_grid
+from ..summary.correction_report import assembly_rows, assembly_title, terms
+from .cycle_charts import chart
+from .packed_array import packed, packed_exactly
+from .report_tables import written
+
+Array = NDArray[Any]
+
+RASTER = (121, 49)  # points along the face and the profile
+CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate
+AREA_MINIMUM = 1e-9  # of a triangle, twice, in meshes of the raster
+
+
+def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
+    """Fractions (2, ...) on a member's flank of points (2, ...) of the gear's; NaN stays NaN."""
+    if member == "gear":
+        return points
+    known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
+    found = fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
+    opposite = np.stack(list(found.values())).reshape(np.shape(points))
+    return np.where(np.isfinite(points), opposite, np.nan)
+
+
+def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
+    """Values of a triangulated surface at the nodes of an even grid.
+
+    Parameters
+    ----------
+    points
+        Fractions (2, n) of the corners.
+    values
+        Values there (n).
+    triangles
+        Corners (m, 3).
+    shape
+        Nodes lengthwise and along the profile.
+
+    Returns
+    -------
+    Array
+        Values (*shape), linear within a triangle, the greatest of those that overlap; NaN beside all of them.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> rasterised(corners, np.array([0.0, 1.0, 2.0]), np.array([[0, 1, 2]]), (3, 3)).tolist()
+    [[0.0, 1.0, 2.0], [0.5, 1.5, nan], [1.0, nan, nan]]
+    """
+    grid = np.full(shape[0] * shape[1], np.nan)
+    corners = (points.T * (np.array(shape) - 1))[triangles]  # (m, 3, 2), in nodes
+    known = np.all(np.isfinite(corners), axis=(1, 2)) & np.all(np.isfinite(values[triangles]), axis=1)
+    known &= np.abs(_cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])) > AREA_MINIMUM
+    corners, at_corners = corners[known], values[triangles][known]
+    low = np.clip(np.ceil(corners.min(axis=1) - 1e-9).astype(int), 0, None)
+    high = np.minimum(np.floor(corners.max(axis=1) + 1e-9).astype(int), np.array(shape) - 1)
+    count = np.clip(high - low + 1, 0, None)
+    each = count.prod(axis=1)
+    owner = np.repeat(np.arange(each.size), each)
+    number = np.arange(owner.size) - np.repeat(np.cumsum(each) - each, each)
+    rows = count[owner, 1]
+    node = low[owner] + np.stack([number // np.maximum(rows, 1), number % np.maximum(rows, 1)], axis=1)
+    a, b, c = np.moveaxis(corners[owner], 1, 0)
+    area = _cross(b - a, c - a)
+    second, third = _cross(node - a, c - a) / area, _cross(b - a, node - a) / area
+    weight = np.stack([1.0 - second - third, second, third], axis=1)
+    within = np.all(weight >= -CORNER_TOLERANCE, axis=1)
+    found = np.sum(weight * at_corners[owner], axis=1)[within]
+    index = (node[:, 0] * shape[1] + node[:, 1])[within]
+    np.fmax.at(grid, index, found)
+    return grid.reshape(shape)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def pressure_raster(at_torque: xr.Dataset, view: ToothView) -> Array:
+    """Greatest pressure [MPa] over the mesh cycle on a flank; zero where there is no load."""
+    found = pressure_map(at_torque)
+    points = on_member(view.fields, found.points, view.member)
+    return np.nan_to_num(rasterised(points, found.pressure, found.triangles))
+
+
+def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, int] = RASTER) -> Array:
+    """Values (nt, nh) at a grid of fractions (2, nt, nh) of the gear's flank, on the flank of a view; NaN elsewhere."""
+    node = np.arange(values.size).reshape(values.shape)
+    first = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:]], axis=-1).reshape(-1, 3)
+    second = np.stack([node[:-1, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 3)
+    points = on_member(view.fields, grid.reshape(2, -1), view.member)
+    return rasterised(points, values.ravel(), np.concatenate([first, second]), shape)
+
+
+def on_lines(at_torque: xr.Dataset) -> tuple[NDArray[np.bool_], Array]:
+    """Which segments (mesh_position, segment) of contact lines carry load, and the fractions (2, n) of those."""
+    order = ("mesh_position", "segment")
+    loaded = np.nan_to_num(ordered(at_torque, "pressure", *order)) > 0.0
+    return loaded, np.stack([ordered(at_torque, name, *order)[loaded] for name in ("lengthwise", "profile")])
+
+
+def scattered_rasters(points: Array, values: Array, view: ToothView) -> Array:
+    """Values (k, n) at points (2, n) of the gear flank, on its raster (k, *RASTER): linear between, else the nearest.
+
+    The page shows them where there is load; beyond, they keep the border even.
+    """
+    from scipy.interpolate import LinearNDInterpolator
+    from scipy.spatial import Delaunay, QhullError, cKDTree
+
+    here, wanted = view.plane(points).T, view.plane(fine_grid(RASTER)).reshape(2, -1).T
+    nearest = values[:, cKDTree(here).query(wanted)[1]]
+    try:
+        between = LinearNDInterpolator(Delaunay(here), values.T)(wanted).T
+    except QhullError:  # fewer than three points, or all on one line
+        between = np.full_like(nearest, np.nan)
+    return np.where(np.isfinite(between), between, nearest).reshape(-1, *RASTER)
+
+
+#: Fields of ``/friction`` over the loaded segments that have a picture, with their names.
+FRICTION_FIELDS = {
+    "film_thickness": "film thickness [µm]",
+    "lambda_ratio": "lambda ratio",
+    "friction_coefficient": "friction coefficient",
+    "flash_temperature": "flash temperature [K]",
+}
+COMMON_MARGIN = 0.03  # beyond the common flank, as a fraction, to which rasters reach; the page cuts them at its border
+UNIT_SPEED = 2.0 * math.pi / 60.0  # [rad/s] of one revolution a minute
+
+
+def outlines(views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Plane, corners and boundary of the common flank [mm] of each flank."""
+    return {
+        view.member: {
+            "plane": view.plane.coefficients.tolist(),
+            "window": list(view.window),
+            "common": [packed(view.in_plane(curve)) for curve in view.common],
+        }
+        for view in views
+    }
+
+
+def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Rasters that no load enters: ease-off, and sliding velocity at one revolution a minute."""
+    gear = views[0]
+    grid = fine_grid(RASTER)
+    ease_off = tree["ease_off"].to_dataset()
+    distance = gear.fields("ease_off_angle", grid) * gear.fields("lever_arm", grid) * 1e3
+    beyond = boundary_distance(gear.fields, grid) < -COMMON_MARGIN
+    fields = {"ease_off": packed(np.where(beyond, np.nan, distance))}
+    if "friction" in tree.children:
+        found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid.reshape(2, -1))
+        sliding = UNIT_SPEED * found.sliding_speed.reshape(RASTER)
+        fields["sliding_velocity"] = packed(np.where(beyond, np.nan, sliding))
+    return fields
+
+
+def unloaded_marks(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Contact lines, path of contact and marking print without load, and the pattern at light load."""
+    unloaded = tree["unloaded"].to_dataset()
+    pattern = contact_pattern(unloaded, views[0].fields)
+    error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
+    thickness = float(unloaded.attrs["separation"])
+    printed = MarkingPrint.of(views[0].fields, error, thickness, RASTER) if error.is_known else None
+    light = tree["light_load"].to_dataset().isel(torque=0) if "light_load" in tree.children else None
+    there = np.all(np.isfinite(pattern.lines), axis=(1, 2))
+    marks: dict[str, Any] = {
+        "thickness": thickness,
+        "carrying": pattern.carrying[there].astype(int).tolist(),
+        "light_torque": None if light is None else float(light["torque"]),
+        "members": {},
+    }
+    for view in views:
+        own: dict[str, Any] = {
+            "lines": packed(view.in_plane(np.moveaxis(pattern.lines[there], 1, 0))),
+            "paths": [packed(view.in_plane(span.path)) for span in pattern.ranges],
+            "ranges": [packed(view.in_plane(span.outline)) for span in pattern.ranges],
+        }
+        if printed is not None:
+            own["print"] = packed(np.clip(gear_raster(printed.points, printed.excess, view), -1.0, 1.0))
+        if light is not None:
+            own["light"] = packed(pressure_raster(light, view))
+        marks["members"][view.member] = own
+    return marks
+
+
+def pressure_fields(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Greatest pressure over the mesh cycle by member and torque."""
+    return {view.member: [packed(pressure_raster(loaded.isel(torque=int(i)), view)) for i in chosen] for view in views}
+
+
+def friction_fields(
+    tree: xr.DataTree, chosen: NDArray[Any], speeds: NDArray[Any], at: dict[str, int], view: ToothView
+) -> dict[str, Any]:
+    """Fields under load on the gear flank, by name, torque and speed; ``None`` where nothing carries.
+
+    Parameters
+    ----------
+    tree
+        A result with friction.
+    chosen, speeds
+        Numbers of torques and speeds.
+    at
+        Numbers of temperature and roughness.
+    view
+        The gear's flank.
+    """
+    loaded = tree["loaded"].to_dataset()
+    friction = tree["friction"].to_dataset().isel(at)
+    names = [name for name in FRICTION_FIELDS if name in friction]
+    fields: dict[str, list[list[Any]]] = {name: [] for name in names}
+    for torque in chosen:
+        at_torque = loaded.isel(torque=int(torque))
+        carries, points = on_lines(at_torque)
+        rows: dict[str, list[Any]] = {name: [] for name in names}
+        for speed in speeds:
+            here = friction.isel(torque=int(torque), speed=int(speed))
+            tables = [here[name].transpose("mesh_position", "segment").values[carries] for name in names]
+            known = np.all(np.isfinite(tables), axis=0) if tables else np.zeros(0, dtype=bool)
+            if np.any(known):
+                found = scattered_rasters(points[:, known], np.stack(tables)[:, known], view)
+                for name, raster in zip(names, found, strict=True):
+                    rows[name].append(packed(raster))
+            else:
+                for name in names:
+                    rows[name].append(None)
+        for name in names:
+            fields[name].append(rows[name])
+    return fields
+
+
+def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Loaded segments at each mesh position: place on both flanks, tooth pair, pressure and size.
+
+    Their numbers begin, at torque i of the chosen ones and mesh position k, at ``start[i][k]``.
+    """
+    order = ("mesh_position", "segment")
+    starts, columns = [], []
+    count = 0
+    for torque in chosen:
+        here = loaded.isel(torque=int(torque))
+        force = np.nan_to_num(ordered(here, "force", *order))
+        carries = force > 0.0
+        ends = count + np.cumsum(carries.sum(axis=1))
+        starts.append([count, *ends.tolist()])
+        count = int(ends[-1])
+        edge = np.isfinite(ordered(here, "overhang", *order)) if "overhang" in here else np.zeros_like(carries)
+        names = ("lengthwise", "profile", "tooth", "pressure", "half_width", "length", "force")
+        columns.append(np.stack([*(ordered(here, name, *order)[carries] for name in names), edge[carries]]))
+    table = np.concatenate(columns, axis=1)
+    numbers = dict(zip(("pressure", "half_width", "length", "force"), map(packed, table[3:7]), strict=True))
+    places = {view.member: packed(on_member(view.fields, table[:2], view.member)) for view in views}
+    return {
+        "start": starts,
+        "places": places,
+        "tooth": packed_exactly(table[2]),
+        "edge": packed_exactly(table[7]),
+        **numbers,
+    }
+
+
+GRID = ("lengthwise", "profile")
+STEP_COUNT_LIMIT, TORQUE_COUNT_LIMIT = 12, 3  # rows of the table of wear, and columns of it
+
+
+def deviation_fields(tree: xr.DataTree, case: Case | None, views: tuple[ToothView, ...]) -> dict[str, Any]:
+    """Deviations [um of metal] of the flanks by member, with the variable each comes from; empty if there are none.
+
+    Parameters
+    ----------
+    tree
+        A result.
+    case
+        Its case.
+    views
+        Of gear and pinion.
+    """
+    ease_off = tree["ease_off"].to_dataset()
+    fields: dict[str, Any] = {}
+    for view in views:
+        name = f"{view.member}_deviation"
+        if f"largest_deviation_{view.member}_um" not in tree.attrs:
+            continue
+        if name in ease_off:
+            raster = gear_raster(fine_grid(RASTER), _fine(ordered(ease_off, name, *GRID)), view)
+            fields[view.member] = {"raster": packed(raster), "source": f"ease_off/{name}"}
+        elif tree.attrs.get("deviated") == "surface" and case is not None:
+            distance = _from_design(tree, case, view.member)
+            if distance is not None:
+                fields[view.member] = {"raster": packed(_fine(distance)), "source": "flanks/position, case"}
+    return fields
+
+
+def _from_design(tree: xr.DataTree, case: Case, member: MemberName) -> Array | None:
+    """Distance [um] of a result's flank from the designed one along its normal, at the nodes of the result."""
+    flanks = tree["flanks"].to_dataset()
+    try:
+        designed = named_member(gear_pair(case, tree.attrs["flank"]), member).flank(
+            *(ordered(flanks, name, name) for name in GRID)
+        )
+    except EaseoffError:
+        return None
+    stored = np.moveaxis(ordered(flanks, "position", "member", *GRID, "xyz")[MEMBERS.index(member)], -1, 0)
+    position, normal = (np.reshape(values, stored.shape) for values in (designed.position, designed.normal))
+    return np.asarray(1e3 * np.sum((stored - position) * normal, axis=0))
+
+
+def _fine(values: Array) -> Array:
+    """Values at an even grid of a flank, linear between those at even nodes; NaN beside them."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    axes = tuple(np.linspace(0.0, 1.0, n) for n in values.shape)
+    return np.asarray(RegularGridInterpolator(axes, values)(np.moveaxis(fine_grid(RASTER), 0, -1)))
+
+
+def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
+    """Modification of the ease-off as a raster and a table, and what an optimization reached; ``None`` without one."""
+    if "modification" not in tree.children:
+        return None
+    surface = tree["modification"].to_dataset()
+    part: dict[str, Any] = {
+        "raster": packed(_fine(ordered(surface, "modification", *GRID))),
+        "terms": [[name.replace("_", " "), value] for name, value in terms(surface)],
+        "stages": [],
+    }
+    if "optimization" in tree.children:
+        record = tree["optimization"].to_dataset()
+        for number in range(record.sizes["assembly"]):
+            here = record.isel(assembly=number)
+            part["stages"].append(
+                {
+                    "title": f"Before → after, {assembly_title(here, number)}",
+                    "heads": ["", *(f"{torque:g} N m" for torque in record["torque"].values), "variable"],
+                    "rows": [
+                        [label.replace("[urad]", "[µrad]"), *changes, f"optimization/{name}"]
+                        for name, label, changes in assembly_rows(here, " → ")
+                    ],
+                }
+            )
+    return part
+
+
+def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
+    """Wear for the page: depths on both flanks at the end, numbers over the steps, and charts over the revolutions."""
+    turned = worn["revolutions"].values.astype(float)
+    torques = [f"{torque:g} N m" for torque in worn["torque"].values]
+    depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
+    members = [str(member) for member in worn["member"].values]
+    both: tuple[MemberName, ...] = get_args(MemberName)
+    planes = {member: ProjectionPlane.of(worn, member) for member in both}
+    largest, ripple, pressure = (
+        ordered(worn, variable, "step", over)
+        for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
+    )
+    label = "revolutions of the pinion"
+    heads = ["revolutions", *(f"depth, {member} [µm]" for member in members)]
+    several = len(torques) > TORQUE_COUNT_LIMIT
+    at = ["greatest of all torques"] if several else torques
+    shown_error, shown_pressure = (
+        np.max(values, axis=1, keepdims=True) if several else values for values in (ripple, pressure)
+    )
+    heads += [f"transmission error, {words} [µrad]" for words in at]
+    heads += [f"greatest pressure, {words} [MPa]" for words in at]
+    rows = []
+    for step in _even(turned.size):
+        cells = [*(f"{v:.2f}" for v in largest[step]), *(written(v, ".2f") for v in shown_error[step])]
+        rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in shown_pressure[step])])
+    return {
+        "name": name,
+        "title": str(worn.attrs.get("title", "")),
+        "stop": str(worn.attrs.get("stop", "")),
+        "flanks": {
+            member: {
+                "plane": planes[member].coefficients.tolist(),
+                "window": list(ToothView(planes[member], None, ()).window),  # type: ignore[arg-type]
+                "common": [],
+            }
+            for member in both
+        },
+        "depth": {member: packed(_fine(depth[members.index(member)])) for member in both},
+        "table": {
+            "heads": heads,
+            "rows": rows,
+            "variables": ["revolutions", "largest_depth", "peak_to_peak", "max_pressure"],
+        },
+        "charts": [
+            chart(
+                "wear_depth",
+                "Greatest depth of wear",
+                label,
+                "[µm]",
+                "largest_depth",
+                [(member, turned, largest[:, number]) for number, member in enumerate(members)],
+            ),
+            chart(
+                "wear_error",
+                "Transmission error, peak to peak",
+                label,
+                "[µrad]",
+                "peak_to_peak",
+                [(torque, turned, ripple[:, number]) for number, torque in enumerate(torques)],
+            ),
+            chart(
+                "wear_pressure",
+                "Greatest pressure",
+                label,
+                "[MPa]",
+                "max_pressure",
+                [(torque, turned, pressure[:, number]) for number, torque in enumerate(torques)],
+            ),
+        ],
+    }
+
+
+def _even(count: int) -> list[int]:
+    """Numbers of evenly chosen steps, the first and the last one among them."""
+    return [int(step) for step in np.unique(np.linspace(0, count - 1, min(count, STEP_COUNT_LIMIT)).round())]

@@ -1,1 +1,0 @@
-"""Notes on a result: implausible numbers, supports, line ends, edges, pressures that jump, ranges of models left."""

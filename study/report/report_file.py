@@ -1,0 +1,464 @@
+"""The report of one or several results as one HTML file that needs no network.
+
+What a report is made of: results, V-H checks, wear and load cases, told apart by what they hold.
+
+V-H check for the report: table, prints at toe, middle and heel, and those over the grid of V and H.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.attributes import ordered
+from ...core.checks import instance
+from ...core.errors import InputError, printable
+from ...core.netcdf_file import tree_or_none
+from ...core.output_file import whole_file
+from ...friction.operation import named_models
+from ..plot.page import evenly_chosen
+from ..plot.tooth_view import tooth_view
+from ..result import checked_result, read_result
+from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, faults, require_layout
+from ..summary.result_summary import head_rows, result_notes
+from ..summary.sweep_report import SIGNS, reasons, totals, vh_rows
+from ..sweep.sweep_file import MARK
+from . import cycle_charts, flank_pictures
+from .mesh_scene import mesh_scene
+from .packed_array import packed
+from .report_tables import (
+    case_tables,
+    efficiency_rows,
+    first_numbers,
+    load_case_rows,
+    loaded_numbers,
+    mean_pitch_radius,
+    misalignment_rows,
+    supports_rows,
+    unloaded_numbers,
+    with_signs,
+)
+from .stored_case import stored_case
+
+RESULT_COUNT_LIMIT = 6  # with pictures in one report
+ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
+
+
+@dataclass(frozen=True)
+class GivenResults:
+    """Parts of a report by name.
+
+    Parameters
+    ----------
+    results
+        Of ``analyze``, those of load cases among them.
+    checks
+        V-H checks.
+    wear
+        Histories of wear.
+    load_cases
+        Analyses over load cases, for their tables.
+    notes
+        What the report has no pictures of.
+    """
+
+    results: dict[str, xr.DataTree] = field(default_factory=dict)
+    checks: dict[str, xr.Dataset] = field(default_factory=dict)
+    wear: dict[str, xr.Dataset] = field(default_factory=dict)
+    load_cases: dict[str, xr.DataTree] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, given: Mapping[str, xr.DataTree | xr.Dataset]) -> GivenResults:
+        """Parts of what is given by name.
+
+        Raises
+        ------
+        InputError
+            If something is no result, or there are too many.
+
+        Examples
+        --------
+        >>> from easeoff.study import vh_check
+        >>> list(GivenResults.of({"check": vh_check("fh-design-a")}).checks)
+        ['check']
+        """
+        found = cls()
+        joined = {}
+        for name, one in given.items():
+            kind = kind_of(one)
+            if isinstance(one, xr.DataTree):
+                if "load_cases" in one.children:
+                    found.load_cases[printable(name)] = joined[name] = one
+                elif "loaded" in one.children:
+                    _require_whole(name, one)
+                    found.results[printable(name)] = one
+                else:
+                    raise InputError(f"{name}: must be a result of {ACCEPTED}")
+            else:
+                _require_kind(name, kind)
+                require_layout(name, one, kind)
+                (found.checks if kind == "V-H check" else found.wear)[printable(name)] = one
+        if not len(found.results) <= RESULT_COUNT_LIMIT or not given:
+            raise InputError(
+                f"results = {len(found.results)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report, and V-H "
+                "checks and wear besides"
+            )
+        for name, one in joined.items():
+            found._take_load_cases(name, one, alone=len(given) == 1)
+        return found
+
+    def _take_load_cases(self, name: str, tree: xr.DataTree, *, alone: bool) -> None:
+        """Take results of load cases, those of the greatest pressure if there is no room for all."""
+        cases = dict(tree.children["results"].children) if "results" in tree.children else {}
+        room = RESULT_COUNT_LIMIT - len(self.results)
+        peaks = {
+            case: float(np.nanmax([*np.ravel(one["loaded"]["max_pressure"]), -1.0])) for case, one in cases.items()
+        }
+        for case, one in cases.items():
+            _require_whole(f"{name}, {case}", one)
+        chosen = sorted(cases, key=lambda case: -peaks[case])[:room]
+        for case in cases:
+            if case in chosen:
+                self.results[printable(case if alone else f"{name}, {case}")] = cases[case]
+        if len(chosen) < len(cases):
+            self.notes.append(
+                f"{printable(name)}: pictures of {len(chosen)} of {len(cases)} load cases, those of the greatest "
+                f"pressure; the table has all of them."
+            )
+
+
+def kind_of(given: xr.DataTree | xr.Dataset) -> str:
+    """What is given: ``result``, ``sweep``, ``V-H check`` or ``wear``.
+
+    Examples
+    --------
+    >>> kind_of(xr.Dataset({"wear_depth": 0.0}))
+    'wear'
+    """
+    if MARK in given.attrs:
+        return "sweep"
+    if isinstance(given, xr.Dataset):
+        return "wear" if "wear_depth" in given else "V-H check" if "print_excess" in given else "other"
+    return "result"
+
+
+def read_given(path: Path) -> xr.DataTree | xr.Dataset:
+    """A result, a V-H check or wear from its file.
+
+    Raises
+    ------
+    InputError
+        If it is none of them.
+    """
+    tree = tree_or_none(path)
+    return read_result(path) if tree is None else checked_given(tree, path)
+
+
+def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
+    """The same of what a file holds."""
+    found = tree.to_dataset()
+    kind = kind_of(found)
+    if kind == "other":
+        return checked_result(tree, path)
+    _require_kind(str(path), kind)
+    require_layout(str(path), found, kind)
+    return found
+
+
+def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
+    """Results by flank, or by title if these differ, with a number where they are alike.
+
+    Examples
+    --------
+    >>> list(by_name([xr.Dataset(attrs={"flank": "drive"}), xr.Dataset(attrs={"flank": "drive"})]))
+    ['1: drive', '2: drive']
+    """
+    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
+    names = flanks if len(set(titles)) == 1 else titles
+    if len(set(names)) < len(names):
+        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
+    return dict(zip(names, results, strict=True))
+
+
+def _require_whole(name: str, tree: xr.DataTree) -> None:
+    """Refuse a result that lacks something, or has it in another form."""
+    found = faults(tree)
+    if found:
+        told = "; ".join(found[:FAULT_COUNT_LIMIT])
+        raise InputError(f"{name} {DAMAGED}: {told}; make it anew with 'easeoff run' or 'easeoff modify'")
+
+
+def _require_kind(name: str, kind: str) -> None:
+    """Refuse what has no pictures."""
+    if kind == "sweep":
+        raise InputError(
+            f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
+            "'easeoff show' and 'easeoff plot' show a sweep"
+        )
+    if kind == "other":
+        raise InputError(f"{name}: must be a result of {ACCEPTED}")
+
+
+Array = NDArray[Any]
+GRID = ("lengthwise", "profile")
+COARSER = 2  # prints of the grid, which are drawn small
+MARGIN = 0.04  # around a print, of its length
+HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")
+VARIABLES = "v, h, pattern_centre_lengthwise, pattern_centre_profile, pattern_from, pattern_to, pattern_height"
+
+
+def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
+    """A V-H check for the page.
+
+    Examples
+    --------
+    >>> from easeoff.study import vh_check
+    >>> part = vh_part("check", vh_check("fh-design-a"))
+    >>> [one["name"] for one in part["places"]], part["grid"]
+    (['toe', 'middle', 'heel'], None)
+    """
+    plane = ordered(found, "in_plane", "plane_axis", *GRID)
+    (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
+    margin = MARGIN * (right - left)
+    rows = [[*row, *[""] * (len(HEADS) - len(row))] for row in vh_rows(found)]
+    return {
+        "name": name,
+        "title": str(found.attrs.get("title", "")),
+        "flank": str(found.attrs.get("flank", "")),
+        "thickness": float(found.attrs.get("separation", np.nan)),
+        "flanks": {
+            "gear": {
+                "plane": _bilinear(plane).tolist(),
+                "window": [left - margin, right + margin, bottom - margin, top + margin],
+                "common": [],
+            }
+        },
+        "table": {"heads": list(HEADS), "rows": rows, "variables": [*VARIABLES.split(", "), "peak_to_peak"]},
+        "total": "; ".join([totals(found), *SIGNS]),
+        "reasons": reasons(found),
+        "places": [_place(found.sel(place=place)) for place in found["place"].values],
+        "grid": _grid(found) if "grid_print_excess" in found else None,
+    }
+
+
+def _bilinear(plane: Array) -> Array:
+    """Coefficients (2, 4) of 1, t, h and t h of a bilinear grid (2, m, n), from its corners."""
+    first, along, up, both = plane[:, 0, 0], plane[:, -1, 0], plane[:, 0, -1], plane[:, -1, -1]
+    return np.stack([first, along - first, up - first, both - along - up + first], axis=1)
+
+
+def _place(one: xr.Dataset) -> dict[str, Any]:
+    excess = ordered(one, "print_excess", *GRID)
+    return {
+        "name": str(one["place"].values),
+        "v": _number(one["v"]),
+        "h": _number(one["h"]),
+        "print": _print(excess),
+        "wanted": [_number(one[f"place_{name}"]) for name in GRID],
+        "centre": [_number(one[f"pattern_centre_{name}"]) for name in GRID],
+    }
+
+
+def _grid(found: xr.Dataset) -> dict[str, Any]:
+    """Prints over V and H, row by row of H from the greatest one down."""
+    prints = ordered(found, "grid_print_excess", "v_grid", "h_grid", *GRID)
+    centre = [ordered(found, f"grid_pattern_centre_{name}", "v_grid", "h_grid") for name in GRID]
+    drawn = prints[..., ::COARSER, ::COARSER]
+    cells = [
+        [
+            {"print": _print(drawn[i, j]), "centre": [_finite(values[i, j]) for values in centre]}
+            for i in range(prints.shape[0])
+        ]
+        for j in reversed(range(prints.shape[1]))
+    ]
+    return {"v": found["v_grid"].values.tolist(), "h": found["h_grid"].values[::-1].tolist(), "cells": cells}
+
+
+def _print(excess: Array) -> dict[str, Any] | None:
+    """Where the gap is less than the compound is thick, negative; ``None`` where the flanks do not meet."""
+    return packed(np.clip(excess, -1.0, 1.0)) if np.any(np.isfinite(excess)) else None
+
+
+def _number(value: xr.DataArray) -> float | None:
+    return _finite(float(value))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+TORQUE_COUNT, SPEED_COUNT = 12, 9  # with pictures of the flanks, of all results together
+TORQUE_LIMIT, SPEED_LIMIT = 6, 3  # with pictures of the flanks, of each result
+HISTORY_TIME = re.compile(r"^(\d{4}-\d\d-\d\d)T(\d\d:\d\d)\S*Z")
+PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
+
+#: Nothing may be loaded from anywhere.
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+
+
+Given = xr.DataTree | xr.Dataset
+
+
+def write_report(
+    results: Given | Sequence[Given] | Mapping[str, Given], path: str | os.PathLike[str], *, author: str = ""
+) -> None:
+    """Write the report of one or several results: tables, charts, flank pictures and turnable teeth in one HTML file.
+
+    Parameters
+    ----------
+    results
+        One or up to six results of ``analyze``, ``modify``, ``optimize`` or ``read_result``; by the name that the
+        report gives them, or in a sequence, of which the report takes flank or title. Of one of load cases, those of
+        the greatest pressure have pictures, and all are in a table. V-H checks of ``study.vh_check`` and histories of
+        ``study.wear`` may be among them, or alone.
+    path
+        File to write, replaced if it exists; missing folders are made.
+    author
+        Who made the report, for its head.
+
+    Raises
+    ------
+    InputError
+        If there is no result or too many, one is none of these, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     write_report(tree, f"{folder}/report.html")
+    ...     Path(f"{folder}/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    True
+    """
+    instance("author", author, str)
+    given = [results] if isinstance(results, xr.DataTree | xr.Dataset) else results
+    instance("results", given, Mapping | list | tuple)
+    for one in given.values() if isinstance(given, Mapping) else given:
+        instance("one of the results", one, xr.DataTree | xr.Dataset)
+    named = given if isinstance(given, Mapping) else by_name(given)
+    text = report_page(named, author)
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def report_page(results: Mapping[str, Given], author: str = "") -> str:
+    """Text of the page with results by name, and who made it."""
+    given = GivenResults.of(results)
+    data: dict[str, Any] = {
+        "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
+        "checks": [vh_part(name, found) for name, found in given.checks.items()],
+        "wear": [flank_pictures.wear_part(name, worn) for name, worn in given.wear.items()],
+        "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
+        "notes": given.notes,
+    }
+    title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
+    version = next(iter(results.values())).attrs.get("easeoff_version", "")
+    data |= {"title": printable(title), "version": printable(str(version)), "author": printable(author)}
+    try:  # "<" would end the element that holds the data, or open a comment
+        text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    except ValueError as error:
+        words = "a number that every result has is not finite; make it anew with 'easeoff run'"
+        raise InputError(f"{', '.join(results)}: {words}") from error
+    folder = resources.files(__package__) / "web"
+    style = folder.joinpath("page.css").read_text(encoding="utf-8")
+    script = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in PARTS)
+    heading = html.escape(f"Contact report: {data['title']}")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{heading}</title>\n'
+        f"<style>\n{style}</style></head>\n<body><noscript>This report draws its tables and pictures by JavaScript, "
+        f"which is switched off here.</noscript>\n"
+        f'<script type="application/json" id="data">{text}</script>\n<script>\n"use strict";\n{script}</script>\n'
+        f"</body></html>\n"
+    )
+
+
+def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
+    """Everything that the page shows of one result."""
+    case = stored_case(tree)
+    loaded = tree["loaded"].to_dataset()
+    under_load = loaded_numbers(tree, case)
+    views = (tooth_view(tree), tooth_view(tree, "pinion"))
+    chosen = evenly_chosen(loaded["torque"].values, min(TORQUE_LIMIT, max(2, TORQUE_COUNT // count)))
+    content: dict[str, Any] = {
+        "name": name,
+        "title": printable(str(tree.attrs["title"])),
+        "flank": str(tree.attrs["flank"]),
+        "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
+        "notes": [with_signs(printable(note)) for note in result_notes(tree)],
+        "misalignment": misalignment_rows(tree),
+        "case": [] if case is None else case_tables(case),
+        "unloaded_numbers": unloaded_numbers(tree),
+        "loaded_numbers": under_load,
+        "supports": supports_rows(tree),
+        "deviations": flank_pictures.deviation_fields(tree, case, views),
+        "modification": flank_pictures.modification_part(tree),
+        "teeth": int(tree.attrs["pinion_teeth"]),
+        "torques": loaded["torque"].values[chosen].tolist(),
+        "torque_count": loaded.sizes["torque"],
+        "positions": loaded["mesh_position"].values.tolist(),
+        "flanks": flank_pictures.outlines(views),
+        "fields": flank_pictures.surface_fields(tree, views),
+        "marks": flank_pictures.unloaded_marks(tree, views),
+        "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
+        "segments": flank_pictures.segments(loaded, chosen, views),
+        "charts": {
+            "error": cycle_charts.transmission_error_charts(
+                tree, chosen, None if case is None else mean_pitch_radius(case)
+            ),
+            "contact": cycle_charts.contact_charts(tree, chosen),
+        },
+        "over_torque": cycle_charts.over_torque(tree),
+        "scene": None if case is None else mesh_scene(tree, case),
+        "friction": None,
+    }
+    condition = None
+    if "supports" in tree.children:
+        content["charts"]["supports"] = cycle_charts.supports_charts(tree, chosen)
+    if "root_stress" in tree.children:
+        content["charts"]["root"] = cycle_charts.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
+    if "friction" in tree.children:
+        friction = tree["friction"].to_dataset()
+        speeds = evenly_chosen(friction["speed"].values, min(SPEED_LIMIT, max(1, SPEED_COUNT // count)))
+        at = {key: _middle(friction[key].values) for key in ("temperature", "roughness")}
+        middle = {"speed": _middle(friction["speed"].values), **at}
+        condition = {key: float(friction[key].values[number]) for key, number in middle.items()}
+        content["charts"]["friction"] = cycle_charts.friction_charts(tree, chosen, middle)
+        content["friction"] = {
+            "models": printable(named_models(friction.attrs)),
+            "condition": condition,
+            "speeds": friction["speed"].values[speeds].tolist(),
+            "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
+            "map": cycle_charts.efficiency_map(friction, middle),
+            "table": efficiency_rows(friction, loaded),
+        }
+    content["first_numbers"] = first_numbers(tree, under_load, condition)
+    return content
+
+
+def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
+    """When and by which version a result was made, from its history."""
+    history = str(tree.attrs.get("history", "")).splitlines()
+    if not history or not history[-1].strip():
+        return []
+    return [("analysed", HISTORY_TIME.sub(r"\1 \2 UTC,", history[-1]))]
+
+
+def _middle(values: NDArray[Any]) -> int:
+    """Number of the middle one of values."""
+    return int(np.argsort(values)[(values.size - 1) // 2])

@@ -1,0 +1,466 @@
+"""Tables of the report: the case, the numbers over torque with the variable each one is, and the efficiencies.
+
+Dimensions that a case implies: what a gear's data sheet lists, measured on its blanks, cutters and flanks.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ...cases.conversion import given_pair
+from ...cases.schema.case_schema import Case, usual_name
+from ...cases.writing import with_blanks
+from ...core.attributes import ordered
+from ...core.errors import EaseoffError, printable
+from ...geometry.design.blank import MeanPointAngles, angles_of_normal
+from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
+from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
+from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
+from ..analysis.key_numbers import key_numbers
+from ..summary.deflection_report import misalignment_over_torque
+from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns, variable_of
+from ..summary.result_summary import end_name
+from ..summary.supports_report import supports_tables
+
+Array = NDArray[Any]
+SIDES = ("concave", "convex")
+
+#: Names of the rows, with their units, in their order.
+ROWS = {
+    "outer_pitch_diameter": ("outer pitch diameter", "mm"),
+    "mean_pitch_diameter": ("mean pitch diameter", "mm"),
+    "outer_transverse_module": ("outer transverse module", "mm"),
+    "mean_normal_module": ("mean normal module", "mm"),
+    "mean_spiral_angle": ("mean spiral angle", "°"),
+    "concave_pressure_angle": ("normal pressure angle, concave flank", "°"),
+    "convex_pressure_angle": ("normal pressure angle, convex flank", "°"),
+    "outer_depth": ("tooth depth at the heel, to the end of the flank", "mm"),
+    "mean_depth": ("tooth depth mid face, to the end of the flank", "mm"),
+    "mean_normal_thickness": ("normal circular thickness at the mean point (ISO 23509)", "mm"),
+    "mid_flank_thickness": ("normal circular thickness in the middle of the flank", "mm"),
+    "cutter_radius": ("mean radius of the blade tips", "mm"),
+    "point_width": ("difference of the radii of the blade tips", "mm"),
+    "toe": ("toe of the pitch cone on the axis, from the crossing point", "mm"),
+    "heel": ("heel of the pitch cone on the axis, from the crossing point", "mm"),
+}
+
+
+def implied_dimensions(case: Case) -> dict[str, dict[str, float]]:
+    """Dimensions of both members by name, as far as the case implies them.
+
+    Angles are measured on the flanks, mid face on the pitch cone: the spiral angle between tooth trace and cone
+    element, as the mean of both flanks; pressure angles between the normal and the plane that touches the cone.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> found = implied_dimensions(read_case("nasa-12x36"))
+    >>> round(found["pinion"]["mean_spiral_angle"]), round(found["gear"]["mean_spiral_angle"])
+    (35, 35)
+    """
+    case = with_blanks(case)
+    try:
+        pair = given_pair(case)
+    except EaseoffError:
+        return {}
+    return {name: _blank(pair, name) | _flanks(pair, name) | _cutters(case, name) for name in MEMBERS}
+
+
+def dimension_rows(case: Case) -> list[list[str]]:
+    """Rows name, unit, key and a value a member; none where nothing is implied."""
+    found = implied_dimensions(case)
+    rows = []
+    for key, (name, unit) in ROWS.items():
+        values = [found.get(member, {}).get(key, math.nan) for member in MEMBERS]
+        if np.any(np.isfinite(values)):
+            rows.append([name, unit, "", *(f"{value:.3f}" if math.isfinite(value) else "–" for value in values)])
+    return rows
+
+
+def _blank(pair: GearPair, name: str) -> dict[str, float]:
+    """Pitch diameters, module, depths and places on the axis."""
+    member = named_member(pair, name)
+    section = member.section
+    teeth = getattr(pair.assembly, f"{name}_teeth")
+    outer = section.outer_cone_distance
+    diameter = 2.0 * outer * math.sin(section.pitch_angle)
+    axial, radial = section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
+    corners = section.corners
+    cosine = math.cos(section.pitch_angle)
+    return {
+        "outer_pitch_diameter": diameter,
+        "mean_pitch_diameter": 2.0 * float(section.on_pitch_cone(section.middle_distance)[1]),
+        "outer_transverse_module": diameter / teeth,
+        "outer_depth": float(np.linalg.norm(corners[1, 1] - corners[1, 0])),
+        "mean_depth": float(np.hypot(axial[1] - axial[0], radial[1] - radial[0])),
+        "toe": (outer - section.face_width) * cosine - section.pitch_apex,
+        "heel": outer * cosine - section.pitch_apex,
+    }
+
+
+def _flanks(pair: GearPair, name: str) -> dict[str, float]:
+    """Spiral angle, pressure angles, module and thickness, measured on both flanks of a tooth at the mean point."""
+    member = named_member(pair, name)
+    section = member.section
+    point = section.on_pitch_cone(section.middle_distance)
+    teeth, hand = (getattr(pair.assembly, f"{name}_{what}") for what in ("teeth", "hand"))
+    try:
+        flanks = placed_flanks(member, tooth_angle(pair, name))
+        found = {side: one.at(*point[:, None]) for side, one in flanks.items()}
+        middle = thickness_per_angle(member) * tooth_angle(pair, name)
+        mean = mean_normal_thickness(member, middle, mean_cone_distances(pair)[MEMBERS.index(name)])
+    except EaseoffError:
+        return {}
+    angles: dict[str, MeanPointAngles] = {
+        side: angles_of_normal(one.position[:, 0], one.normal[:, 0], section.pitch_angle, hand)
+        for side, one in found.items()
+    }
+    spiral = float(np.mean([one.spiral_angle for one in angles.values()]))
+    return {
+        "mean_spiral_angle": math.degrees(spiral),
+        **{f"{side}_pressure_angle": math.degrees(one.pressure_angle) for side, one in angles.items()},
+        "mean_normal_module": 2.0 * float(point[1]) * math.cos(spiral) / teeth,
+        "mean_normal_thickness": mean,
+        "mid_flank_thickness": middle,
+    }
+
+
+def _cutters(case: Case, name: str) -> dict[str, float]:
+    """Mean radius of the blade tips of both flanks, and what they differ by."""
+    member = getattr(case, name)
+    flanks = [getattr(member, side) for side in SIDES]
+    if any(flank is None for flank in flanks):
+        return {}
+    radii = [flank.cutter.blade_point_radius for flank in flanks]
+    return {"cutter_radius": 0.5 * sum(radii), "point_width": radii[0] - radii[1]}
+
+
+NO_VALUE = "–"
+ROW_COUNT_LIMIT = 60  # of the table of efficiencies
+
+#: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
+LOADED_ROWS = (
+    ("transmission error of the gear, mean", "µrad", "mean_level", 1.0, ".1f"),
+    ("transmission error of the gear, peak to peak", "µrad", "peak_to_peak", 1.0, ".2f"),
+    ("transmission error of the pinion, mean", "µrad", "pinion_mean_level", 1.0, ".1f"),
+    ("transmission error of the pinion, peak to peak", "µrad", "pinion_peak_to_peak", 1.0, ".2f"),
+    ("mesh stiffness, mean", "N m/µrad", "mean_mesh_stiffness", 1.0, ".3f"),
+    ("contact ratio under load", "", "contact_ratio", 1.0, ".2f"),
+    ("greatest share of a tooth pair", "%", "max_load_share", 100.0, ".1f"),
+    ("pattern, centre from the toe", "%", "pattern_centre_lengthwise", 100.0, ".0f"),
+    ("pattern, centre from the root", "%", "pattern_centre_profile", 100.0, ".0f"),
+    ("pattern, length", "%", "pattern_length", 100.0, ".0f"),
+    ("pattern, height", "%", "pattern_height", 100.0, ".0f"),
+    ("greatest pressure", "MPa", "max_pressure", 1.0, ".0f"),
+    ("greatest pressure, from the toe", "%", "max_pressure_lengthwise", 100.0, ".0f"),
+    ("greatest pressure, from the root", "%", "max_pressure_profile", 100.0, ".0f"),
+    ("greatest pressure, mesh position", "", "max_pressure_position", 1.0, ".2f"),
+)
+UNLOADED_ROWS = (
+    ("common flank, part of the gear flank", "%", "common_flank", "ease_off/inside", 100.0, ".0f"),
+    ("greatest ease-off", "µm", "max_ease_off", "ease_off/ease_off", 1.0, ".1f"),
+    ("transmission error, peak to peak", "µrad", "unloaded_peak_to_peak", "unloaded.peak_to_peak", 1.0, ".2f"),
+    (
+        "transmission error of the pinion, peak to peak",
+        "µrad",
+        "unloaded_pinion_peak_to_peak",
+        "unloaded/pinion_peak_to_peak",
+        1.0,
+        ".2f",
+    ),
+    ("contact ratio", "", "unloaded_contact_ratio", "unloaded/contact_ratio", 1.0, ".2f"),
+    (
+        "geometric contact ratio, of contact lines alone (edges count under load, too)",
+        "",
+        "geometric_contact_ratio",
+        "unloaded/geometric_contact_ratio",
+        1.0,
+        ".2f",
+    ),
+    ("marking print, length", "%", "unloaded_pattern_length", "unloaded/pattern_length", 100.0, ".0f"),
+    ("marking print, height", "%", "unloaded_pattern_height", "unloaded/pattern_height", 100.0, ".0f"),
+)
+
+
+#: Variables of the rows under load that come first.
+FIRST_PATHS = (
+    *("loaded/max_pressure", "loaded/max_pressure_line_end", "loaded/peak_to_peak", "loaded/max_load_share"),
+    *("loaded/contact_ratio", "loaded/edge_share", "root_stress/max_root_stress", "loaded/status"),
+)
+FIRST_OF_FRICTION = (
+    ("power loss", "W", "mean_power_loss", 1.0, ".1f"),
+    ("efficiency", "%", "efficiency", 100.0, ".2f"),
+)
+
+
+def written(value: float, form: str) -> str:
+    """A number in a format; a dash if there is none.
+
+    >>> written(1.234, ".2f"), written(math.nan, ".2f")
+    ('1.23', '–')
+    """
+    return format(value, form) if math.isfinite(value) else NO_VALUE
+
+
+def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
+    """Rows name, unit, variable and value of the contact without load."""
+    numbers = key_numbers(tree)
+    rows = [
+        [name, unit, path, written(factor * float(numbers[variable]), form)]
+        for name, unit, variable, path, factor, form in UNLOADED_ROWS
+        if variable in numbers
+    ]
+    orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
+    return rows + [
+        [f"transmission error, order {o:g}", "µrad", "unloaded.harmonics", written(v, ".2f")] for o, v in orders
+    ]
+
+
+def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any]:
+    """Torques, and rows name, unit, variable and a value a torque of the contact under load.
+
+    Lengths along the pitch circle need the case.
+    """
+    numbers = key_numbers(tree)
+    loaded = tree["loaded"].to_dataset()
+    rows = [
+        [name, unit, f"loaded/{variable}", *(written(factor * v, form) for v in numbers[variable].values)]
+        for name, unit, variable, factor, form in LOADED_ROWS
+        if variable in numbers
+    ]
+    for order in numbers["order"].values:
+        values = numbers["harmonic"].sel(order=order).values
+        rows.append([f"transmission error, order {order:g}", "µrad", "loaded/harmonic", *(f"{v:.2f}" for v in values)])
+    if "max_pressure_line_end" in numbers:
+        ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
+        rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
+    if "max_edge_share" in numbers:
+        shares = [written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
+        rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
+    rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
+    if "max_root_stress" in numbers:
+        for member in numbers["member"].values:
+            values = numbers["max_root_stress"].sel(member=member).values
+            stresses = (written(v, ".0f") for v in values)
+            rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
+    positions = loaded.sizes["mesh_position"]
+    certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
+    rows.append(["certified mesh positions", "", "loaded/status", *certified])
+    return {"torques": [f"{torque:g}" for torque in loaded["torque"].values], "rows": rows}
+
+
+def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict[str, float] | None) -> dict[str, Any]:
+    """What a reader looks for first, from ``loaded_numbers``: heads, rows, and the operating condition in words.
+
+    Power, loss and efficiency are those of the friction's condition (speed [1/min], temperature [°C], roughness [µm]).
+    """
+    torques = ordered(tree["loaded"].to_dataset(), "torque", "torque")
+    ratio = float(tree.attrs["gear_teeth"]) / float(tree.attrs["pinion_teeth"])
+    rows = [
+        ["torque of the gear, without losses", "N m", "loaded/torque × ratio", *(f"{v:.4g}" for v in ratio * torques)]
+    ]
+    rows += [row for path in FIRST_PATHS for row in under_load["rows"] if row[2] == path]
+    if condition is None:
+        return {"torques": under_load["torques"], "rows": rows, "condition": ""}
+    friction = tree["friction"].to_dataset().sel(condition)
+    power = torques * condition["speed"] * math.pi / 30.0
+    rows.append(["power of the pinion", "kW", "loaded/torque × friction/speed", *(f"{1e-3 * v:.4g}" for v in power)])
+    for name, unit, variable, factor, form in FIRST_OF_FRICTION:
+        values = ordered(friction, variable, "torque")
+        rows.append([name, unit, f"friction/{variable}", *(written(factor * v, form) for v in values)])
+    speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
+    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {condition['roughness']:g} µm"
+    return {"torques": under_load["torques"], "rows": rows, "condition": words}
+
+
+def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
+    """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
+    found = misalignment_over_torque(tree)
+    if found is None:
+        return []
+    scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
+    rows = zip(found[0].tolist(), (scale * found[1].mean(axis=1)).tolist(), strict=True)
+    return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
+
+
+def mean_pitch_radius(case: Case) -> float | None:
+    """Pitch radius of the gear in the middle of its face [mm]; ``None`` without a blank."""
+    blank = with_blanks(case).gear.blank
+    if blank is None:
+        return None
+    return (blank.outer_cone_distance - 0.5 * blank.face_width) * math.sin(math.radians(blank.pitch_angle))
+
+
+def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]]:
+    radius = None if case is None else mean_pitch_radius(case)
+    if radius is None:
+        return []
+    source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
+    values = [written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
+    return [["transmission error at the mean pitch radius, peak to peak", "µm", source, *values]]
+
+
+def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
+    """Transmission error as a length, and mesh stiffness by force, length and face width.
+
+    Along the common normal, with the mean lever arm a [mm] of the common flank: a length is the angle times a, and a
+    stiffness that of the rotation over the square of a.
+    """
+    ease_off = tree["ease_off"].to_dataset()
+    grid = ("lengthwise", "profile")
+    arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
+    source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
+    errors = [written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
+    rows = [["transmission error along the normal, peak to peak", "µm", source, *errors]]
+    if "mean_mesh_stiffness" in loaded:
+        position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
+        middle = position[:, position.shape[1] // 2]
+        ends = middle[[0, -1]]
+        width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
+        source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
+        # N m/urad is 1e9 N mm/rad; over mm^2 that is N/mm, a thousandth of it N/um.
+        values = [written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
+        rows.append(["mesh stiffness along the normal by face width", "N/(µm mm)", source, *values])
+    return rows
+
+
+def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
+    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out.
+
+    What is the greatest over segments is so over those of contact lines that carry.
+    """
+    names = ("torque", "speed", "temperature", "roughness")
+    columns: list[tuple[str, str, float, str]] = [
+        ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
+        ("greatest friction coefficient", "friction_coefficient", 1.0, ".4f"),
+        ("greatest sliding [m/s]", "sliding_velocity", 1.0, ".2f"),
+        ("greatest pressure × sliding [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
+        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".1f"),
+        ("greatest contact temperature [°C]", "max_contact_temperature", 1.0, ".1f"),
+        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
+        ("power loss [W]", "mean_power_loss", 1.0, ".1f"),
+        ("of it rolling [W]", "mean_rolling_loss", 1.0, ".1f"),
+        ("efficiency [%]", "efficiency", 100.0, ".2f"),
+    ]
+    columns = [column for column in columns if column[1] in friction]
+    carries = loaded["pressure"].fillna(0.0) > 0.0
+    over = [
+        friction[variable].where(carries).max(["mesh_position", "segment"])
+        if "segment" in friction[variable].dims
+        else friction[variable]
+        for _, variable, *_ in columns
+    ]
+    shape = tuple(friction.sizes[name] for name in names)
+    whole = xr.DataArray(np.ones(shape), dims=names)
+    tables = [
+        factor * (values * whole).transpose(*names).values
+        for values, (_, _, factor, _) in zip(over, columns, strict=True)
+    ]
+    rows = []
+    for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
+        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        found = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        rows.append([*conditions, *found])
+    heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
+    variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
+    return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
+
+
+def supports_rows(tree: xr.DataTree) -> list[dict[str, Any]]:
+    """Tables of a pair on supports: heads, rows and variables."""
+    return [
+        {
+            "title": table.title,
+            "heads": [_headed(head) for head in table.heads],
+            "rows": [[NO_VALUE if cell == "-" else cell for cell in row] for row in table.rows],
+            "variables": list(table.variables),
+        }
+        for table in supports_tables(tree)
+    ]
+
+
+def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
+    """Tables of an analysis over load cases, means over the duty cycle, and notes."""
+    numbers = tree["load_cases"].to_dataset()
+    tables = []
+    for columns in (input_columns(numbers), result_columns(numbers)):
+        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
+        variables = [f"load_cases/{variable_of(head)}" for head in columns]
+        tables.append({"heads": [_headed(head) for head in columns], "rows": rows, "variables": variables})
+    duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
+    notes = [with_signs(printable(note)) for note in load_case_notes(tree)]
+    return {"tables": tables, "duty": duty, "notes": notes}
+
+
+def with_signs(text: str) -> str:
+    """A text with the signs of its units, which terminals may lack.
+
+    >>> with_signs("0.8 um at 90 degC")
+    '0.8 µm at 90 °C'
+    """
+    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
+
+
+def _headed(head: str) -> str:
+    """Head of a column in one line, with the unit in brackets and its signs."""
+    words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
+    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
+
+
+def case_tables(case: Case) -> list[dict[str, Any]]:
+    """Tables of the case: pair, blanks, machine settings, cutters; a column a member or flank."""
+    case = with_blanks(case)
+    flanks = [
+        (f"{name} {side}", getattr(member, side))
+        for name, member in (("pinion", case.pinion), ("gear", case.gear))
+        for side in ("concave", "convex")
+        if getattr(member, side) is not None
+    ]
+    blanks = [(name, member.blank) for name, member in (("pinion", case.pinion), ("gear", case.gear)) if member.blank]
+    pair = [["pinion teeth", "", "pinion.number_of_teeth", f"{case.pinion.number_of_teeth}"]]
+    pair.append(["gear teeth", "", "gear.number_of_teeth", f"{case.gear.number_of_teeth}"])
+    pair.append(["hand of spiral of the pinion", "", "pinion.hand_of_spiral", case.pinion.hand_of_spiral])
+    pair += [[name, unit, f"pair.{key}", *values] for name, unit, key, values in _compared([("", case.pair)])]
+    tables = [{"title": "Pair", "columns": ["case"], "rows": pair}]
+    if dimensions := dimension_rows(case):
+        tables.append(
+            {"title": "What blanks, cutters and settings imply", "columns": list(MEMBERS), "rows": dimensions}
+        )
+    for title, part, owners in (
+        ("Blanks", "blank", blanks),
+        ("Machine settings", "machine", [(name, flank.machine) for name, flank in flanks]),
+        ("Cutters", "cutter", [(name, flank.cutter) for name, flank in flanks]),
+    ):
+        if owners:
+            rows = [[name, unit, f"{part}.{key}", *values] for name, unit, key, values in _compared(owners)]
+            tables.append({"title": title, "columns": [name for name, _ in owners], "rows": rows})
+    return tables
+
+
+def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[str]]]:
+    """Name, unit, key and value of each of some tables' numbers; those that none of them gives are left out."""
+    model: BaseModel = owners[0][1]
+    rows = []
+    for key, field in type(model).model_fields.items():
+        extra = field.json_schema_extra
+        unit = str(extra["unit"]) if isinstance(extra, dict) and "unit" in extra else ""
+        values = [getattr(owner, key) for _, owner in owners]
+        if not all(isinstance(value, int | float | None) for value in values):
+            continue
+        if all(value is None or (not value and key not in model.model_fields_set) for value in values):
+            continue
+        told = "" if unit == "1" else unit.replace("deg", "°")
+        rows.append((usual_name(key), told, key, ["–" if value is None else f"{value:.7g}" for value in values]))
+    return rows

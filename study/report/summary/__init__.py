@@ -1,1 +1,0 @@
-"""Summary of a result, as text: what `easeoff show` prints."""

@@ -1,0 +1,1 @@
+"""Tables and notes as text: results, problems, sweeps, corrections, designs, citations."""

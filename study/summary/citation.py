@@ -1,0 +1,498 @@
+"""Text and BibTeX of ``easeoff cite``.
+
+A published work as a line of text and as a BibTeX entry, and the works that models of the package are from.
+
+Published works of the solvers, by the names of the table of solvers.
+
+Published sources that a result rests on, by what its attributes say of pair, elastic teeth, friction and oil.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from typing import Any
+
+import xarray as xr
+
+from ...core.errors import printable, shortened
+from ...core.regular_file import parsed_json
+from ..analysis.key_numbers import MODEL_NAMES
+from ..compare.comparison_table import FORMAT as COMPARISON_FORMAT
+
+#: Fields of a BibTeX entry that locate a work, in the order of a line of text, with what stands before each.
+PLACES = {"journal": "", "booktitle": "", "school": "", "institution": "", "number": "no. ", "volume": "vol. "}
+SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+
+
+@dataclass(frozen=True)
+class PublishedWork:
+    """A published work, or a file that names its own source.
+
+    Parameters
+    ----------
+    key
+        Key of its BibTeX entry.
+    kind
+        Kind of that entry: ``article``, ``phdthesis``, ``misc``, ...
+    fields
+        Fields of the entry in plain text, by name; authors are separated by ``and``.
+
+    Examples
+    --------
+    >>> print(PublishedWork("oil", "misc", {"title": "Gear oil", "note": "data sheet", "year": "2026"}).text())
+    Gear oil. 2026, data sheet
+    """
+
+    key: str
+    kind: str
+    fields: Mapping[str, str] = field(hash=False)
+
+    def text(self) -> str:
+        """One line for a list of references."""
+        fields = self.fields
+        places = [f"{before}{fields[name]}" for name, before in PLACES.items() if name in fields]
+        said = [*places, *(fields[name] for name in ("year", "pages", "note") if name in fields)]
+        said += [f"doi:{fields['doi']}"] if "doi" in fields else []
+        authors = fields.get("author", "").replace(" and others", " et al.").replace(" and ", ", ")
+        head = f"{authors}: {fields['title']}" if authors else fields["title"]
+        return f"{head}. {', '.join(said)}" if said else head
+
+    def bibtex(self) -> str:
+        """Entry of a BibTeX file, ended by a line feed."""
+        rows = []
+        for name, value in self.fields.items():
+            words = value if name == "doi" else _escaped(value)
+            whole = name == "title" or (name == "author" and " and " not in value and "." not in value)
+            rows.append(f"  {name} = {{{{{words}}}}},\n" if whole else f"  {name} = {{{words}}},\n")
+        return f"@{self.kind}{{{self.key},\n{''.join(rows)}}}\n"
+
+
+def _escaped(text: str) -> str:
+    """Text in which TeX sees no command."""
+    text = re.sub(r"[\\~^]|[&%$#_{}]", lambda found: SPECIAL.get(found[0], "\\" + found[0]), text)
+    return re.sub(r"(\d)-(\d)", r"\1--\2", text)
+
+
+def package() -> PublishedWork:
+    """The package itself, as ``CITATION.cff`` has it.
+
+    Examples
+    --------
+    >>> package().kind
+    'misc'
+    """
+    fields = {
+        "author": "The easeoff developers",
+        "title": "easeoff: contact of spiral bevel and hypoid gears",
+        "year": "2026",
+        "note": f"version {version('easeoff')}",
+    }
+    return PublishedWork("easeoff", "misc", fields)
+
+
+_ENTRIES = (
+    PublishedWork(
+        "kolivand_2009",
+        "phdthesis",
+        {
+            "author": "M. Kolivand",
+            "title": "Development of Tooth Contact and Mechanical Efficiency Models for Face-Milled and Face-Hobbed "
+            "Hypoid and Spiral Bevel Gears",
+            "school": "The Ohio State University",
+            "year": "2009",
+        },
+    ),
+    PublishedWork(
+        "bibel_1994",
+        "techreport",
+        {
+            "author": "G. D. Bibel and K. Reddy and A. Kumar",
+            "title": "NASA Contractor Report CR-191009",
+            "institution": "NASA",
+            "year": "1994",
+        },
+    ),
+    PublishedWork(
+        "xu_2007",
+        "article",
+        {
+            "author": "H. Xu and A. Kahraman and N. E. Anderson and D. G. Maddock",
+            "title": "Prediction of mechanical efficiency of parallel-axis gear pairs",
+            "journal": "Journal of Mechanical Design",
+            "volume": "129",
+            "year": "2007",
+            "pages": "58-68",
+            "doi": "10.1115/1.2359478",
+        },
+    ),
+    PublishedWork(
+        "benedict_1961",
+        "article",
+        {
+            "author": "G. H. Benedict and B. W. Kelly",
+            "title": "Instantaneous coefficients of gear tooth friction",
+            "journal": "ASLE Transactions",
+            "volume": "4",
+            "year": "1961",
+            "pages": "59-70",
+            "doi": "10.1080/05698196108972420",
+        },
+    ),
+    PublishedWork(
+        "pan_1989",
+        "article",
+        {
+            "author": "P. Pan and B. J. Hamrock",
+            "title": "Simple formulas for performance parameters used in elastohydrodynamically lubricated line "
+            "contacts",
+            "journal": "Journal of Tribology",
+            "volume": "111",
+            "year": "1989",
+            "pages": "246-251",
+            "doi": "10.1115/1.3261900",
+        },
+    ),
+    PublishedWork(
+        "dowson_1966",
+        "book",
+        {"author": "D. Dowson and G. R. Higginson", "title": "Elasto-Hydrodynamic Lubrication", "year": "1966"},
+    ),
+    PublishedWork(
+        "goksem_1978",
+        "article",
+        {
+            "author": "P. G. Goksem and R. A. Hargreaves",
+            "title": "The effect of viscous shear heating on both film thickness and rolling traction in an EHL line "
+            "contact, part I: fully flooded conditions",
+            "journal": "Journal of Lubrication Technology",
+            "volume": "100",
+            "year": "1978",
+            "doi": "10.1115/1.3453183",
+        },
+    ),
+    PublishedWork(
+        "murch_1975",
+        "article",
+        {
+            "author": "L. E. Murch and W. R. D. Wilson",
+            "title": "A thermal elastohydrodynamic inlet zone analysis",
+            "journal": "Journal of Lubrication Technology",
+            "volume": "97",
+            "year": "1975",
+            "doi": "10.1115/1.3452559",
+        },
+    ),
+    PublishedWork(
+        "gupta_1992",
+        "article",
+        {
+            "author": "P. K. Gupta and H. S. Cheng and D. Zhu and N. H. Forster and J. B. Schrand",
+            "title": "Viscoelastic effects in MIL-L-7808-type lubricant, part I: analytical formulation",
+            "journal": "Tribology Transactions",
+            "volume": "35",
+            "year": "1992",
+            "doi": "10.1080/10402009208982117",
+        },
+    ),
+    PublishedWork(
+        "blok_1937",
+        "inproceedings",
+        {
+            "author": "H. Blok",
+            "title": "Theoretical study of temperature rise at surfaces of actual contact under oiliness lubricating "
+            "conditions",
+            "booktitle": "Proc. General Discussion on Lubrication, IMechE",
+            "volume": "2",
+            "year": "1937",
+            "pages": "222-235",
+        },
+    ),
+    PublishedWork(
+        "jaeger_1942",
+        "article",
+        {
+            "author": "J. C. Jaeger",
+            "title": "Moving sources of heat and the temperature at sliding contacts",
+            "journal": "Journal and Proceedings of the Royal Society of New South Wales",
+            "volume": "76",
+            "year": "1942",
+            "pages": "203-224",
+        },
+    ),
+    PublishedWork(
+        "fritsch_1980",
+        "article",
+        {
+            "author": "F. N. Fritsch and R. E. Carlson",
+            "title": "Monotone piecewise cubic interpolation",
+            "journal": "SIAM Journal on Numerical Analysis",
+            "volume": "17",
+            "year": "1980",
+            "pages": "238-246",
+            "doi": "10.1137/0717021",
+        },
+    ),
+    PublishedWork(
+        "archard_1953",
+        "article",
+        {
+            "author": "J. F. Archard",
+            "title": "Contact and rubbing of flat surfaces",
+            "journal": "Journal of Applied Physics",
+            "volume": "24",
+            "year": "1953",
+            "pages": "981-988",
+            "doi": "10.1063/1.1721448",
+        },
+    ),
+)
+WORKS: Mapping[str, PublishedWork] = {work.key: work for work in _ENTRIES}
+
+
+def _article(key: str, author: str, title: str, year: str, doi: str) -> PublishedWork:
+    return PublishedWork(key, "misc", {"author": author, "title": title, "year": year, "doi": doi})
+
+
+#: Works with a DOI as in the bibliography; solvers that are not here have none there.
+SOLVER_WORKS: Mapping[str, tuple[PublishedWork, ...]] = {
+    "clarabel": (
+        _article("goulart_2024", "P. J. Goulart and Y. Chen", "Clarabel", "2024", "10.48550/arXiv.2405.12762"),
+    ),
+    "cvxpy": (_article("agrawal_2019", "A. Agrawal and others", "CVXPY", "2019", "10.48550/arXiv.1910.12430"),),
+    "daqp": (_article("arnstroem_2022", "D. Arnström and others", "DAQP", "2022", "10.1109/TAC.2022.3176430"),),
+    "ecos": (_article("domahidi_2013", "A. Domahidi and others", "ECOS", "2013", "10.23919/ECC.2013.6669541"),),
+    "highs": (_article("huangfu_2018", "Q. Huangfu and J. A. J. Hall", "HiGHS", "2018", "10.1007/s12532-017-0130-5"),),
+    "lemke": (
+        _article(
+            "lemke_1965",
+            "C. E. Lemke",
+            "Bimatrix equilibrium points and mathematical programming",
+            "1965",
+            "10.1287/mnsc.11.7.681",
+        ),
+    ),
+    "osqp": (_article("stellato_2020", "B. Stellato and others", "OSQP", "2020", "10.1007/s12532-020-00179-2"),),
+    "piqp": (_article("schwan_2023", "R. Schwan and others", "PIQP", "2023", "10.1109/CDC49753.2023.10383915"),),
+    "proxqp": (_article("bambade_2022", "A. Bambade and others", "ProxQP", "2022", "10.15607/RSS.2022.XVIII.040"),),
+    "qpalm": (_article("hermans_2022", "B. Hermans and others", "QPALM", "2022", "10.1007/s12532-022-00218-0"),),
+    "quadprog": (
+        _article(
+            "goldfarb_1983",
+            "D. Goldfarb and A. Idnani",
+            "A numerically stable dual method for solving strictly convex quadratic programs",
+            "1983",
+            "10.1007/BF02591962",
+        ),
+    ),
+    "scs": (_article("odonoghue_2021", "B. O'Donoghue", "SCS", "2021", "10.1137/20M1366307"),),
+}
+
+
+#: Keys of works by the attribute and the model that it names.
+MODELS: dict[str, dict[str, tuple[str, ...]]] = {
+    "friction_coefficient": {
+        **dict.fromkeys(("kolivand", "kolivand_blended"), ("kolivand_2009",)),
+        **{"xu_kahraman": ("xu_2007",), "benedict_kelly": ("benedict_1961",)},
+    },
+    "film": {"pan_hamrock": ("pan_1989",), "dowson_higginson": ("dowson_1966",)},
+    "film_heating": {"murch_wilson": ("murch_1975",), "gupta_cheng": ("gupta_1992",)},
+    "thermal_factor": {
+        "goksem_hargreaves": ("goksem_1978",),
+        "murch_wilson": ("murch_1975",),
+        "gupta_cheng": ("gupta_1992",),
+    },
+}
+TEXT_LENGTH_LIMIT = 400  # of an attribute
+WORDS = {
+    "friction_coefficient": "friction coefficient",
+    "film": "film thickness",
+    "film_heating": "heat of the inlet, film",
+    "thermal_factor": "heat of the inlet, rolling traction",
+}
+#: What the package has computed or made itself, with the page that describes it.
+OWN = {
+    "solid_shell": "model of this package, see finite_elements.md of its documentation",
+    "fe": "model of this package, see finite_elements.md of its documentation",
+    "mixed_lubrication": "formula of this package, see mixed_ehl.md of its documentation",
+}
+
+OWN_SOLVER = "solver of this package, see solvers.md of its documentation"
+
+
+@dataclass(frozen=True)
+class ResultSource:
+    """What a result takes from a source.
+
+    Parameters
+    ----------
+    role
+        Part of the result.
+    model
+        Name of the model or of the data.
+    works
+        The sources; none if there is nothing published.
+    remark
+        Where else the model is described.
+    """
+
+    role: str
+    model: str
+    works: tuple[PublishedWork, ...] = ()
+    remark: str = ""
+
+
+def result_sources(tree: xr.DataTree) -> list[ResultSource]:
+    """Sources that a result rests on, in the order of the method, each once.
+
+    Parameters
+    ----------
+    tree
+        Content of a file of any command; what its attributes do not tell is left out.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=1500.0)
+    >>> [(source.role, source.model) for source in result_sources(tree)][1:3]
+    [('pair, by its title', 'nasa-12x36'), ('elastic teeth', 'solid shell')]
+    """
+    return list(dict.fromkeys(source for node in tree.subtree for source in _of_node(node)))
+
+
+def _of_node(node: xr.DataTree) -> Iterator[ResultSource]:
+    attributes = node.attrs
+    if _text(attributes, "format") == COMPARISON_FORMAT:
+        yield from _solvers(attributes)
+        return
+    if "library_version" in attributes:
+        yield _library(attributes)
+        return
+    if node.parent is None:
+        yield ResultSource("ease-off and load distribution", "", _works("kolivand_2009"))
+        yield from _pair(attributes)
+        model = _text(attributes, "compliance_model")
+        if model:
+            known = _works("kolivand_2009") if model == "shell" else ()
+            yield ResultSource("elastic teeth", MODEL_NAMES.get(model, model), known, OWN.get(model, ""))
+    if "deflections" in attributes:
+        yield ResultSource("interpolation of deflections", "monotone cubic", _works("fritsch_1980"))
+    if "wear_depth" in node.dataset:
+        yield ResultSource("wear", "Archard's law", _works("archard_1953"))
+    for name, models in MODELS.items():
+        model = _text(attributes, name)
+        if model not in ("", "none"):
+            yield ResultSource(WORDS[name], model, _works(*models.get(model, ())), OWN.get(model, ""))
+    if "max_flash_temperature" in node.dataset:
+        yield ResultSource("flash temperature", "", _works("blok_1937", "jaeger_1942"))
+    if "oil" in attributes:
+        yield _oil(attributes)
+
+
+def _text(attributes: Mapping[Any, Any], name: str) -> str:
+    """An attribute in one line of bounded length; empty if there is none."""
+    return shortened(printable(str(attributes.get(name, ""))), TEXT_LENGTH_LIMIT)
+
+
+def _works(*keys: str) -> tuple[PublishedWork, ...]:
+    return tuple(WORKS[key] for key in keys)
+
+
+def _pair(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
+    """The source of a shipped pair, known by its title."""
+    from ...cases import shipped_cases
+
+    title = _text(attributes, "title")
+    for name, shipped in shipped_cases().items():
+        if title == shipped:
+            yield ResultSource(
+                "pair, by its title", name, _works("bibel_1994" if name == "nasa-12x36" else "kolivand_2009")
+            )
+
+
+def _library(attributes: Mapping[Any, Any]) -> ResultSource:
+    """The problem library, with what tells one file of it from another."""
+    part = _text(attributes, "title").rpartition("part ")[2]
+    checksum = _text(attributes, "checksum")
+    model = f"version {_text(attributes, 'library_version')}, part {part}"
+    remark = f"library of this package, checksum of the content {checksum}"
+    return ResultSource("contact problems", model, _works("kolivand_2009"), remark)
+
+
+def _solvers(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
+    """Solvers of a comparison, with their versions."""
+    try:
+        versions = parsed_json(str(attributes.get("solver_versions", "{}")))
+    except ValueError:
+        versions = {}
+    for name, number in versions.items() if isinstance(versions, dict) else ():
+        solver = shortened(printable(str(name)), TEXT_LENGTH_LIMIT)
+        remark = OWN_SOLVER if solver == "native" else ""
+        yield ResultSource("solver", f"{solver} {printable(str(number))}", SOLVER_WORKS.get(solver, ()), remark)
+
+
+def _oil(attributes: Mapping[Any, Any]) -> ResultSource:
+    """An oil with the source that its file names."""
+    name, source = _text(attributes, "oil"), _text(attributes, "oil_source")
+    if source.startswith("M. Kolivand, dissertation"):
+        return ResultSource("oil", name, _works("kolivand_2009"))
+    if not source:
+        return ResultSource("oil", name)
+    key = "oil_" + re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+    fields = {"title": _text(attributes, "oil_title") or name, "note": f"lubricant data: {source}"}
+    return ResultSource("oil", name, (PublishedWork(key, "misc", fields),))
+
+
+def distinct_works(sources: list[ResultSource]) -> list[PublishedWork]:
+    """Works of the sources, each once.
+
+    Examples
+    --------
+    >>> [work.key for work in distinct_works([ResultSource("wear", "", _works("archard_1953"))] * 2)]
+    ['archard_1953']
+    """
+    return list({work.key: work for source in sources for work in source.works}.values())
+
+
+def citation(tree: xr.DataTree | None = None, *, bibtex: bool = False) -> str:
+    """How to cite the package, and with a result the sources that this rests on.
+
+    Parameters
+    ----------
+    tree
+        Content of a file of any command.
+    bibtex
+        Whether entries of BibTeX are wanted in place of lines of text.
+
+    Examples
+    --------
+    >>> print(citation().splitlines()[0])
+    If you publish results, please cite the program
+    """
+    sources = [] if tree is None else result_sources(tree)
+    method = WORKS["kolivand_2009"]
+    if bibtex:
+        works = {work.key: work for work in (package(), method, *distinct_works(sources))}
+        return "\n".join(work.bibtex() for work in works.values()).rstrip("\n")
+    lines = [
+        "If you publish results, please cite the program",
+        f"  {package().text()}",
+        "and the dissertation whose method it follows",
+        f"  {method.text()}",
+    ]
+    if tree is None:
+        return "\n".join([*lines, "'easeoff cite RESULT' names the sources that a result rests on."])
+    made = tree.attrs.get("easeoff_version", "")
+    lines += [f"This result was made by version {shortened(str(made))}."] if isinstance(made, str) and made else []
+    listed = distinct_works(sources)
+    numbers = {work.key: number for number, work in enumerate(listed, start=1)}
+    lines += ["", "The result rests on"]
+    for source in sources:
+        marks = "".join(f"[{numbers[work.key]}]" for work in source.works)
+        said = " ".join(part for part in (marks, source.remark) if part) or "no published source"
+        lines.append(f"  {source.role}{f' ({source.model})' if source.model else ''}: {said}")
+    if "friction" not in tree.children and "efficiency" in tree.dataset:
+        lines.append("  friction: this file does not tell its models; they are those of the command or of the case")
+    return "\n".join([*lines, "", *(f"[{number}] {work.text()}" for number, work in enumerate(listed, start=1))])

@@ -1,0 +1,415 @@
+"""Correction report: global errors, corrective settings and predicted rest of measured flanks, as text.
+
+Modification report: terms of the modification, loads before and after, and warnings, as text.
+
+Report of optimal settings: settings, objectives and limits before and after, multipliers, front, as text.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from tabulate import tabulate
+
+from ...geometry.cutting.named_settings import get_setting, setting_step
+from ...geometry.deviation.correction_fit import EFFECT_LIMIT
+from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ...geometry.deviation.deviation import zeroed
+from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
+from ...geometry.pair.gear_pair import MEMBERS
+from ..case_correction import CaseCorrection
+from ..design.optimization.trust_region import RADIUS_MINIMUM
+from .deflection_report import deflection_notes
+
+SMALL_GAIN = 0.7  # share of the deviation left above which a correction hardly pays
+ROOT_SHARE = 0.2  # of the clearance, a move of the root from which on a warning is given
+CONDITION_LIMIT = 1e3  # above which settings are told to do nearly the same
+
+
+def correction_report(found: CaseCorrection) -> str:
+    """Report of the corrections of a case.
+
+    Parameters
+    ----------
+    found
+        The corrections.
+
+    Returns
+    -------
+    str
+        For every set-up the global errors of its flanks, the settings to be set, and the predicted rest.
+    """
+    parts = [
+        "\n".join(_set_up_lines(name, correction))
+        for name in MEMBERS
+        for correction in found.corrections.get(name, ())  # type: ignore[call-overload]
+    ]
+    return "\n\n".join(parts)
+
+
+def _set_up_lines(name: str, correction: Correction) -> Iterator[str]:
+    sides = [flank.side for flank in correction.flanks]
+    together = ", one set-up" if len(correction.surfaces) > 1 else ""
+    flanks = f"{' and '.join(sides)} flank{'s' if len(sides) > 1 else ''}"
+    yield f"{name}, {flanks}{together}: global errors, um of metal at the edges of the flank"
+    for flank in correction.flanks:
+        yield from _error_lines(flank)
+    yield ""
+    yield "corrective settings"
+    yield tabulate(
+        list(_setting_rows(correction)),
+        headers=["setting", "unit", "designed", "change", "to set"],
+        disable_numparse=True,
+        colalign=("left", "left", "right", "right", "right"),
+    )
+    yield tabulate(
+        [
+            (flank.side, stage, *_sizes(getattr(flank, key)))
+            for flank in correction.flanks
+            for stage, key in (("measured", "before"), ("by derivatives", "linear"), ("cut anew", "after"))
+        ],
+        headers=["flank", "um", "rms", "least", "greatest", "sum of squares"],
+        disable_numparse=True,
+        colalign=("left", "left", "right", "right", "right", "right"),
+    )
+    yield (
+        f"rms {1e3 * correction.rms_before:.2f} um, after the correction {1e3 * correction.rms:.2f} um, as predicted "
+        "on flanks cut anew with the settings to set; a rotation of the tooth is left out"
+    )
+    for flank in correction.flanks:
+        if np.any(np.abs(flank.root_change) >= 0.5e-3):
+            moved = ", ".join(f"{1e3 * value:+.0f}" for value in flank.root_change)
+            yield f"{flank.side} flank: the root moves by {moved} um at toe, middle, heel; negative is deeper"
+    yield from (f"Warning: {warning}" for warning in root_warnings(correction))
+    yield from _notes(correction)
+
+
+def root_warnings(correction: Correction) -> Iterator[str]:
+    """Warnings of flanks whose corrected settings move the root by ``ROOT_SHARE`` of the clearance or more."""
+    free = list(dict.fromkeys(key.partition(".")[0] for key in correction.changes))
+    if "point_radius" in free:
+        advice = "name fewer settings by --free, or leave the root as it is told here"
+    else:
+        advice = f"a cutter of another radius holds the depth: --free {','.join([*free, 'point_radius'])}"
+    for flank in correction.flanks:
+        clearance = flank.member.section.clearance
+        known = flank.root_change[np.isfinite(flank.root_change)]
+        farthest = float(np.max(np.abs(known), initial=0.0))
+        if farthest > 0.0 and farthest >= ROOT_SHARE * clearance:
+            yield (
+                f"the root of the {flank.side} flank moves by up to {farthest:.2f} mm, of a clearance of "
+                f"{clearance:.2f} mm: check slot depth and tip clearance; {advice}"
+            )
+
+
+def _error_lines(flank: CorrectedFlank) -> Iterator[str]:
+    turned = zeroed(flank.deviation, flank.member.loaded)
+    if min(turned.value.shape) < 3:
+        yield f"{flank.side}: too few rows or columns for global errors"
+        return
+    found = fit_global_errors(turned)
+    angles = dict(zip(("spiral_angle", "pressure_angle"), angle_errors(found.errors, flank.member), strict=True))
+    rows = [
+        (key, f"{value:+.1f}", f"{60.0 * math.degrees(angles[key]):+.2f}" if key in angles else "")
+        for key, value in asdict(found.errors).items()
+    ]
+    yield tabulate(
+        rows, headers=[flank.side, "um", "minutes"], disable_numparse=True, colalign=("left", "right", "right")
+    )
+    yield f"rms {found.rms_before:.2f} um, without these {found.rms:.2f} um"
+
+
+def _setting_rows(correction: Correction) -> Iterator[tuple[str, str, str, str, str]]:
+    """Name, unit, designed, change and value to set of each free setting."""
+    by_side = {flank.side: flank.member.loaded.designed for flank in correction.flanks}
+    for key, change in correction.changes.items():
+        name, _, which = key.partition(".")
+        start = get_setting(by_side[which] if which else correction.flanks[0].member.loaded.designed, name)  # type: ignore[index]
+        resolution = setting_step(name)
+        written = [resolution.written(value) + 0.0 for value in (start, start + change)]
+        digits = resolution.decimals + 3
+        difference = f"{written[1] - written[0]:+.{digits}f}" if all(map(math.isfinite, written)) else ""
+        designed = f"{written[0]:.{digits}f}" if math.isfinite(written[0]) else resolution.text(start)
+        yield key, resolution.unit, designed, difference, resolution.text(start + change)
+
+
+def _sizes(values: np.ndarray) -> tuple[str, ...]:
+    """Root mean square, extremes and sum of squares of deviations [mm], in um."""
+    um = 1e3 * values[np.isfinite(values)]
+    return f"{np.sqrt(np.mean(um**2)):.2f}", f"{um.min():+.1f}", f"{um.max():+.1f}", f"{np.sum(um**2):.1f}"
+
+
+def _notes(correction: Correction) -> Iterator[str]:
+    for flank in correction.flanks:
+        if np.any(flank.missing):
+            column, row = np.argwhere(flank.missing)[0] + 1
+            yield (
+                f"Note: {flank.side} flank: {np.sum(flank.missing)} of {flank.missing.size} points, the first in row "
+                f"{row}, column {column}, are left out: the flank with the errors found does not reach them."
+            )
+    if correction.nothing:
+        yield (
+            "Note: nothing to correct: no change of these settings by steps of the machine's resolution lessens the "
+            "deviation."
+        )
+        return
+    if correction.rms > SMALL_GAIN * correction.rms_before:
+        yield (
+            "Note: most of the deviation is no error of these settings; the changes hardly pay. Free others, or fewer."
+        )
+    if len(correction.surfaces) > len(correction.flanks):
+        other = next(which for which in correction.surfaces if which != correction.flanks[0].side)
+        yield f"Note: the {other} flank is cut in the same set-up and changes, too; it was not measured."
+    if correction.loose:
+        words = "; ".join(", ".join(combination.settings) for combination in correction.loose)
+        count = f"{len(correction.loose)} combination{'s' if len(correction.loose) > 1 else ''}"
+        yield (
+            f"Note: no measurement tells {count} of settings ({words}), less than {1e3 * EFFECT_LIMIT:g} um rms a "
+            "usual step: taken so that the root moves least; to choose otherwise, free fewer."
+        )
+    if correction.condition > CONDITION_LIMIT:
+        yield (
+            f"Note: condition {correction.condition:.2g}: some of these settings do nearly the same, and measuring "
+            "errors move them far; free fewer."
+        )
+
+
+ROWS = (
+    ("greatest line load [N/mm]", "max_line_load", 0),
+    ("greatest pressure [MPa]", "max_pressure", 0),
+    ("line load at the edges [N/mm]", "max_end_load", 0),
+    ("transmission error, peak to peak [urad]", "peak_to_peak", 1),
+)
+
+
+def modification_report(tree: xr.DataTree) -> str:
+    """Report of an optimal modification.
+
+    Parameters
+    ----------
+    tree
+        A result of ``modify``.
+    """
+    record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
+    extent = np.abs(surface["modification"].values).max()
+    parts = [
+        f"Modification, up to {extent:.1f} um",
+        tabulate(terms(surface), headers=("term", "um"), disable_numparse=True, colalign=("left", "right")),
+    ]
+    torques = [f"{torque:g}" for torque in record["torque"].values]
+    for number in range(record.sizes["assembly"]):
+        here = record.isel(assembly=number)
+        rows = [(label, *changes) for _, label, changes in assembly_rows(here)]
+        parts.append(f"Before -> after, {assembly_title(here, number)}")
+        headers = ("torque [N m]", *torques)
+        parts.append(
+            tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
+        )
+    parts.append("Contact on lines alone, without tooth edges: 'easeoff run' shows what edges carry")
+    return "\n\n".join([*parts, *notes(tree)])
+
+
+def terms(surface: xr.Dataset) -> list[tuple[str, str]]:
+    """Terms of a modification and their coefficients [um]."""
+    pairs = zip(surface["term"].values, surface["coefficient"].values, strict=True)
+    return [(str(name), f"{value:+.2f}") for name, value in pairs]
+
+
+def assembly_title(here: xr.Dataset, number: int) -> str:
+    """Name of an assembly of an optimization."""
+    return "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
+
+
+def assembly_rows(here: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str, list[str]]]:
+    """Variable, name and both values at each torque of what an optimization records of one assembly."""
+    torques = range(here.sizes["torque"])
+    return [
+        (name, label, [_change(here[name].values[:, t], digits, arrow) for t in torques])
+        for label, name, digits in ROWS
+    ]
+
+
+def notes(tree: xr.DataTree) -> list[str]:
+    """Warnings and notes: exceeded limits, a search that did not converge, extrapolated deflections."""
+    record = tree["optimization"].to_dataset()
+    after = record.sel(stage="after").max("assembly")
+    found = []
+    ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
+    if np.any(ripple > limit):
+        found.append(
+            f"Warning: the transmission error is {ripple.max():.2f} urad peak to peak, above its limit of {limit:g} "
+            "urad: raise the limit or the order of the terms"
+        )
+    ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
+    if np.any(ends > most):
+        worst = int(np.argmax(ends - most))
+        found.append(
+            f"Warning: the line load at the edges is {ends[worst]:.0f} N/mm at {after['torque'].values[worst]:g} N m, "
+            f"above its limit of {most[worst]:.0f} N/mm"
+        )
+    if not record.attrs["converged"]:
+        found.append("Note: the search has not converged; more programmes may improve the result")
+    greatest = record.attrs["largest_modification_um"]
+    if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
+        found.append(f"Note: the modification reaches its limit of {greatest:g} um")
+    return [*found, *deflection_notes(tree)]
+
+
+def _change(both: np.ndarray, digits: int, arrow: str) -> str:
+    return f"{both[0]:.{digits}f}{arrow}{both[1]:.{digits}f}"
+
+
+def _errors(here: xr.Dataset) -> str:
+    names = {"E": "offset_error", "P": "pinion_axial_error", "G": "gear_axial_error"}
+    errors = [f"{key} {here[name].item():+g} mm" for key, name in names.items() if here[name].item()]
+    sigma = np.degrees(here["shaft_angle_error"].item())
+    over_torque = "depends_on_torque" in here and bool(here["depends_on_torque"].item())  # older results lack it
+    errors += [f"Sigma {sigma:+g} deg"] if sigma else []
+    return ", ".join([*errors, *(["deflections over the torque"] if over_torque else [])]) or "none"
+
+
+#: Least multiplier that is shown: a smaller one is rounding.
+MULTIPLIER_MINIMUM = 1e-6
+#: Why a search ended, see ``trust_region.Search``; another end is that of an earlier search.
+ENDS = {
+    "converged": "A local optimum: nothing nearby is better",
+    "steps": "Note: the search ended after its --steps, not converged; go on with --resume, or allow more --steps",
+    "no_gain": "Note: the search ended, not converged, where no step gained, down to changes of the ease-off by "
+    f"{RADIUS_MINIMUM:g} um and with derivatives by differences; start elsewhere, or free other settings",
+    "": "Note: the search, an earlier one, has not converged",
+}
+#: Share of a setting's range within which it is at the end of it.
+LIMIT_SHARE = 1e-3
+
+
+def setting_report(tree: xr.DataTree) -> str:
+    """Report of a search for settings.
+
+    Parameters
+    ----------
+    tree
+        A result of ``optimize``.
+    """
+    record = tree["optimal_settings"].to_dataset()
+    parts = ["Settings", _settings(record), f"Objectives, form {record.attrs['form']}", _objectives(record)]
+    if record.sizes["quantity_limit"]:
+        parts += ["Limits", _limits(record)]
+    if "front" in tree.children:
+        parts += [f"Front; the result holds point {tree['front'].attrs['chosen_point']}", _front(tree)]
+    return "\n\n".join([*parts, *_search_notes(record)])
+
+
+def _settings(record: xr.Dataset) -> str:
+    rows, held = [], _at_limit(record)
+    for number, name in enumerate(record["setting"].values.tolist()):
+        one = record.isel(setting=number)
+        start, value = float(one["setting_start"]), float(one["setting_value"])
+        unit = str(one["setting_units"].item())
+        reach = abs(value - start) * float(one["ease_off_per_setting"])
+        at = "at its limit" if held[number] else ""
+        rows.append((name, unit, f"{start:.6g}", f"{value:.7g}", f"{value - start:+.4g}", f"{reach:.0f}", at))
+    headers = ("setting", "unit", "before", "after", "change", "alone [um]", "")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", *["right"] * 4, "left"))
+
+
+def _objectives(record: xr.Dataset) -> str:
+    rows = [
+        (name, _number(one["objective_start"]), _number(one["objective_value"]), f"{float(one['objective_ratio']):.3f}")
+        for number, name in enumerate(record["objective"].values.tolist())
+        for one in (record.isel(objective=number),)
+    ]
+    headers = ("greatest", "before", "after", "worst ratio")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+
+
+def _limits(record: xr.Dataset) -> str:
+    rows = []
+    for number, name in enumerate(record["quantity_limit"].values.tolist()):
+        one = record.isel(quantity_limit=number)
+        cost = float(one["limit_multiplier"])
+        told = f"{cost:.3g}" if cost > MULTIPLIER_MINIMUM else "-"
+        rows.append((name, _number(one["limited_start"]), _number(one["limited_value"]), told))
+    headers = ("limit", "before", "after", "gain per unit wider")
+    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+
+
+def _front(tree: xr.DataTree) -> str:
+    front = tree["front"].to_dataset()
+    names = front["objective"].values.tolist()
+    rows = [
+        (str(point), *(_number(value) for value in front["front_value"].values[point]))
+        for point in range(front.sizes["point"])
+    ]
+    return tabulate(rows, headers=("point", *names), disable_numparse=True, colalign=("right", "right", "right"))
+
+
+def _search_notes(record: xr.Dataset) -> list[str]:
+    attributes = record.attrs
+    found = []
+    if attributes["form"] == "weighted":
+        whole = float(record["objective_weight"].sum())
+        found.append(f"Weighted sum of mean ratios: {attributes['objective_total']:.4g}, at the start {whole:.4g}")
+    if unrounded := attributes.get("unrounded"):
+        exact = np.array_equal(record["setting_value"], record["setting_found"])
+        told = "as they are" if exact else "only in 'setting_found': they cannot be analysed, those before are"
+        found.append(f"Note: the settings found cannot be rounded: {unrounded}; the result has them {told}")
+    else:
+        found.append(
+            f"Rounded: the ease-off changes by up to {attributes['rounding_change_um']:.2g} um, the objective by "
+            f"{attributes['rounding_loss']:+.1g}"
+        )
+    found += [
+        f"{attributes['analyses']} analyses, {attributes['differentiated_analyses']} of them with derivatives; "
+        f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times",
+    ]
+    if attributes["violation"] > 0.0:
+        found.append(
+            f"Warning: limits are passed by {100.0 * attributes['violation']:.2g} % in all: widen limits, free more "
+            "settings, or allow more --move"
+        )
+    found += _proposals(record)
+    held = [str(name) for name in record["setting"].values[_at_limit(record)]]
+    if held:
+        found.append(f"Note: at the end of its range is {', '.join(held)}; --move or --limit-setting gives it more")
+    found.append(ENDS[attributes["ended"]])
+    if not attributes["edge_contact"]:
+        found.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
+    if "sample_ratio" in record:
+        samples, known = record["sample_ratio"].values, np.max(record["ratio_by_assembly"].values)
+        analysed = np.isfinite(samples).all(axis=0)
+        lost, worst = np.count_nonzero(~analysed), np.max(samples[:, analysed], initial=0.0)
+        found.append(
+            f"In {np.count_nonzero(analysed)} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the "
+            f"search {known:.3f}" + f"; {lost} more could not be analysed" * bool(lost)
+        )
+    return found
+
+
+def _proposals(record: xr.Dataset) -> list[str]:
+    """What became of the settings that programmes proposed."""
+    reasons, counts = np.unique([one for one in record["refusal"].values.tolist() if one], return_counts=True)
+    count, refused = record.sizes["programme"], int(counts.sum())
+    found = [
+        f"Refused, not analysed: {number} of {count} proposals: {reason}"
+        for reason, number in zip(reasons.tolist(), counts.tolist(), strict=True)
+    ]
+    if refused == count > 0:
+        found.append("No proposal could be analysed: whether there is something better than the start is not known")
+    elif count and not record["accepted"].values.any():
+        found.append(f"None of the {count - refused} proposals that were analysed is better than the start")
+    return found
+
+
+def _at_limit(record: xr.Dataset) -> NDArray[np.bool_]:
+    """Which settings (n) are at the end of their range."""
+    low, value, high = (record[f"setting_{name}"].values for name in ("low", "value", "high"))
+    return np.asarray(np.minimum(value - low, high - value) < LIMIT_SHARE * (high - low))
+
+
+def _number(value: object) -> str:
+    return f"{float(np.asarray(value)):.5g}"

@@ -1,0 +1,248 @@
+"""Summary of an analysis over load cases: a row a load case, means over the duty cycle, and notes.
+
+Summary of a file of contact problems: what they are of, how many, how large, and their names.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from tabulate import tabulate
+
+from ...contact.problem.exchange.problem_file import FORMAT, read_attributes, read_labels, read_problems
+from ...core.errors import printable, shortened
+from .plausibility import executed_settings
+from .result_summary import WIDTH, doubts, uncertified
+
+ERRORS = {
+    "E\nmm": ("misalignment_offset", 1.0),
+    "P\nmm": ("misalignment_pinion_axial", 1.0),
+    "G\nmm": ("misalignment_gear_axial", 1.0),
+    "Sigma\ndeg": ("misalignment_shaft_angle", 180.0 / np.pi),
+}
+OPERATION = {"speed\n1/min": ("speed", 1.0), "share\n%": ("share", 100.0)}
+RESULTS = {
+    "peak to\npeak urad": ("peak_to_peak", "{:.2f}", 1.0),
+    "contact\nratio": ("contact_ratio", "{:.2f}", 1.0),
+    "pattern at\ntoe %": ("pattern_centre_lengthwise", "{:.0f}", 100.0),
+    "length\n%": ("pattern_length", "{:.0f}", 100.0),
+    "pressure\nMPa": ("max_pressure", "{:.0f}", 1.0),
+    "root stress\nMPa": ("max_root_stress", "{:.0f}", 1.0),
+    "power\nloss W": ("mean_power_loss", "{:.1f}", 1.0),
+    "efficiency\n%": ("efficiency", "{:.2f}", 100.0),
+}
+
+
+def load_case_summary(tree: xr.DataTree) -> str:
+    """Summary of an analysis over load cases.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze_load_cases`` or ``read_result``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import LoadCase, read_case
+    >>> from easeoff.study import analyze_load_cases
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = analyze_load_cases(case, [LoadCase(name="climb", torque=100.0)])
+    >>> load_case_summary(tree).splitlines()[3].split()[:4]
+    ['load', 'case', 'flank', 'torque']
+    """
+    numbers = tree["load_cases"].to_dataset()
+    title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
+    parts = [
+        "\n".join(title),
+        "=" * max(map(len, title)),
+        "",
+        _table(input_columns(numbers)),
+        "",
+        _table(result_columns(numbers)),
+    ]
+    if "duty" in tree.children:
+        parts += ["", duty_lines(tree["duty"].to_dataset())]
+    notes = load_case_notes(tree)
+    return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
+
+
+def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of what the load cases are: flank, torque, misalignment, speed and share."""
+    columns: dict[str, list[str]] = {
+        "load case": [str(name) for name in numbers["load_case"].values],
+        "flank": [str(name) for name in numbers["flank"].values],
+        "torque\nN m": [f"{torque:g}" for torque in numbers["torque"].values],
+        **{head: [f"{factor * v:+.4g}" for v in numbers[name].values] for head, (name, factor) in ERRORS.items()},
+    }
+    for head, (name, factor) in OPERATION.items():
+        if name in numbers:
+            columns[head] = [f"{factor * value:.4g}" for value in numbers[name].values]
+    return columns
+
+
+def variable_of(head: str) -> str:
+    r"""Variable of the group ``load_cases`` that a column shows, by its head.
+
+    >>> variable_of("load case"), variable_of("pressure\nMPa")
+    ('load_case', 'max_pressure')
+    """
+    named = {**ERRORS, **OPERATION, **RESULTS}
+    return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
+
+
+def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of the main numbers of the load cases."""
+    columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
+    for head, (name, words, factor) in RESULTS.items():
+        if name in numbers and not np.all(np.isnan(numbers[name].values)):
+            columns[head] = [
+                "-" if np.isnan(value) else words.format(factor * value) for value in _greatest(numbers[name])
+            ]
+    return columns
+
+
+def _greatest(variable: xr.DataArray) -> Any:
+    """Values over the load cases: of both members the greater one."""
+    others = [name for name in variable.dims if name != "load_case"]
+    return variable.max(others).values
+
+
+def _table(columns: dict[str, list[str]]) -> str:
+    left = ("load case", "flank")
+    return tabulate(
+        list(zip(*columns.values(), strict=True)),
+        headers=list(columns),
+        tablefmt="plain",
+        disable_numparse=True,
+        colalign=tuple("left" if head in left else "right" for head in columns),
+    )
+
+
+def duty_lines(duty: xr.Dataset) -> str:
+    """Means over a duty cycle, a line each."""
+    lines = []
+    if "duty_power_loss" in duty:
+        loss, power, efficiency = (
+            float(duty[name]) for name in ("duty_power_loss", "duty_input_power", "duty_efficiency")
+        )
+        said = f"power loss {loss:.1f} W of {power:.0f} W, efficiency {100.0 * efficiency:.2f} %"
+        known = not np.isnan(efficiency)
+        lines.append(f"mean over time: {said if known else 'unknown, as not every load case has a power loss'}")
+    for flank in duty["flank"].values:
+        torques = duty["equivalent_torque"].sel(flank=flank)
+        said = ", ".join(
+            f"{float(torque):.4g} N m (p = {float(exponent):.3g})"
+            for torque, exponent in zip(torques.values, duty["damage_exponent"].values, strict=True)
+        )
+        lines.append(f"torque of equal damage, {flank} flanks: {said}")
+    return "\n".join(lines)
+
+
+def load_case_notes(tree: xr.DataTree) -> list[str]:
+    """Why load cases could not be analysed or certified, and the notes on each, with its name before them."""
+    numbers = tree["load_cases"].to_dataset()
+    notes = executed_settings(tree)
+    for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
+        if str(reason):
+            notes.append(f"{name}: not analysed: {reason}")
+            continue
+        result = tree["results"].children[str(name)]
+        notes += [f"{name}: {note}" for note in (*uncertified(result), *doubts(result))]
+    return notes
+
+
+#: Attributes that a summary names, in words, and the longest text of one.
+WORDS = {
+    "title": "title",
+    "case_name": "case",
+    "flank": "flank",
+    "compliance_model": "elastic teeth",
+    "library_version": "library version",
+    "checksum": "checksum of the content",
+    "easeoff_version": "made by easeoff",
+}
+#: Attributes of the assembly errors, with letter, factor and unit.
+MISALIGNMENT = {
+    "misalignment_offset_mm": ("E", 1.0, "mm"),
+    "misalignment_pinion_axial_mm": ("P", 1.0, "mm"),
+    "misalignment_gear_axial_mm": ("G", 1.0, "mm"),
+    "misalignment_shaft_angle_rad": ("Sigma", 180.0 / np.pi, "deg"),
+}
+TEXT_LIMIT = 100
+
+
+def holds_problems(dataset: xr.Dataset) -> bool:
+    """Whether a dataset is that of a file of contact problems."""
+    return str(dataset.attrs.get("format", "")) == FORMAT
+
+
+def problem_summary(path: Path) -> str:
+    """Lines that say what a file of contact problems holds.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.contact import ContactProblem, write_problems
+    >>> problem = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_problems([problem], Path(folder, "one.nc"), {"name": ["springs"]})
+    ...     print(problem_summary(Path(folder, "one.nc")))
+    1 contact problem of 2 segments, compliance: dense matrix
+    torque about the gear axis  80 N m
+    names                       springs
+    """
+    problems, labels, attributes = read_problems(path), read_labels(path), read_attributes(path)
+    count, sizes = len(problems), [problem.size for problem in problems]
+    structured = sum(problem.is_structured for problem in problems)
+    forms = {0: "dense matrix", count: "diagonal + columns"}
+    form = forms.get(structured, f"diagonal + columns in {structured}, dense matrix in {count - structured}")
+    head = f"{count} contact problem{'' if count == 1 else 's'} of {_range(sizes)} segments, compliance: {form}"
+    rows = [(word, _text(attributes[name])) for name, word in WORDS.items() if name in attributes]
+    errors = _misalignment(attributes)
+    rows += [("misalignment", errors)] if errors else []
+    if "pinion_torque" in labels:
+        rows.append(("torque at the pinion", f"{_range(labels['pinion_torque'])} N m"))
+    rows.append(("torque about the gear axis", f"{_range([1e-3 * problem.torque for problem in problems])} N m"))
+    if "kind" in labels:
+        kinds, numbers = np.unique(labels["kind"].astype(str), return_counts=True)
+        rows.append(
+            ("kinds", ", ".join(f"{_text(kind)} {number}" for kind, number in zip(kinds, numbers, strict=True)))
+        )
+    if "name" in labels:
+        names = [_text(name) for name in labels["name"]]
+        rows.append(("names", names[0] if count == 1 else f"{names[0]} to {names[-1]}"))
+    width = max(len(word) for word, _ in rows)
+    return "\n".join([head, *(f"{word:<{width}}  {said}" for word, said in rows)])
+
+
+def _misalignment(attributes: dict[str, Any]) -> str:
+    """Assembly errors in words; empty if the file does not tell them."""
+    if "deflections" in attributes:
+        return _text(attributes["deflections"])
+    if not all(name in attributes for name in MISALIGNMENT):
+        return ""
+    found = [
+        f"{letter} {float(attributes[name]) * factor:g} {unit}"
+        for name, (letter, factor, unit) in MISALIGNMENT.items()
+        if isinstance(attributes[name], int | float | np.number) and attributes[name]
+    ]
+    return ", ".join(found) or "none"
+
+
+def _text(value: Any) -> str:
+    return shortened(printable(str(value)), TEXT_LIMIT)
+
+
+def _range(values: Any) -> str:
+    least, most = float(np.min(values)), float(np.max(values))
+    return f"{least:g}" if least == most else f"{least:g} to {most:g}"

@@ -1,0 +1,259 @@
+"""Summary sheet of a pair: blanks, cutters and machine settings as an operator sets them, as text or as a page."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from html import escape
+
+from tabulate import tabulate
+
+from ...cases.schema.case_schema import Case, motion_name, usual_name
+from ...cases.schema.cutting_table import FlankSettings
+from ...cases.writing import with_blanks
+from ...core.checks import instance
+from ...geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
+from ...geometry.pair.gear_pair import FlankName
+from ..design.design_check import case_warnings, unusual_set_ups
+from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
+from .plausibility import execution_note
+
+ANGULAR = ("angle", "tilt", "swivel")
+LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
+NO_VALUE = "-"
+#: Where settings and apexes are positive, alike for both hands; they are those of docs/how_it_works/conventions.md.
+SIGNS = (
+    "Positive: basic cradle angle, from the root line to the cutter centre; machine root angle, heel away from the "
+    "cradle; blank offset, work axis to the side of the cutter centre; sliding base, work withdrawn along the cradle "
+    "axis; machine centre to back, crossing point moved along the work axis towards the heel; apexes, beyond the "
+    "crossing point; hypoid offset, the pinion's spiral angle the greater. Horizontal and vertical: the radial setting "
+    "along and across the root line.",
+)
+WIDTH = 100  # [characters] of the notes
+
+
+@dataclass(frozen=True)
+class SummarySheet:
+    """A summary sheet.
+
+    Parameters
+    ----------
+    title
+        Of the pair.
+    tables
+        Tables by heading, a row of texts each, the first row the head.
+    effects
+        What rounding changes of the ease-off, a line a side.
+    notes
+        What the settings are not made for, and what is doubtful of the teeth, a line each, above the tables.
+    signs
+        What the settings count positive, below the tables.
+
+    Examples
+    --------
+    >>> sheet = SummarySheet("A pair", {"Blanks": (("", "unit", "pinion"), ("teeth", "", "11"))}, ())
+    >>> sheet.text().splitlines()[0]
+    'A pair'
+    """
+
+    title: str
+    tables: Mapping[str, tuple[tuple[str, ...], ...]]
+    effects: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    signs: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """The sheet as text."""
+        parts = [self.title, *(["\n".join(textwrap.fill(note, WIDTH) for note in self.notes)] if self.notes else [])]
+        for heading, (head, *rows) in self.tables.items():
+            table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
+            parts += [heading, table]
+        signs = (textwrap.fill(line, WIDTH) for line in self.signs)
+        return "\n\n".join([*parts, "\n".join(self.effects), *signs]) + "\n"
+
+    def page(self) -> str:
+        """The sheet as an HTML page that needs nothing else."""
+        parts = [f'<p class="note">{escape(note)}</p>' for note in self.notes]
+        for heading, (head, *rows) in self.tables.items():
+            table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
+            parts += [f"<h2>{escape(heading)}</h2>", table]
+        effects = "".join(f"<p>{escape(line)}</p>" for line in (*self.effects, *self.signs))
+        return PAGE.format(title=escape(self.title), body="\n".join([*parts, effects]))
+
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font-family: sans-serif; margin: 2em; }}
+table {{ border-collapse: collapse; }}
+.note {{ max-width: 60em; padding: 0.4em 0.8em; border-left: 4px solid #c60; background: #fff4e5; }}
+th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+{body}
+</body>
+</html>
+"""
+
+
+def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> SummarySheet:
+    """Summary sheet of a case, its settings rounded to a resolution.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    resolution
+        Steps; the usual ones if left out.
+
+    Returns
+    -------
+    SummarySheet
+        Blanks, cutters and machine settings of every flank, with the resolution of each setting, what rounding changes
+        of the ease-off, and notes on set-ups and teeth.
+
+    Raises
+    ------
+    GeometryError
+        If the rounded flanks do not meet.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("fm-11x41")
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> sheet = summary_sheet(case.model_copy(update={"compliance": shells}))
+    >>> list(sheet.tables)
+    ['Blanks', 'Cutters', 'Machine settings', 'Teeth and slots']
+    """
+    instance("case", case, Case)
+    steps = USUAL_RESOLUTION if resolution is None else resolution
+    rounded = with_blanks(rounded_case(case, steps))
+    effect = rounding_effect(case, rounded_case(case, steps))
+    spaces, warnings = case_warnings(rounded)
+    return SummarySheet(
+        case.title,
+        {
+            "Blanks": tuple(_blanks(rounded)),
+            "Cutters": tuple(_settings(rounded, steps, "cutter")),
+            "Machine settings": tuple(_settings(rounded, steps, "machine")),
+            **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
+        },
+        tuple(effect_line(side, value) for side, value in effect.items()),
+        (*execution_note(case.corrected_flanks), *unusual_set_ups(case), *(f"Warning: {text}" for text in warnings)),
+        SIGNS,
+    )
+
+
+def effect_line(side: FlankName, effect: float) -> str:
+    """What rounding changes of the ease-off of a side, in one line; the effect in mm."""
+    return f"{side}: rounding the settings changes the ease-off by up to {1e3 * effect:.2f} um"
+
+
+def _alignment(columns: int) -> tuple[str, ...]:
+    return ("left", "left", *("right",) * (columns - 2))  # names at the left, numbers at the right
+
+
+def _blanks(case: Case) -> Iterator[tuple[str, ...]]:
+    yield "", "unit", "pinion", "gear"
+    members = case.pinion, case.gear
+    hand = case.pinion.hand_of_spiral
+    yield "number of teeth", "", *(str(member.number_of_teeth) for member in members)
+    yield "hand of spiral", "", hand, "left" if hand == "right" else "right"
+    yield "shaft angle", "deg", *(f"{case.pair.shaft_angle:.4f}",) * 2
+    yield "hypoid offset", "mm", *(f"{case.pair.hypoid_offset:.4f}",) * 2
+    tables = [member.blank.model_dump() if member.blank is not None else {} for member in members]
+    for key in tables[0]:
+        if all(table.get(key) is not None for table in tables):
+            unit = "deg" if key.endswith("angle") else "mm"
+            yield key.replace("_", " "), unit, *(f"{table[key]:.4f}" for table in tables)
+
+
+def _flanks(case: Case) -> dict[str, FlankSettings]:
+    found = {}
+    for name, member in (("pinion", case.pinion), ("gear", case.gear)):
+        for side in FLANKS:
+            if (settings := getattr(member, side)) is not None:
+                found[f"{name} {side}"] = settings
+    return found
+
+
+def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tuple[str, ...]]:
+    """Rows of the settings that a flank has, with their names, units and resolutions."""
+    flanks = _flanks(case)
+    yield "setting", "REXS, case file", "unit", "step", *flanks
+    if table == "cutter":
+        yield "blade", "", "", "", *("outside" if name.endswith("concave") else "inside" for name in flanks)
+    tables = {name: getattr(settings, table).model_dump() for name, settings in flanks.items()}
+    for key in next(iter(tables.values())):
+        if key == "motions":
+            yield from _motions(flanks, steps)
+            continue
+        values = [each[key] for each in tables.values()]
+        if not any(values):
+            continue
+        unit = "deg" if key.endswith(ANGULAR) else "mm" if key.endswith(LENGTHS) else ""
+        yield usual_name(key), key, unit, *_row(values, step_of_key(steps, table, key))
+    if table == "cutter":
+        yield from _point_width(case)
+    else:
+        yield from _formate_position(flanks, steps)
+
+
+def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:
+    motions = [settings.machine.motions.model_dump() for settings in flanks.values()]
+    for key in motions[0]:
+        for order in range(max(len(each[key]) for each in motions)):
+            values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
+            unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
+            yield (
+                f"{motion_name(key)}, order {order + 1}",
+                f"motions.{key}",
+                unit,
+                *_row(values, step_of_key(steps, "motions", key)),
+            )
+
+
+def _formate_position(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:
+    """Place of the cutter centre of Formate members, as their machines have it, where it is given by other settings."""
+    step = step_of_key(steps, "machine", "radial_distance")
+    machines = [settings.machine for settings in flanks.values()]
+    for name, part in (("horizontal", math.cos), ("vertical", math.sin)):
+        places: list[float | int | None] = [
+            None
+            if machine.ratio_of_roll is not None or machine.radial_distance is None or machine.cradle_angle is None
+            else machine.radial_distance * part(math.radians(machine.cradle_angle))
+            for machine in machines
+        ]
+        if any(place is not None for place in places):
+            yield f"{name} (Formate)", "", "mm", *_row(places, step)
+
+
+def _point_width(case: Case) -> Iterator[tuple[str, ...]]:
+    """Point width of the members whose flanks one face-milling cutter cuts."""
+    widths = []
+    for member in (case.pinion, case.gear):
+        outside, inside = member.concave, member.convex
+        if outside is None or inside is None:
+            widths += [NO_VALUE]
+        elif outside.machine != inside.machine or outside.cutter.number_of_blade_groups:
+            widths += [NO_VALUE, NO_VALUE]
+        else:
+            widths += [f"{outside.cutter.blade_point_radius - inside.cutter.blade_point_radius:.3f}"] * 2
+    if any(width != NO_VALUE for width in widths):
+        yield "point width", "", "mm", "", *widths
+
+
+def _row(values: list[float | int | None], step: float | None) -> tuple[str, ...]:
+    """Resolution and values with as many decimals as it has."""
+    if step is None:
+        return NO_VALUE, *(NO_VALUE if value is None else f"{value:g}" for value in values)
+    places = max(0, len(f"{step:.10f}".rstrip("0").partition(".")[2]))
+    return f"{step:g}", *(NO_VALUE if value is None else f"{value:.{places}f}" for value in values)

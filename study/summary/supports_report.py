@@ -1,0 +1,236 @@
+"""Pair on supports: how the members are held, shares of the gear's rotation and bearing loads, a row a torque."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from tabulate import tabulate
+
+from ...core.attributes import ordered
+from ...geometry.pair.gear_pair import MEMBERS
+from .deflection_report import misalignment_words
+
+Array = NDArray[Any]
+
+#: Parts of the gear's rotation by name, with their variables in the group ``supports``.
+SHARES = {
+    "teeth": "teeth_rotation",
+    "contact": "contact_rotation",
+    "supports": "supports_rotation",
+    "ease-off": "ease_off_rotation",
+}
+BEARING_COUNT_LIMIT = 5  # side by side
+ROW_COUNT_LIMIT = 40  # of a table as text
+OVER = ("torque", "mesh_position")
+
+
+@dataclass(frozen=True)
+class TorqueTable:
+    """Table with a row a torque.
+
+    Parameters
+    ----------
+    title
+        What it shows.
+    heads
+        Head of each column, its unit after a line break.
+    rows
+        Cells (rows, columns) as text.
+    variables
+        Variables of the result that it shows.
+    """
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    variables: tuple[str, ...]
+
+    def text(self) -> str:
+        """The table in characters, with its title.
+
+        Examples
+        --------
+        >>> print(TorqueTable("Loads", ("torque", "head"), (("100", "8000"),), ()).text().splitlines()[-1])
+             100    8000
+        """
+        right = ("right",) * len(self.heads)
+        table = tabulate(self.rows[:ROW_COUNT_LIMIT], headers=self.heads, disable_numparse=True, colalign=right)
+        left = len(self.rows) - ROW_COUNT_LIMIT
+        return f"{self.title}\n\n{table}" + (f"\n... and {left} more in the group supports" if left > 0 else "")
+
+
+def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
+    """Tables of a pair on supports, means over the mesh cycle: shares of the gear's rotation, and bearing loads.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
+    >>> shares, loads = supports_tables(tree)
+    >>> [head.split()[0] for head in shares.heads]
+    ['torque', 'whole', 'teeth', 'contact', 'supports', 'ease-off']
+    >>> supports_tables(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    []
+    """
+    if "supports" not in tree.children:
+        return []
+    group = tree["supports"].to_dataset().sortby("torque")
+    torques = [f"{torque:g}" for torque in group["torque"].values]
+    whole = ordered(group, "whole_rotation", *OVER).mean(axis=1)
+    parts = [ordered(group, name, *OVER).mean(axis=1) for name in SHARES.values()]
+    columns = [_written(whole, ".1f"), *(_written(100.0 * part / whole, ".1f") for part in parts)]
+    tables = [
+        TorqueTable(
+            "Rotation of the gear by the load, mean over the mesh cycle",
+            ("torque\nN m", "whole\nurad", *(f"{name}\n%" for name in SHARES)),
+            tuple(zip(torques, *columns, strict=True)),
+            ("supports/whole_rotation", *(f"supports/{name}" for name in SHARES.values())),
+        )
+    ]
+    names, radial, axial = bearing_loads(tree)
+    for first in range(0, len(names), BEARING_COUNT_LIMIT):
+        here = range(first, min(first + BEARING_COUNT_LIMIT, len(names)))
+        loads = [_both(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in here]
+        tables.append(
+            TorqueTable(
+                "Bearing loads in N, radial and axial (positive towards the heel), mean over the mesh cycle",
+                ("torque\nN m", *("\n".join(names[number].split(" ", 1)) for number in here)),
+                tuple(zip(torques, *loads, strict=True)),
+                ("supports/bearing_force",),
+            )
+        )
+    return tables
+
+
+def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
+    """Names of the bearings, and the radial and the axial force (bearing, torque, mesh_position) [N] on each.
+
+    Torques rise. The axial force is positive from the member's crossing point towards its heel. No bearings where
+    matrices hold the members.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
+    >>> names, radial, axial = bearing_loads(tree)
+    >>> len(names), radial.shape == axial.shape == (len(names), 1, 3)
+    (4, True)
+    """
+    group = tree["supports"].to_dataset().sortby("torque")
+    if "bearing_force" not in group:
+        return [], np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
+    names = [str(name) for name in group["bearing"].values]
+    force = ordered(group, "bearing_force", "bearing", *OVER, "space")
+    axes = {member: towards_heel(tree["ease_off"].to_dataset(), member) for member in MEMBERS}
+    own = np.stack([axes["pinion" if name.startswith("pinion ") else "gear"] for name in names])
+    axial = np.einsum("btks,bs->btk", force, own)
+    across = force - axial[..., None] * own[:, None, None, :]
+    return names, np.linalg.norm(across, axis=-1), axial
+
+
+def supports_words(tree: xr.DataTree) -> str:
+    """How the members are held, in words; empty without supports.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
+    >>> supports_words(tree).partition(";")[0]
+    'gearbox-nasa-12x36: pinion on bearings head, tail'
+    """
+    if "supports" not in tree.children:
+        return ""
+    name = str(tree.attrs.get("supports_name", ""))
+    return f"{name}: {_held(tree)}" if name and name != "of the case" else _held(tree)
+
+
+def added_notes(tree: xr.DataTree) -> list[str]:
+    """Note that the misalignment of the case is added to that of the supports, if it is that of the result.
+
+    A published misalignment may stand for deflections under load, which would then count twice.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("fm-11x41")
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> contact = case.contact.model_copy(update={"mesh_positions": 3})
+    >>> case = case.model_copy(update={"contact": contact, "compliance": shells})
+    >>> tree = easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41")
+    >>> print(added_notes(tree)[0].partition(" and ")[0])
+    Note: the case's misalignment E -0.15 mm, P +0.12 mm stands without torque
+    """
+    if "supports" not in tree.children or "deflections" in tree.attrs:
+        return []
+    found, own = misalignment_words(tree.attrs), stored_table(tree, "misalignment")
+    alike = all(
+        np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(own.get(key, 0.0)))
+        for key, unit, scale in (
+            ("offset", "mm", 1.0),
+            ("pinion_axial", "mm", 1.0),
+            ("gear_axial", "mm", 1.0),
+            ("shaft_angle", "rad", np.radians(1.0)),
+        )
+    )
+    if not found or not alike:
+        return []
+    return [
+        f"Note: the case's misalignment {found} stands without torque and is added to that of the supports; "
+        "--misalignment E=0 leaves it out, as it should be where it stands for deflections under load."
+    ]
+
+
+def _held(tree: xr.DataTree) -> str:
+    """What holds each member."""
+    table = stored_table(tree, "supports")
+    if "housing" in table:
+        return "both members by one matrix, with the housing"
+    group = tree["supports"].to_dataset()
+    names = [str(name) for name in group["bearing"].values] if "bearing" in group.coords else []
+    parts = []
+    for member in MEMBERS:
+        bearings = [name.partition(" ")[2] for name in names if name.startswith(f"{member} ")]
+        if bearings:
+            parts.append(f"{member} on bearings {', '.join(bearings)}")
+        elif table:
+            parts.append(f"{member} by a matrix" if member in table else f"{member} rigid")
+    return "; ".join(parts) or "by matrices"
+
+
+def stored_table(tree: xr.DataTree, name: str) -> dict[str, Any]:
+    """A table in the text of the case that a result keeps; empty if there is none."""
+    text = str(tree.attrs.get("case", ""))
+    try:
+        data = tomllib.loads(text)
+        table = data.get(name, {})
+    except (ValueError, AttributeError):
+        return {}
+    return table if isinstance(table, dict) else {}
+
+
+def towards_heel(ease_off: xr.Dataset, member: str) -> Array:
+    """Unit vector (3) of a member's axis, in the global frame, from its crossing point to the mesh."""
+    axis = np.asarray(ease_off.attrs[f"{member}_axis"], dtype=float)
+    origin = np.asarray(ease_off.attrs[f"{member}_origin_mm"], dtype=float)
+    action = ordered(ease_off, "action_position", "lengthwise", "profile", "space").reshape(-1, 3)
+    mesh = np.mean(action[np.all(np.isfinite(action), axis=1)], axis=0)
+    return np.asarray(axis * np.sign(axis @ (mesh - origin)))
+
+
+def _written(values: Array, form: str) -> list[str]:
+    return [format(value, form) if np.isfinite(value) else "-" for value in values]
+
+
+def _both(radial: Array, axial: Array) -> list[str]:
+    return [f"{r}, {a}" for r, a in zip(_written(radial, ".0f"), _written(axial, "+.0f"), strict=True)]

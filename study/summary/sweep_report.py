@@ -1,0 +1,388 @@
+"""Report of a sweep: its points, percentiles of the main numbers, sensitivities and worst points, as text.
+
+Wear in words: revolutions and steps, greatest depths, and the transmission error before and after.
+
+Table of a V-H check, as text.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from tabulate import tabulate
+
+from ...core.errors import InputError, printable
+from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
+from ..sweep.sweep_file import PointStatus
+from .deflection_report import error_words
+from .result_summary import WIDTH
+
+#: Numbers that are shown, where a sweep has them.
+MAIN_NUMBERS = (
+    "peak_to_peak",
+    "max_pressure",
+    "contact_ratio",
+    "max_edge_share",
+    "pattern_centre_lengthwise",
+    "pattern_centre_profile",
+    "pattern_length",
+    "max_root_stress",
+    "efficiency",
+    "min_film_thickness",
+    "max_flash_temperature",
+)
+SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
+SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
+SHOWN_LOADS = 3  # torques, and combinations of conditions, that tables show one by one
+REASON_COUNT_LIMIT = 5
+WORST_NUMBER, WORST_COUNT = "max_pressure", 3
+SENSITIVITY_NOTE = (
+    "scale: standard deviation of the samples, or half the range of the grid; effect: change of the number with one "
+    "scale of the coordinate; slope: change with one unit of it"
+)
+
+
+def outcome(dataset: xr.Dataset) -> str:
+    """Outcome of a sweep in one line: how many points are certified, and how the others ended.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> outcome(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
+    '3 of 3 points certified'
+    """
+    status = dataset["status"].values
+    counts = {one: int(np.count_nonzero(status == one)) for one in PointStatus}
+    said = [f"{counts[PointStatus.CERTIFIED]} of {status.size} points certified"]
+    said += [
+        f"{count} {one.name.lower().replace('_', ' ')}"
+        for one, count in counts.items()
+        if count and one != PointStatus.CERTIFIED
+    ]
+    return ", ".join(said)
+
+
+@dataclass(frozen=True)
+class SweepTable:
+    """A table of the report of a sweep.
+
+    Attributes
+    ----------
+    title
+        Its heading.
+    heads
+        Names of the columns.
+    rows
+        The rows, a text a column.
+    names
+        Number of columns that name the row, on the left.
+    note
+        What the columns mean, if they do not say so.
+
+    Examples
+    --------
+    >>> print(SweepTable("Points", ["E"], [["0.1"]], 0).text())
+    Points
+    <BLANKLINE>
+      E
+    ---
+    0.1
+    """
+
+    title: str
+    heads: list[str]
+    rows: list[list[str]]
+    names: int = 1
+    note: str = ""
+
+    def text(self) -> str:
+        """Heading, table and note as text."""
+        aligned = ("left",) * self.names + ("right",) * (len(self.heads) - self.names)
+        table = tabulate(self.rows, headers=self.heads, disable_numparse=True, colalign=aligned)
+        return "\n".join([self.title, "", table, *([textwrap.fill(self.note, WIDTH)] if self.note else [])])
+
+
+def sweep_summary(dataset: xr.Dataset) -> str:
+    """Summary of a sweep.
+
+    Parameters
+    ----------
+    dataset
+        From ``sweep`` or ``read_sweep``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> print(sweep_summary(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])).splitlines()[3])
+    E             3 values from 0 to 0.04 mm
+    """
+    title = textwrap.wrap(sweep_title(dataset), WIDTH) or ["untitled"]
+    head = "\n".join(f"{name:<13} {words}" for name, words in sweep_head(dataset))
+    parts = ["\n".join(title), "=" * max(map(len, title)), "", head, "", outcome(dataset)]
+    if reasons := failure_reasons(dataset):
+        parts += ["", *(textwrap.fill(line, WIDTH) for line in reasons)]
+    for table in sweep_tables(dataset):
+        parts += ["", table.text()]
+    return "\n".join(parts)
+
+
+def sweep_title(dataset: xr.Dataset) -> str:
+    """Title of the pair that is swept."""
+    return printable(str(dataset.attrs.get("title", "untitled")))
+
+
+def shown_numbers(dataset: xr.Dataset) -> list[str]:
+    """Main numbers that a sweep has."""
+    return [name for name in MAIN_NUMBERS if name in numbers(dataset) and bool(dataset[name].notnull().any())]
+
+
+def sweep_tables(dataset: xr.Dataset) -> list[SweepTable]:
+    """Tables of a sweep: percentiles, sensitivities and worst points; none without a certified point."""
+    known = shown_numbers(dataset)
+    if not known:
+        return []
+    return [_percentile_table(dataset, known), *_sensitivity_tables(dataset), *_worst(dataset)]
+
+
+def sweep_head(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Swept coordinates, then what was held: torques, conditions, flank and assembly errors; names and words."""
+    swept = swept_names(dataset)
+    rows = [(name, _values(dataset, name)) for name in swept]
+    rows += [(name, _values(dataset, name)) for name in LOADS if name in dataset.coords and name not in swept]
+    attrs = dataset.attrs
+    if "flank" in attrs and "flank" not in swept:
+        rows.append(("flank", f"{attrs['flank']}, held"))
+    words, _ = error_words(attrs)
+    if words:
+        rows.append(("misalignment", f"{', '.join(words)}, held"))
+    for name in ("deflections", "supports"):
+        if said := str(attrs.get(name, "")):
+            rows.append((name, printable(said)))
+    if "seed" in attrs:
+        sampler = f"{attrs.get('sampler', '')}, seed {attrs['seed']}: {attrs.get('distributions', '')}"
+        rows.append(("samples", printable(sampler)))
+    return rows
+
+
+def _values(dataset: xr.Dataset, name: str) -> str:
+    """Values of a coordinate in words; of a single one that it was held."""
+    values, units = dataset[name].values, dataset[name].attrs.get("units", "")
+    units = "" if units == "1" else f" {units}"
+    if name not in swept_names(dataset) and values.size == 1:
+        return printable(f"{values.ravel()[0]:.6g}{units}, held")
+    over = dataset[name].dims[0] if dataset[name].dims else ""
+    what = "values" if over == name else f"{str(over).replace('_', ' ')}s"
+    if values.dtype.kind == "f":
+        return printable(f"{values.size} {what} from {values.min():.6g} to {values.max():.6g}{units}")
+    more = " ..." * (values.size > SHOWN_LOADS)
+    return printable(f"{values.size} {what}: {', '.join(map(str, values[:SHOWN_LOADS]))}{more}")
+
+
+def failure_reasons(dataset: xr.Dataset) -> list[str]:
+    """The most frequent reasons of failures, a line each."""
+    found = Counter(str(reason) for reason in dataset["reason"].values.ravel() if reason)
+    lines = [f"{count} x {printable(reason)}" for reason, count in found.most_common(REASON_COUNT_LIMIT)]
+    left = len(found) - len(lines)
+    return lines + [f"... and {left} more reasons in the variable reason"] * (left > 0)
+
+
+def _cases(variable: xr.DataArray) -> list[tuple[dict[Any, int], str]]:
+    """Selections of torque and conditions to show one by one, with their words; of many the first and the last."""
+    dims = [dim for dim in variable.dims if dim in LOADS]
+    sizes = [variable.sizes[dim] for dim in dims]
+    places = list(np.ndindex(*sizes))
+    if len(places) > SHOWN_LOADS:
+        places = [places[0], places[-1]]
+    found = []
+    for place in places:
+        words = ", ".join(
+            f"{variable[dim].values[i]:g} {variable[dim].attrs.get('units', '')}"
+            for dim, i in zip(dims, place, strict=True)
+        )
+        found.append((dict(zip(dims, place, strict=True)), words))
+    return found
+
+
+def _percentile_table(dataset: xr.Dataset, names: list[str]) -> SweepTable:
+    reduced = percentiles(dataset, SHOWN_PERCENT, names)
+    rows = []
+    for name in names:
+        for at, words in _cases(reduced[name]):
+            values = reduced[name].isel(at)
+            extra = [dim for dim in values.dims if dim != "percentile"]
+            shown = values.isel(dict.fromkeys(extra, 0)).values
+            rows.append([name, reduced[name].attrs.get("units", ""), words, *(f"{value:.4g}" for value in shown)])
+    heads = ["number", "unit", "at", "least", "5 %", "median", "95 %", "greatest"]
+    return SweepTable("Percentiles over the points", heads, rows, 3)
+
+
+def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
+    """Tables of first-order sensitivities, one a number; the first says what the columns are."""
+    tables: list[SweepTable] = []
+    for name in SENSITIVE_NUMBERS:
+        try:
+            found = sensitivities(dataset, name)
+        except InputError:
+            continue
+        at, words = _cases(found["effect"])[-1]
+        chosen = found.isel(at)
+        units = str(dataset[name].attrs.get("units", "1"))
+        rows: list[list[str]] = []
+        for i in np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values))):
+            coordinate = str(chosen["coordinate"].values[i])
+            unit = str(dataset[coordinate].attrs.get("units", "1"))
+            share = chosen["variance_share"].values[i]
+            rows.append(
+                [
+                    coordinate,
+                    f"{chosen['scale'].values[i]:.3g} {unit}".removesuffix(" 1"),
+                    f"{chosen['effect'].values[i]:+.3g} {units}".removesuffix(" 1"),
+                    f"{chosen['slope'].values[i]:+.4g} {_per(units, unit)}".rstrip(),
+                    "" if np.isnan(share) else f"{100 * share:.0f} %",
+                ]
+            )
+        heads = ["coordinate", "scale", "effect", "slope", "of variance"]
+        if not any(row[-1] for row in rows):
+            heads, rows = heads[:-1], [row[:-1] for row in rows]
+        where = f" at {words}" if words else ""
+        title = f"First-order sensitivities of {name}{where}"
+        tables.append(SweepTable(title, heads, rows, 1, "" if tables else SENSITIVITY_NOTE))
+    return tables
+
+
+def _per(units: str, unit: str) -> str:
+    """Unit of a slope.
+
+    >>> _per("urad", "mm"), _per("1", "mm"), _per("MPa", "1")
+    ('urad/mm', '1/mm', 'MPa')
+    """
+    if unit in ("", "1"):
+        return "" if units == "1" else units
+    return f"{units}/{unit}" if "/" not in unit else f"{units}/({unit})"
+
+
+def _worst(dataset: xr.Dataset) -> list[SweepTable]:
+    """Points with the greatest pressure."""
+    name = WORST_NUMBER
+    if name not in numbers(dataset):
+        return []
+    found = worst_points(dataset, name, WORST_COUNT)
+    columns = list(dict.fromkeys(one for one in (*swept_names(dataset), "torque") if one in found))
+    rows = [
+        [*(_word(found[one].values[i]) for one in columns), f"{found[name].values[i]:.5g}"]
+        for i in range(found.sizes["rank"])
+    ]
+    units = [dataset[one].attrs.get("units", "") if one in dataset else "" for one in (*columns, name)]
+    heads = [
+        f"{one} [{unit}]" if unit not in ("", "1") else one for one, unit in zip((*columns, name), units, strict=True)
+    ]
+    return [SweepTable(f"Points with the greatest {name}", heads, rows, len(columns))]
+
+
+def _word(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float | np.floating) else printable(str(value))
+
+
+def wear_summary(history: xr.Dataset) -> str:
+    """Lines on a history of wear, those of ``easeoff wear`` and ``easeoff show``.
+
+    Parameters
+    ----------
+    history
+        Of ``study.wear``, or read from its file.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.study import WearLaw, wear
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> history = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=100.0)
+    >>> print(wear_summary(history).splitlines()[1].partition(":")[0])
+    largest depth
+    """
+    last = history.isel(step=-1)
+    depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
+    steps = history.sizes["step"] - 1
+    lines = [
+        f"{history.attrs.get('stop', 'ended')}, {float(last['revolutions']):.4g} revolutions in {steps} steps",
+        f"largest depth: {depths}",
+        "contact on lines alone, without tooth edges",
+    ]
+    if "deflections" in history.attrs:
+        lines.append(f"deflections: {history.attrs['deflections']}")
+    for torque in history["torque"].values:
+        at = history.sel(torque=torque)
+        first, final = (float(at["peak_to_peak"][step]) for step in (0, -1))
+        lines.append(f"peak to peak at {torque:g} N m: {first:.1f} to {final:.1f} urad")
+        pressures = [float(at["max_pressure"][step]) for step in (0, -1)]
+        lines.append(f"greatest pressure at {torque:g} N m: {pressures[0]:.0f} to {pressures[1]:.0f} MPa")
+    return "\n".join(lines)
+
+
+HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe %, root %", "from, to\ntoe %", "height\n%", "peak to\npeak urad")
+#: What V and H are positive for, one phrase each.
+SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")
+
+
+def vh_table(found: xr.Dataset) -> str:
+    """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached.
+
+    Parameters
+    ----------
+    found
+        Of ``study.vh_check``.
+
+    Examples
+    --------
+    >>> from easeoff.study import vh_check
+    >>> print(vh_table(vh_check("fh-design-a")).splitlines()[-1].partition(":")[0])
+    toe to heel
+    """
+    table = tabulate(vh_rows(found), headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))
+    lines = [table, *reasons(found), "", totals(found)]
+    return "\n".join(lines)
+
+
+def vh_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
+    """Cells of the table, a row a place; of one that was not reached its name and these words alone."""
+    rows: list[tuple[str, ...]] = []
+    for place in found["place"].values:
+        one = found.sel(place=place)
+        value = {str(name): variable.item() for name, variable in one.data_vars.items() if not variable.ndim}
+        if np.isnan(value["v"]):
+            rows.append((str(place), "not reached"))
+            continue
+        centre = (value["pattern_centre_lengthwise"], value["pattern_centre_profile"])
+        rows.append(
+            (
+                str(place),
+                f"{value['v']:+.3f}",
+                f"{value['h']:+.3f}",
+                "{:.1f}, {:.1f}".format(*(100.0 * part for part in centre)),
+                "{:.0f}, {:.0f}".format(*(100.0 * value[name] for name in ("pattern_from", "pattern_to"))),
+                f"{100.0 * value['pattern_height']:.0f}",
+                f"{value['peak_to_peak']:.1f}",
+            )
+        )
+    return rows
+
+
+def reasons(found: xr.Dataset) -> list[str]:
+    """Lines on the places that were not reached."""
+    names = [f"reason_{place}" for place in found["place"].values]
+    return [f"{name.removeprefix('reason_')}: {found.attrs[name]}" for name in names if name in found.attrs]
+
+
+def totals(found: xr.Dataset) -> str:
+    """Total V, total H and H/V in one line."""
+    v, h, ratio = (float(found[name]) for name in ("total_v", "total_h", "h_over_v"))
+    if np.isnan(v):
+        return "toe to heel: unknown, as toe and heel were not both reached"
+    return f"toe to heel: total V {v:+.3f} mm, total H {h:+.3f} mm, H/V {ratio:+.3f}"

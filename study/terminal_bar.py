@@ -1,0 +1,159 @@
+"""Progress of what takes long: a bar on a terminal, lines elsewhere."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any, Self
+
+from ..core.errors import printable, time_in_words
+
+FIRST_LINE = 2.0  # [s] from the start
+LEAST_INTERVAL, INTERVAL_SHARE = 5.0, 0.25  # between lines: [s], and of the time so far
+FORETOLD_SHARE, FORETOLD_STEPS = 0.03, 3  # steps done before which nothing is said of those left: part, number
+SWITCH = "EASEOFF_PROGRESS"  # an environment variable; "off" for no lines where there is no terminal
+
+
+def terminal_bar(**options: Any) -> Any:
+    """A bar of tqdm on a terminal, without tqdm's thread; elsewhere the same as lines.
+
+    In that thread Python may collect garbage, and close a netCDF file while the main thread is in the netCDF library,
+    which ends the process.
+
+    Parameters
+    ----------
+    **options
+        Arguments of ``tqdm.tqdm``: of lines ``desc``, ``total`` and ``unit`` count.
+
+    Examples
+    --------
+    >>> with terminal_bar(total=2) as bar:
+    ...     bar.update(1) is None or True
+    True
+    """
+    if not _on_terminal() and lines_wanted():
+        known = {name: options[name] for name in ("desc", "total", "unit") if name in options}
+        return ProgressLines(**known)
+    from tqdm import tqdm
+
+    tqdm.monitor_interval = 0
+    return tqdm(disable=not _on_terminal(), leave=False, **options)
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Say what is done while it is done: of steps that are not counted, and take more than two seconds.
+
+    Parameters
+    ----------
+    what
+        Such as "drawing the pictures".
+
+    Examples
+    --------
+    >>> with working("counting"):
+    ...     1 + 1
+    2
+    """
+    if not _on_terminal() and lines_wanted():
+        _line(f"{what} ...")
+        yield
+        return
+    with terminal_bar(desc=what, bar_format="{desc} ..."):
+        yield
+
+
+class ProgressLines:
+    """Progress as lines on the standard error output: the first after two seconds, then ever fewer.
+
+    Parameters
+    ----------
+    desc
+        What is done.
+    total
+        Number of steps, if it is known.
+    unit
+        What a step is, in the singular.
+
+    Examples
+    --------
+    >>> with ProgressLines("wear", total=10, unit="step") as progress:
+    ...     progress.update(3)
+    >>> progress.words(8.0)
+    'wear: 3 of 10 steps, 8 s, about 19 s left'
+    """
+
+    disable = False
+
+    def __init__(self, desc: str = "", total: float | None = None, unit: str = "step") -> None:
+        self.description, self.total, self.unit = desc, total, unit
+        self.n = 0.0
+        self._postfix = ""
+        self._begin = self._stage_begin = time.perf_counter()
+        self._next = self._begin + FIRST_LINE
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+    def update(self, steps: float = 1) -> None:
+        """Count steps that are done."""
+        self.n += steps
+        self._tell()
+
+    def reset(self) -> None:
+        """Begin a stage."""
+        self.n = 0.0
+        self._stage_begin = time.perf_counter()
+
+    def set_description_str(self, desc: str) -> None:
+        """Name the stage."""
+        if desc != self.description:
+            self.description = desc
+            self._tell(at_once=True)
+
+    def set_postfix_str(self, text: str) -> None:
+        """Name what is done within the stage."""
+        self._postfix = text
+
+    def clear(self) -> None:
+        """Nothing: lines stay; a bar leaves the terminal to other output until it is refreshed."""
+
+    def words(self, seconds: float) -> str:
+        """The line of now, which is a time [s] after the begin of the stage."""
+        name = f"{self.description}, {self._postfix}" if self._postfix else self.description
+        if not self.total:
+            units = self.unit if self.n == 1 else f"{self.unit}s"
+            return f"{name}: {self.n:.5g} {units}, {seconds:.0f} s" if self.n and seconds >= 1.0 else f"{name} ..."
+        if not self.n:
+            return f"{name}: {self.total:.5g} {self.unit}s ..."
+        known = self.n >= max(FORETOLD_SHARE * self.total, FORETOLD_STEPS)
+        left = seconds * (self.total - self.n) / self.n if known else 0.0
+        told = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
+        return f"{told}, {time_in_words(left)} left" if left > 0.0 else told
+
+    def _tell(self, *, at_once: bool = False) -> None:
+        now = time.perf_counter()
+        if now < self._next and not (at_once and now > self._begin + FIRST_LINE):
+            return
+        _line(self.words(now - self._stage_begin))
+        self._next = now + max(LEAST_INTERVAL, INTERVAL_SHARE * (now - self._begin))
+
+
+def _on_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
+def lines_wanted() -> bool:
+    """Whether progress is told in lines where there is no terminal."""
+    return sys.stderr is not None and os.environ.get(SWITCH, "") != "off"
+
+
+def _line(text: str) -> None:
+    with suppress(OSError, ValueError):  # of a full disk or a closed pipe; the work goes on
+        print(printable(text), file=sys.stderr, flush=True)  # noqa: T201

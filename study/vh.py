@@ -1,0 +1,522 @@
+"""V-H check of a case: V and H at which the unloaded pattern is centred at toe, middle and heel, and patterns between.
+
+V is a displacement along the offset, added to E of the misalignment; H one of the pinion along its axis, added to P.
+
+Search for the displacements V and H at which a pattern is centred at a place of the flank.
+
+Newton's method with Broyden's update of the derivatives: an evaluation is a whole unloaded analysis, and the centre
+moves smoothly with V and H until the edges of the teeth cut the pattern. Steps are shortened until they lead nearer.
+
+Unloaded patterns of a pair at displacements V and H, and their numbers as a dataset.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..cases.deflection_table import MisalignmentSource
+from ..cases.schema.case_schema import Case, ComplianceTable
+from ..contact.evaluation.flank_region import ProjectionPlane
+from ..contact.evaluation.marking_print import PRINT_GRID, checked_thickness
+from ..contact.evaluation.unloaded_pattern import UnloadedPattern
+from ..core.attributes import StoredStatus, labelled
+from ..core.checks import frozen_arrays, number, two_whole, whole
+from ..core.errors import GeometryError
+from ..core.netcdf_file import write_netcdf
+from ..geometry.deviation.deviation import Method
+from ..geometry.pair.gear_pair import FlankName
+from ..geometry.pair.modification import Modification
+from ..geometry.tooth.tooth_flanks import MemberName
+from .case_in_mesh import CaseInMesh, case_attributes, checked_case
+from .deviation_source import Deviated, Source
+from .progress import shows_progress, told
+
+Array = NDArray[Any]
+#: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.
+Centre = Callable[[Array], Array]
+
+HALVING_COUNT_LIMIT = 4  # of a step that does not lead nearer
+EVALUATION_COUNT_LIMIT = 40  # of the centre, in one search
+LEAST_DECREASE = 0.05  # of the distance that a step must take off, as a share
+STEP_SHARE = 0.01  # of the face; the longest step
+DIFFERENCE_SHARE = 4e-4  # of the face; a step of V and H for derivatives
+SHORT_SHARE = 1e-4  # of the face; shorter steps say nothing of the derivatives, the print has corners
+
+
+class PatternStatus(StoredStatus):
+    """How the search for a place of the pattern ended.
+
+    Examples
+    --------
+    >>> PatternStatus(0).name
+    'REACHED'
+    """
+
+    REACHED = 0
+    NO_PATTERN = 1
+    OUT_OF_RANGE = 2
+    NOT_REACHED = 3
+
+
+REASONS = {
+    PatternStatus.REACHED: "",
+    PatternStatus.NO_PATTERN: "there is no pattern at V = H = 0 to start from",
+    PatternStatus.OUT_OF_RANGE: "V or H would exceed the range",
+    PatternStatus.NOT_REACHED: "the pattern comes no nearer: it leaves the flank, or edges cut it off",
+}
+
+
+@frozen_arrays
+@dataclass(frozen=True)
+class Found:
+    """The nearest place that a search came to.
+
+    Parameters
+    ----------
+    displacement
+        V and H (2) [mm].
+    centre
+        Of the pattern (2) [mm].
+    slope
+        Derivatives (2, 2) of the centre by V and H, as the search last knew them.
+    status
+        How it ended.
+    """
+
+    displacement: Array
+    centre: Array
+    slope: Array
+    status: PatternStatus
+
+    def distance(self, target: Array) -> float:
+        """Distance from a place [mm]."""
+        return float(np.linalg.norm(self.centre - target))
+
+
+@dataclass
+class PatternSearch:
+    """Search with one way to compute the centre.
+
+    Parameters
+    ----------
+    centre
+        The centre as a function of V and H.
+    face
+        Length of the flank [mm].
+    reach
+        Greatest size of V and of H [mm].
+    tolerance
+        Greatest distance of the centre from its place [mm].
+
+    Examples
+    --------
+    >>> slope = np.array([[-20.0, 5.0], [10.0, 10.0]])
+    >>> search = PatternSearch(lambda x: np.array([15.0, 4.0]) + slope @ x + 3.0 * x**2, 30.0, 3.0, tolerance=1e-4)
+    >>> found = search.find(np.array([10.0, 4.0]), search.start())
+    >>> found.status.name, bool(found.distance(np.array([10.0, 4.0])) < 1e-4)
+    ('REACHED', True)
+    """
+
+    centre: Centre
+    face: float
+    reach: float
+    tolerance: float
+    evaluations: int = field(default=0, init=False)
+
+    def start(self, displacement: Array | None = None) -> Found:
+        """Centre and its derivatives, by differences, at displacements (2) [mm]; at none if left out."""
+        here = np.zeros(2) if displacement is None else displacement
+        centre = self._centre(here)
+        if not np.all(np.isfinite(centre)):
+            return Found(here, centre, np.full((2, 2), np.nan), PatternStatus.NO_PATTERN)
+        slope = self._slope(here, centre)
+        known = bool(np.all(np.isfinite(slope)))
+        return Found(here, centre, slope, PatternStatus.NOT_REACHED if known else PatternStatus.NO_PATTERN)
+
+    def find(self, target: Array, start: Found) -> Found:
+        """Displacements at which the centre is at a place (2) [mm], from where another search ended."""
+        if start.status == PatternStatus.NO_PATTERN:
+            return start
+        here, centre, slope = start.displacement, self._centre(start.displacement), start.slope
+        if not np.all(np.isfinite(centre)):
+            return Found(here, centre, slope, PatternStatus.NO_PATTERN)
+        last, fresh, was_cut = self.evaluations + EVALUATION_COUNT_LIMIT, False, False
+        while np.linalg.norm(centre - target) > self.tolerance:
+            step, cut = self._step(here, target - centre, slope)
+            if cut and was_cut:
+                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE)
+            was_cut, moved = cut, None
+            for _ in range(HALVING_COUNT_LIMIT):
+                found = self._centre(here + step)
+                if np.all(np.isfinite(found)):
+                    if np.linalg.norm(step) > SHORT_SHARE * self.face:
+                        slope = slope + np.outer(found - centre - slope @ step, step) / (step @ step)
+                    nearer = np.linalg.norm(found - target) <= (1.0 - LEAST_DECREASE) * np.linalg.norm(centre - target)
+                    if nearer:
+                        moved = here + step, found
+                        break
+                step = 0.5 * step
+            if moved is not None:
+                (here, centre), fresh = moved, False
+            elif cut or fresh or self.evaluations >= last:
+                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE if cut else PatternStatus.NOT_REACHED)
+            else:
+                taken = self._slope(here, centre)
+                if not np.all(np.isfinite(taken)):
+                    return Found(here, centre, slope, PatternStatus.NOT_REACHED)
+                slope, fresh = taken, True
+        return Found(here, centre, slope, PatternStatus.REACHED)
+
+    def _centre(self, displacement: Array) -> Array:
+        self.evaluations += 1
+        return self.centre(displacement)
+
+    def _slope(self, here: Array, centre: Array) -> Array:
+        """Derivatives (2, 2) of the centre by V and H, forward."""
+        size = DIFFERENCE_SHARE * self.face
+        return np.stack([(self._centre(here + step) - centre) / size for step in size * np.eye(2)], axis=1)
+
+    def _step(self, here: Array, wanted: Array, slope: Array) -> tuple[Array, bool]:
+        """Step (2) towards a change of the centre (2), not too long and within the range; whether that cut it."""
+        step = np.linalg.lstsq(slope, wanted, rcond=1e-6)[0]
+        longest = STEP_SHARE * self.face
+        step = step * min(1.0, longest / max(float(np.linalg.norm(step)), 1e-300))
+        cut = bool(np.any(np.abs(here + step) > self.reach))
+        return (np.clip(here + step, -self.reach, self.reach) - here, True) if cut else (step, False)
+
+
+PLACES = ("toe", "middle", "heel")
+STORED_GRID = (121, 61)  # points of a stored print along the face and the profile; every second of an exact one
+GRID_MARGIN = 0.1  # of the range of V and of H that was found, beyond it on both sides of the grid
+ROUND_FACTORS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0)  # times a power of ten, of a step
+ROUNDING = 1e-9  # of a step
+GRID_MINIMUM = 0.004  # of the length of the flank, to both sides: the grid is no smaller
+
+
+@dataclass
+class ShiftedPatterns:
+    """Unloaded patterns of a pair at V and H, each computed once.
+
+    Parameters
+    ----------
+    state
+        The pair in mesh at V = H = 0.
+    thickness
+        Of the marking compound [um].
+    shape
+        Points of the print along the face and the profile.
+    progress
+        Called after every pattern that is computed.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("fh-design-a")
+    >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 11, "profile_nodes": 7}
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse), "compliance": shells})
+    >>> patterns = ShiftedPatterns(CaseInMesh.of(case), 6.0, (61, 31))
+    >>> along, up = patterns.centre(np.array([0.1, 0.0])) - patterns.centre(np.zeros(2))
+    >>> bool(along < -1.0 < up)
+    True
+    """
+
+    state: CaseInMesh
+    thickness: float
+    shape: tuple[int, int] = PRINT_GRID
+    progress: Callable[[], None] | None = None
+    known: dict[tuple[float, float], UnloadedPattern | None] = field(default_factory=dict, init=False)
+
+    @property
+    def plane(self) -> ProjectionPlane:
+        """Projection plane of the gear flank."""
+        return ProjectionPlane.of(self.state.unmodified.geometry.flanks)
+
+    @property
+    def size(self) -> Array:
+        """Length of the gear flank at mid height and its height at mid face (2) [mm]."""
+        toe, heel, root, tip = self.plane(np.array([[0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.0, 1.0]])).T
+        return np.array([np.linalg.norm(heel - toe), np.linalg.norm(tip - root)])
+
+    def at(self, displacement: Array) -> UnloadedPattern | None:
+        """Pattern at V and H (2) [mm]; ``None`` if the flanks do not meet."""
+        v, h = map(float, displacement)
+        if (v, h) not in self.known:
+            self.known[v, h] = self._computed(v, h)
+            if self.progress is not None:
+                self.progress()
+        return self.known[v, h]
+
+    def _computed(self, v: float, h: float) -> UnloadedPattern | None:
+        base = self.state.pair.assembly.misalignment
+        errors = replace(base, offset=base.offset + v, pinion_axial=base.pinion_axial + h)
+        try:
+            return UnloadedPattern.of(self.state.misaligned(errors).cycle, self.thickness, self.shape)
+        except GeometryError:
+            return None
+
+    def centre(self, displacement: Array) -> Array:
+        """Centre of the pattern (2) [mm]; NaN if there is none."""
+        pattern = self.at(displacement)
+        return np.full(2, np.nan) if pattern is None else np.asarray(pattern.region.centre * self.size)
+
+
+def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPatterns) -> xr.Dataset:
+    """What was found at the places (3, 2), as fractions; NaN where the pattern cannot be brought there."""
+    shifts = np.array([one.displacement for one in found.values()])
+    shifts[[one.status != PatternStatus.REACHED for one in found.values()]] = np.nan
+    numbers, prints = _numbers([patterns.at(shift) if np.all(np.isfinite(shift)) else None for shift in shifts])
+    total = shifts[-1] - shifts[0]
+    data: dict[str, Any] = {
+        "v": ("place", shifts[:, 0]),
+        "h": ("place", shifts[:, 1]),
+        "place_lengthwise": ("place", places[:, 0]),
+        "place_profile": ("place", places[:, 1]),
+        **{name: ("place", values) for name, values in numbers.items()},
+        "status": (
+            "place",
+            np.array([one.status for one in found.values()], dtype=np.int8),
+            PatternStatus.flag_attributes() | {"long_name": "how the search for the place ended"},
+        ),
+        "total_v": total[0],
+        "total_h": total[1],
+        "h_over_v": total[1] / total[0] if total[0] else np.nan,
+        "print_excess": (("place", "lengthwise", "profile"), prints),
+    }
+    axes = [np.linspace(0.0, 1.0, n) for n in STORED_GRID]
+    in_plane = patterns.plane(np.stack(np.meshgrid(*axes, indexing="ij")))
+    reasons = {f"reason_{name}": _reason(one, patterns.size) for name, one in found.items() if REASONS[one.status]}
+    return xr.Dataset(
+        {**data, "in_plane": (("plane_axis", "lengthwise", "profile"), in_plane)},
+        coords={
+            "place": list(PLACES),
+            "plane_axis": ["along", "across"],
+            **dict(zip(("lengthwise", "profile"), axes, strict=True)),
+        },
+        attrs=reasons,
+    )
+
+
+def _reason(found: Found, size: Array) -> str:
+    """Why a place is not reached, and how near the pattern came."""
+    said = REASONS[found.status]
+    if not np.all(np.isfinite(found.centre)):
+        return said
+    (v, h), (along, up) = found.displacement, 100.0 * found.centre / size
+    return f"{said}; nearest: centre {along:.1f}, {up:.1f} % from toe, root at V = {v:.4f}, H = {h:.4f} mm"
+
+
+def grid_dataset(found: xr.Dataset, counts: tuple[int, int], patterns: ShiftedPatterns) -> xr.Dataset:
+    """Patterns at round, even values of V and H around those that were found, and around zero."""
+    face = float(patterns.size[0])
+    axes = []
+    for name, count in zip(("v", "h"), counts, strict=True):
+        values = np.append(found[name].values[np.isfinite(found[name].values)], 0.0)
+        margin = max(GRID_MARGIN * float(np.ptp(values)), GRID_MINIMUM * face)
+        axes.append(round_values(values.min() - margin, values.max() + margin, count))
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    numbers, prints = _numbers([patterns.at(point) for point in points.reshape(-1, 2)])
+    dimensions = ("v_grid", "h_grid")
+    data: dict[str, Any] = {f"grid_{name}": (dimensions, values.reshape(counts)) for name, values in numbers.items()}
+    data["grid_print_excess"] = ((*dimensions, "lengthwise", "profile"), prints.reshape(*counts, *STORED_GRID))
+    return xr.Dataset(data, coords=dict(zip(dimensions, axes, strict=True)))
+
+
+def round_values(low: float, high: float, count: int) -> Array:
+    """Multiples (count) of half a round step, the smallest with which they reach from ``low`` or below to ``high``.
+
+    Parameters
+    ----------
+    low, high
+        Range that must be covered, of some length.
+    count
+        Number of values, at least 2.
+
+    Examples
+    --------
+    >>> round_values(-0.51, 0.43, 5).tolist()
+    [-0.6, -0.3, 0.0, 0.3, 0.6]
+    """
+    decade = 10.0 ** np.floor(np.log10((high - low) / (count - 1)))
+    for step in (factor * ten * decade for ten in (1.0, 10.0) for factor in ROUND_FACTORS):
+        for offset in (0.0, 0.5):  # an even number of values may be even about zero
+            first = np.floor(low / step - offset + ROUNDING) + offset
+            if (first + count - 1) * step >= high - ROUNDING * step:
+                return np.asarray(np.round((first + np.arange(count)) * step, 12))
+    return np.linspace(low, high, count)
+
+
+def _numbers(patterns: list[UnloadedPattern | None]) -> tuple[dict[str, Array], Array]:
+    """Numbers (n) of patterns by name, and their prints (n, *STORED_GRID); NaN of those that are missing."""
+    rows, prints = [], []
+    for pattern in patterns:
+        if pattern is None:
+            rows.append(np.full(7, np.nan))
+            prints.append(np.full(STORED_GRID, np.nan))
+            continue
+        region, excess = pattern.region, pattern.printed.excess
+        rows.append(np.array([*region.centre, *region.size, *region.extent[0], pattern.peak_to_peak]))
+        coarser = [(n - 1) // (stored - 1) for n, stored in zip(excess.shape, STORED_GRID, strict=True)]
+        prints.append(excess[:: coarser[0], :: coarser[1]])
+    names = (
+        *("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height"),
+        *("pattern_from", "pattern_to", "peak_to_peak"),
+    )
+    return dict(zip(names, np.array(rows).T, strict=True)), np.array(prints)
+
+
+CENTRE_TOLERANCE, ESTIMATE_TOLERANCE = 2e-5, 1e-3  # of the centre, over the length of the flank
+NODES = (21, 13)  # of the ease-off; more change the centre by less than 1e-5 of the face
+ESTIMATE_NODES, ESTIMATE_POSITIONS, ESTIMATE_GRID = (15, 9), 16, (61, 31)
+RANGE_SHARE = 0.1  # of the length of the flank: range of V and H if none is given
+RANGE_LIMIT = 9.9  # [mm]
+GRID_COUNT_LIMIT = 21  # of the values of V and of H in the grid
+
+
+@shows_progress("V-H check", "pattern")
+def vh_check(
+    case: Case | str | Path,
+    *,
+    flank: FlankName = "drive",
+    misalignment: MisalignmentSource | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
+    modification: Modification | None = None,
+    marking: float | None = None,
+    share: float = 0.25,
+    height: float = 0.5,
+    largest: float | None = None,
+    grid: tuple[int, int] | None = None,
+    progress: Callable[[], None] | bool | None = None,
+) -> xr.Dataset:
+    """Shift V and H until the unloaded pattern is centred at toe, middle and heel, at one height of the flank.
+
+    Parameters
+    ----------
+    case, flank, deviations, deviated, interpolation, modification, marking
+        As of ``analyze``; no load is applied, and no elastic tooth is built.
+    misalignment
+        Assembly errors at V = H = 0; the case's own if left out. Of deflections, those without torque.
+    share
+        Place of the pattern's centre at toe and heel: its distance from the end of the tooth, over the face width.
+    height
+        Height of the centre, as a profile fraction of the gear flank.
+    largest
+        Greatest size of V and of H that is tried [mm]; a tenth of the gear's face width if left out.
+    grid
+        Numbers of values of V and H at which the pattern is computed besides, around those found; none if left out.
+    progress
+        ``True`` for a line that shows it; or a function, called after every pattern that is computed.
+
+    Returns
+    -------
+    xr.Dataset
+        V and H, centre, length and height of the pattern, peak to peak of the transmission error and status over
+        ``place`` (toe, middle, heel); ``total_v`` and ``total_h`` from toe to heel and ``h_over_v``; with ``grid``
+        the same of the patterns over ``v_grid`` and ``h_grid``; the prints of all. What is not reached is NaN.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, or the case has no such flanks.
+    GeometryError
+        If the settings describe no tooth in the blank, or the flanks do not meet.
+
+    Examples
+    --------
+    >>> found = vh_check("fh-design-a")
+    >>> found["status"].values.tolist(), found["place"].values.tolist()
+    ([0, 0, 0], ['toe', 'middle', 'heel'])
+    >>> bool(found["v"].sel(place="toe") > 0.0 > found["v"].sel(place="heel"))
+    True
+    """
+    case = checked_case(case)
+    share = number("share", share, above=0.0, below=0.5)
+    height = number("height", height, above=0.0, below=1.0)
+    thickness = checked_thickness(case.contact.separation if marking is None else marking)
+    counts = None if grid is None else _counts(grid)
+    given: dict[str, Any] = {
+        "flank": flank,
+        "misalignment": misalignment,
+        "deviations": deviations,
+        "deviated": deviated,
+        "interpolation": interpolation,
+        "modification": modification,
+    }
+    fine = CaseInMesh.of(_unloaded(case, NODES, case.contact.mesh_positions), **given)
+    coarse = CaseInMesh.of(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), **given)
+    exact = ShiftedPatterns(fine, thickness, progress=told(progress))
+    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, told(progress))
+    size = exact.size
+    reach = RANGE_SHARE * size[0] if largest is None else number("largest", largest, "mm", above=0.0, most=RANGE_LIMIT)
+    places = np.array([[share, height], [0.5, height], [1.0 - share, height]])
+    found = _searched(dict(zip(PLACES, places * size, strict=True)), exact, estimate, min(float(reach), RANGE_LIMIT))
+    dataset = found_dataset(found, places, exact)
+    if counts is not None:
+        dataset = dataset.merge(
+            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, told(progress)))
+        )
+    origin = case_attributes(case, "vh_check") | fine.attributes
+    units = {"separation": thickness, "attribute_units": "separation: um"}
+    return labelled(dataset).assign_attrs(origin | units | dataset.attrs)
+
+
+def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a V-H check to a netCDF-4 file.
+
+    Parameters
+    ----------
+    found
+        Of ``vh_check``.
+    path
+        The file, replaced if it exists.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written; nothing is left behind then.
+    """
+    packed = {str(name): {"zlib": True, "complevel": 1} for name, one in found.data_vars.items() if one.ndim > 1}
+    write_netcdf(found, path, packed)
+
+
+def _counts(grid: tuple[int, int]) -> tuple[int, int]:
+    of_v, of_h = two_whole("grid", grid, 2)
+    return whole("grid", of_v, 2, GRID_COUNT_LIMIT), whole("grid", of_h, 2, GRID_COUNT_LIMIT)
+
+
+def _unloaded(case: Case, nodes: tuple[int, int], mesh_positions: int) -> Case:
+    """The case with another grid, and without elastic teeth: nothing here is loaded."""
+    own = case.contact
+    grid = {
+        "lengthwise_nodes": min(nodes[0], own.lengthwise_nodes),
+        "profile_nodes": min(nodes[1], own.profile_nodes),
+        "mesh_positions": min(mesh_positions, own.mesh_positions),
+    }
+    return case.model_copy(
+        update={"contact": own.model_copy(update=grid), "compliance": ComplianceTable(model="shell")}
+    )
+
+
+def _searched(
+    targets: dict[str, Array], exact: ShiftedPatterns, estimate: ShiftedPatterns, reach: float
+) -> dict[str, Found]:
+    """What the search finds at every place: first with coarse patterns, then with the exact ones from there."""
+    face = float(exact.size[0])
+    rough = PatternSearch(estimate.centre, face, reach, ESTIMATE_TOLERANCE * face)
+    fine = PatternSearch(exact.centre, face, reach, CENTRE_TOLERANCE * face)
+    start = rough.start()
+    middle = rough.find(targets["middle"], start)
+    first = middle if middle.status == PatternStatus.REACHED else start
+    found = {"middle": middle, **{name: rough.find(targets[name], first) for name in ("toe", "heel")}}
+    reached = {name for name, one in found.items() if one.status == PatternStatus.REACHED}
+    return {name: fine.find(targets[name], found[name]) if name in reached else found[name] for name in PLACES}
