@@ -23,62 +23,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .core.import_hooks import after_import, fence, show_figures_in_notebooks
+from .core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from . import cases, contact, friction, geometry, study, verification
-    from .cases import Case, read_case
-    from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
-    from .study import plot
-    from .study.analysis.case_analysis import analyze
-    from .study.design.optimal_modification import modify
-    from .study.design.optimization.setting_optimization import optimize
+    import xarray as xr
+
     from .study.notebook.result_accessor import ResultAccessor
     from .study.notebook.sweep_accessor import SweepAccessor
-    from .study.result import read_result, write_result
-    from .study.sweep.parameter_sweep import sweep
 
-    __version__: str
-
-__all__ = [
-    "Case",
-    "EaseoffError",
-    "GeometryError",
-    "InputError",
-    "MissingPackageError",
-    "MissingSolverError",
-    "analyze",
-    "cases",
-    "contact",
-    "friction",
-    "geometry",
-    "modify",
-    "optimize",
-    "plot",
-    "read_case",
-    "read_result",
-    "study",
-    "sweep",
-    "verification",
-    "write_result",
-]
-
-_MODULES = {
-    "Case": ".cases",
-    "EaseoffError": ".core.errors",
-    "GeometryError": ".core.errors",
-    "InputError": ".core.errors",
-    "MissingPackageError": ".core.errors",
-    "MissingSolverError": ".core.errors",
-    "analyze": ".study.analysis.case_analysis",
-    "modify": ".study.design.optimal_modification",
-    "optimize": ".study.design.optimization.setting_optimization",
-    "plot": ".study",
-    "read_case": ".cases",
-    "read_result": ".study.result",
-    "sweep": ".study.sweep.parameter_sweep",
-    "write_result": ".study.result",
-}
-
+_named, __dir__, __all__ = lazy_names(__name__, __file__)
 
 #: Folders with public names, in which a name is looked for that is not here.
 _FOLDERS = ("study", "cases", "contact", "geometry", "friction", "study.plot", "study.sweep", "verification")
@@ -108,17 +61,11 @@ if __name__ == "easeoff":  # test runners import the root of a checkout under th
     show_figures_in_notebooks()
 
 
-def __dir__() -> list[str]:
-    return [*__all__, *(name for name in globals() if name.startswith("__"))]
-
-
 def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return getattr(import_module(_MODULES[name], __name__), name)
+    if name in __all__:
+        return _named(name)
     if name == "__version__":
         return import_module("importlib.metadata").version(__name__)
-    if name in __all__:
-        return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{_hint(name)}")
 
 

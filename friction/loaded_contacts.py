@@ -12,8 +12,7 @@ The contact line is the level set of the roll angle. All velocities are per angu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from dataclasses import fields as dataclass_fields
+from dataclasses import dataclass, fields as dataclass_fields
 from typing import Any
 
 import numpy as np

@@ -14,8 +14,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.conversion import elastic_model, finite_elements, gear_pair
-from ..cases.conversion import misalignment as case_misalignment
+from ..cases.conversion import elastic_model, finite_elements, gear_pair, misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
 from ..cases.deflections import Deflections, misalignment_at
 from ..cases.reading import read_case

@@ -17,8 +17,7 @@ from ..core.output_file import check_writable
 from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
 from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
 from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
-from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES
-from ..geometry.formats.step import require_opencascade
+from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES, require_opencascade
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
 from ..geometry.tooth.tooth_surface import tooth_patches

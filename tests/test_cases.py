@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_strategies import cases
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from runs import replaced
 
 from easeoff import EaseoffError, GeometryError, InputError

@@ -28,8 +28,7 @@ from runs import call, output_of, refusal_of
 from solver_choice import BACKENDS, installed
 
 from easeoff import InputError
-from easeoff.contact import SOLVERS as SOLVER_TABLE
-from easeoff.contact import ContactProblem, read_problems, write_problems
+from easeoff.contact import SOLVERS as SOLVER_TABLE, ContactProblem, read_problems, write_problems
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.study import write_comparison
 from easeoff.study.compare import compare, worker

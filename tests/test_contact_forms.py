@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 from runs import small

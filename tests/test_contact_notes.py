@@ -18,8 +18,8 @@ from easeoff.geometry import Misalignment
 from easeoff.study.plot import mesh_cycle_charts
 from easeoff.study.plot.page import page
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.summary.plausibility import EDGE_SHARE as TOLD_SHARE
 from easeoff.study.summary.plausibility import (
+    EDGE_SHARE as TOLD_SHARE,
     EDGE_SHARE_LIMIT,
     JUMP_LIMIT,
     MESH_POSITION_MINIMUM,

@@ -23,8 +23,7 @@ from click.testing import Result
 from lacking import Damage, damaged, damages
 from netCDF4 import Dataset
 from runs import SHELLS, analysed, call, in_copies, output_of, refusal_of, small_text, text_file
-from sweeps import CASE as SWEPT
-from sweeps import analyse_points_once
+from sweeps import CASE as SWEPT, analyse_points_once
 
 import easeoff
 from easeoff import InputError, read_result

@@ -22,9 +22,7 @@ from runs import SMALL
 import easeoff
 from easeoff.cases import gear_pair, parse_case, parse_design
 from easeoff.cases.reading import CASE, DESIGN, FileKind
-from easeoff.cases.schema import case_schema as model
-from easeoff.cases.schema import cutting_table
-from easeoff.cases.schema import design_schema as design_model
+from easeoff.cases.schema import case_schema as model, cutting_table, design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.schema_table import Table
 from easeoff.contact import SOLVERS, ContactProblem, read_problems, solve

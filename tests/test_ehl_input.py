@@ -29,9 +29,16 @@ from easeoff.friction.ehl import (
     traction,
     wave,
 )
-from easeoff.friction.ehl.study import Design, Resolution, compare, fit_friction, run_study, shipped_formula
-from easeoff.friction.ehl.study import study_design as cases_module
-from easeoff.friction.ehl.study import study_design as study_module
+from easeoff.friction.ehl.study import (
+    Design,
+    Resolution,
+    compare,
+    fit_friction,
+    run_study,
+    shipped_formula,
+    study_design as cases_module,
+    study_design as study_module,
+)
 from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, read_formula
 from easeoff.friction.ehl.study.study_design import MODEL_VERSION, NUMBERS, Condition, Row, numbers, oil_75w90, run_case
 

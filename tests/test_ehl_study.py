@@ -28,9 +28,9 @@ from easeoff.friction.ehl.study import (
     fit_friction,
     run_study,
     shipped_formula,
+    study_design as cases_module,
+    study_design as study_module,
 )
-from easeoff.friction.ehl.study import study_design as cases_module
-from easeoff.friction.ehl.study import study_design as study_module
 from easeoff.friction.ehl.study.friction_formula import read_formula, study_inputs, write_formula
 from easeoff.friction.ehl.study.study_design import NUMBERS, REFINED, Condition, Row, oil_75w90, run_case, study_dataset
 from easeoff.friction.film_thickness import pan_hamrock

@@ -19,8 +19,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
-from easeoff.contact.compliance.finite_elements import array_store as store
-from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
+from easeoff.contact.compliance.finite_elements import array_store as store, finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.elastic_body import (
     ElasticBody,
     brick_gradients,

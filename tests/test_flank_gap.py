@@ -10,8 +10,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import PairGeometry, pair_geometry
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
-from easeoff.verification import smallest_gap
-from easeoff.verification import smallest_gap as search
+from easeoff.verification import smallest_gap, smallest_gap as search
 from easeoff.verification.conventional_analysis import path_of_contact
 from easeoff.verification.smallest_gap import flank_gap, smallest_envelope
 

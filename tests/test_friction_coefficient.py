@@ -16,10 +16,10 @@ from easeoff.friction import (
     ContactConditions,
     formula_flags,
     friction_coefficient,
+    kolivand_formula as module,
     lubricant,
     rolling_traction,
 )
-from easeoff.friction import kolivand_formula as module
 from easeoff.friction.coefficient import contact_conditions, xu_kahraman
 from easeoff.friction.film_thickness import dowson_higginson, pan_hamrock
 from easeoff.friction.rolling_traction import isothermal_traction

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import oracle
 import pytest
-from bases import COMMANDS as MADE
-from bases import Bases
+from bases import COMMANDS as MADE, Bases
 from kinds.box import INNER, Box
 from kinds.drawing import KINDS, draw
 from mutations.netcdf_mutations import Group, Variable, load, save

@@ -10,8 +10,7 @@ from typing import Any
 import kernels
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from numpy.typing import NDArray
 from runs import small
 from shared_problems import basis_of, line_contact_of

@@ -39,8 +39,7 @@ from easeoff.contact import (
 )
 from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem.complementary_pivoting import lemke
-from easeoff.contact.solvers import backend_solution as backend_solution_module
-from easeoff.contact.solvers import solver_declaration
+from easeoff.contact.solvers import backend_solution as backend_solution_module, solver_declaration
 from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.solution import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING

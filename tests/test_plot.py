@@ -37,10 +37,18 @@ from easeoff.study.plot.contact_pattern_chart import (
     without_steep,
 )
 from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
-from easeoff.study.plot.friction_charts import GRID, loaded_map, roughness_name, velocity_maps
-from easeoff.study.plot.friction_charts import draw_efficiency as draw_efficiency
-from easeoff.study.plot.mesh_cycle_charts import draw_transmission_error as draw_transmission_error
-from easeoff.study.plot.mesh_cycle_charts import mean_pairs_in_contact, share_passage
+from easeoff.study.plot.friction_charts import (
+    GRID,
+    draw_efficiency as draw_efficiency,
+    loaded_map,
+    roughness_name,
+    velocity_maps,
+)
+from easeoff.study.plot.mesh_cycle_charts import (
+    draw_transmission_error as draw_transmission_error,
+    mean_pairs_in_contact,
+    share_passage,
+)
 from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view

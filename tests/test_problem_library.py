@@ -25,8 +25,7 @@ from easeoff.contact.problem.exchange.problem_file import read_labels
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh
 from easeoff.study.analysis.contact_analysis import contact_analysis
-from easeoff.study.library import Entry, entries, generate, reference_answers
-from easeoff.study.library import library_files as files
+from easeoff.study.library import Entry, entries, generate, library_files as files, reference_answers
 from easeoff.study.library.library_entries import (
     BASES,
     KINDS,

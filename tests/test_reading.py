@@ -25,6 +25,8 @@ from easeoff.core import forked_process, netcdf_file
 from easeoff.core.forked_process import ProcessEndedError, in_forked_process
 from easeoff.geometry.formats import cmm_points, measured_grid, read_measured_grid, write_measured_grid
 from easeoff.study import plot
+from easeoff.study.summary.plausibility import plausibility
+from easeoff.study.summary.result_summary import result_summary
 from easeoff.study.sweep import percentiles, read_sweep, worst_points
 from easeoff.study.sweep.sweep_file import write_sweep
 
@@ -91,7 +93,7 @@ def in_memory(stored: Path, tmp_path_factory: pytest.TempPathFactory) -> Callabl
         lambda tree, _: tree.easeoff.summary()._repr_html_(),
         lambda tree, _: [table.to_html() for table in tree.easeoff.summary().tables.values()],
         lambda tree, _: study.key_numbers(tree),
-        lambda tree, _: study.plausibility(tree),
+        lambda tree, _: plausibility(tree),
         lambda tree, folder: [
             path.read_bytes() for path in plot.write_pictures(tree, folder, names="pressure", torque=50.0)
         ],
@@ -174,7 +176,7 @@ def test_values_that_are_gone_are_asked_for_and_no_file_is_left(stored: Path, tm
     easeoff.write_result(easeoff.read_result(stored), path)
     with xr.open_datatree(path) as lazy:
         path.unlink()
-    for take in (written, lambda tree, _: study.result_summary(tree)):
+    for take in (written, lambda tree, _: result_summary(tree)):
         with pytest.raises(
             InputError, match="cannot be read any more: No such file or directory; open it again, call load"
         ):

@@ -18,8 +18,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import case_toml, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
 from easeoff.contact import STEEL, root_stress
-from easeoff.contact.compliance.finite_elements import array_store as store
-from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
+from easeoff.contact.compliance.finite_elements import array_store as store, finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals, stiffness
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import (
     body_stiffness,

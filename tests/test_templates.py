@@ -25,6 +25,7 @@ from easeoff.cases import (
 )
 from easeoff.cases.reading import SUPPORT
 from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, inner_model, template, template_text
+from easeoff.cases.schema.schema_table import number
 from easeoff.cases.schema.supports_table import SupportFile
 from easeoff.core.errors import InputError
 from easeoff.friction.lubricants.lubricant import KEYS, lubricant
@@ -97,7 +98,7 @@ def test_a_new_key_of_a_schema_comes_by_itself() -> None:
     class Steel(BaseModel):
         """A table with a key that no template knows."""
 
-        hardness: float = easeoff.cases.schema.schema_table.number("surface hardness", "HV", default=700.0)
+        hardness: float = number("surface hardness", "HV", default=700.0)
 
     assert template_text(Steel, {}) == "#hardness = 700.0                    # surface hardness [HV]"
 

@@ -45,12 +45,12 @@ from easeoff.verification import (
     VerificationRow,
     case_verification,
     envelope_condition,
+    flank_rows as flank_module,
     loaded_rows,
     unloaded_rows,
     unsplit_rows,
     verify,
 )
-from easeoff.verification import flank_rows as flank_module
 from easeoff.verification.case_verification import meaning, row_lines
 from easeoff.verification.conventional_analysis import methods_compared, point_differences
 from easeoff.verification.envelope_condition import cutter_position

@@ -267,7 +267,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from easeoff.core.output_file import whole_file
-from easeoff.core.writing import private_folder
+from easeoff.core import output_file
 step, path = sys.argv[1], sys.argv[2]
 
 def end(*_, **__):

@@ -8,8 +8,7 @@ the gear is fixed on the gear flank; an edge of the pinion moves over it as the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from dataclasses import fields as dataclass_fields
+from dataclasses import dataclass, fields as dataclass_fields, replace
 from itertools import product
 from typing import Any, TypeVar
 

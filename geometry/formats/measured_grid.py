@@ -20,9 +20,7 @@ from ..deviation.deviation import Deviation, Method
 from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
-from . import csv_points as cmm_csv
-from . import deviation_table, dmis
-from . import measuring_points as cmm
+from . import csv_points as cmm_csv, deviation_table, dmis, measuring_points as cmm
 from .deviation_table import table_of_matrix
 from .measuring_points import EdgeMargins
 

@@ -93,8 +93,7 @@ def _losses(
     segment_fields: bool | None = None,
 ) -> xr.Dataset:
     """The group ``friction`` of an analysis whose ease-off is that of all its torques."""
-    from ...friction import friction
-    from ...friction import friction_feedback as with_feedback
+    from ...friction import friction, friction_feedback as with_feedback
 
     tree = xr.DataTree.from_dict({name: found.groups[name] for name in ("ease_off", "loaded")})
     if feedback:

@@ -299,8 +299,7 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     from ...cases.writing import require_replaceable
     from ...core.output_file import check_writable
     from ...geometry.pair.tooth_thickness import contradictions
-    from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
-    from ..compare.problem_export import convert_problems
+    from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES, convert_problems
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
     if suffix in PROBLEM_SUFFIXES or os.path.isdir(source):

@@ -178,8 +178,7 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     from ...cases import parse_case, read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.output_file import check_writable
-    from ..design.optimization.setting_optimization import USUAL_OBJECTIVES
-    from ..design.optimization.setting_optimization import optimize as optimized
+    from ..design.optimization.setting_optimization import USUAL_OBJECTIVES, optimize as optimized
     from ..result import read_result, write_result
     from ..summary.correction_report import setting_report
     from ..summary.result_summary import uncertified

@@ -74,8 +74,7 @@ def verify(
     """
     from ...core.netcdf_file import write_netcdf
     from ...core.output_file import check_writable
-    from ...verification.case_verification import closing, head_lines, row_lines
-    from ...verification.case_verification import verify as run_verification
+    from ...verification.case_verification import closing, head_lines, row_lines, verify as run_verification
 
     if output is not None:
         check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")

@@ -76,8 +76,7 @@ def wear(
     from ...core.netcdf_file import write_netcdf
     from ...core.output_file import check_writable
     from ..summary.sweep_report import wear_summary
-    from ..wear_simulation import WearLaw
-    from ..wear_simulation import wear as worn
+    from ..wear_simulation import WearLaw, wear as worn
 
     held = [] if supports is None else [supports]
     check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")

@@ -295,7 +295,7 @@ def _version(package: str, missing: str = "unknown") -> str:
 def _code_digest() -> str:
     """Digest of the package's code that an attempt runs through."""
     digest = hashlib.sha256()
-    root = Path(__file__).parents[3]
+    root = Path(__file__).parents[2]
     for folder in (root / "contact", Path(__file__).parent):
         for path in sorted(folder.rglob("*.py")):
             digest.update(path.relative_to(root).as_posix().encode())

@@ -93,6 +93,7 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from easeoff.contact import ContactProblem, write_problems
+    >>> from easeoff.study.compare import compare
     >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
     >>> with TemporaryDirectory() as folder:
     ...     write_problems([problem], f"{folder}/problems.nc")

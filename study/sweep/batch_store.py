@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from ...core.array_file import read_arrays
 from ...core.checkpoint import DAMAGED, Checkpoint, digest
 from ...core.errors import InputError, printable
-from ...core.output_file import NAME as PRIVATE_NAME
-from ...core.output_file import check_folder, clear_remains, whole_file
+from ...core.output_file import NAME as PRIVATE_NAME, check_folder, clear_remains, whole_file
 from ...core.regular_file import TABLE_SIZE_LIMIT, parsed_json, read_text
 from .batch_analysis import Block
 from .sweep_file import PointStatus

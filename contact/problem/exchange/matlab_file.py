@@ -23,8 +23,7 @@ from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, named, require_file
 from ..contact_problem import ATTRIBUTES, ContactProblem
-from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES
-from .fclib_file import require_answers, stored_reference
+from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, require_answers, stored_reference
 from .problem_file import ProblemSet
 
 VARIABLE = "problem"

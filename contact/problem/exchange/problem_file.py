@@ -53,10 +53,8 @@ from ....core.checks import frozen_arrays, instance, shown
 from ....core.errors import InputError
 from ....core.netcdf_file import read_dataset, write_netcdf
 from ..certificate import Answer
-from ..contact_problem import ATTRIBUTES, ContactProblem
-from ..contact_problem import FORMAT as SINGLE_FORMAT
-from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES
-from .fclib_file import reference_arrays, reference_variables, require_answers
+from ..contact_problem import ATTRIBUTES, FORMAT as SINGLE_FORMAT, ContactProblem
+from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, reference_arrays, reference_variables, require_answers
 
 
 def problem_checksum(problem: ContactProblem) -> str:

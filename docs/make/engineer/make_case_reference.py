@@ -16,9 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from easeoff.cases import LoadCase
-from easeoff.cases.schema import case_schema as model
-from easeoff.cases.schema import cutting_table
-from easeoff.cases.schema import design_schema as design_model
+from easeoff.cases.schema import case_schema as model, cutting_table, design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.case_schema import DeflectionRow, MisalignmentTable
 from easeoff.cases.schema.file_templates import allowed, described, sub_table, written
