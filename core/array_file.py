@@ -17,13 +17,7 @@ ARRAY_COUNT_LIMIT = 1000
 
 
 def read_arrays(path: str | os.PathLike[str]) -> dict[str, NDArray[Any] | None]:
-    """Arrays of a file by name; ``None`` where it holds a Python object, which is never read.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it is no file of arrays, it is damaged, or it declares more than is read.
-    """
+    """Arrays of a file by name; ``None`` where it holds a Python object, which is never read."""
     limit = unpacked_size_limit()
     require_file(path, limit)
     with faults_in_words(path, "a file of NumPy arrays"), zipfile.ZipFile(path) as archive:

@@ -501,20 +501,7 @@ STATES: Mapping[str, str] = {"unloaded_": "without load", "light_load_": "at lig
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """Attach ``units``, ``long_name`` and ``comment`` to every variable and coordinate of a dataset.
-
-    Attributes that a variable already has are kept.
-
-    Raises
-    ------
-    EaseoffError
-        If a variable is not in the table.
-
-    Examples
-    --------
-    >>> labelled(xr.Dataset({"force": ("segment", [1.0])}))["force"].attrs["units"]
-    'N'
-    """
+    """The dataset with ``units``, ``long_name`` and ``comment`` on every variable; those that are there are kept."""
     result = dataset.copy()
     for name, variable in result.variables.items():
         variable.attrs = {**variable_attributes(str(name)), **variable.attrs}
@@ -525,16 +512,6 @@ def variable_attributes(name: str) -> dict[str, Any]:
     """``long_name`` of a variable, and ``units`` and ``comment`` where it has them.
 
     ``unloaded_`` and ``light_load_`` before a name say of which contact.
-
-    Raises
-    ------
-    EaseoffError
-        If the variable is not in the table.
-
-    Examples
-    --------
-    >>> variable_attributes("unloaded_contact_ratio")["long_name"]
-    'without load: contact ratio'
     """
     for state, words in STATES.items():
         if name not in VARIABLES and name.startswith(state):
@@ -548,13 +525,7 @@ def variable_attributes(name: str) -> dict[str, Any]:
 
 
 def units_of(name: str) -> str | None:
-    """Units of a variable of numbers; None where it is a text or a flag, or not in the table.
-
-    Examples
-    --------
-    >>> units_of("light_load_max_pressure"), units_of("member")
-    ('MPa', None)
-    """
+    """Units of a variable of numbers; ``None`` where it is a text or a flag, or not in the table."""
     try:
         found: str | None = variable_attributes(name).get("units")
     except EaseoffError:
@@ -583,10 +554,7 @@ class _Asked(EnumMeta):
 
 
 class StoredStatus(IntEnum, metaclass=_Asked):
-    """Status stored in results as an integer; a subclass names the integers.
-
-    It prints as its name; arrays and files hold the integer.
-    """
+    """Status that prints as its name; arrays and files hold the integer."""
 
     def __str__(self) -> str:
         return self.name
@@ -601,22 +569,7 @@ class StoredStatus(IntEnum, metaclass=_Asked):
 
 
 def ordered(dataset: xr.Dataset, name: str, *dimensions: str) -> NDArray[Any]:
-    """Values of a variable; as quick as they can be read, without coordinates.
-
-    Parameters
-    ----------
-    dataset
-        The dataset.
-    name
-        Of the variable.
-    *dimensions
-        All of its dimensions, in the order that is wanted.
-
-    Examples
-    --------
-    >>> ordered(xr.Dataset({"force": (("segment", "torque"), [[1.0], [2.0]])}), "force", "torque", "segment")
-    array([[1., 2.]])
-    """
+    """Values of a variable by all of its dimensions in the wanted order, read fast, without coordinates."""
     variable = dataset.variables[name]
     if variable.dims != dimensions:
         variable = variable.transpose(*dimensions)

@@ -24,40 +24,10 @@ DAMAGED = ".damaged"  # after the name of a file, of what it held when it was be
 
 
 class Checkpoint(Generic[Record]):
-    """Records by key, each on disk before the next one is computed.
+    """Records by key, each on disk before the next one is computed; runs that share the file take turns.
 
-    The first line of the file names the study. Every other line is a JSON object of a key, its record and the digest of
-    both; a line that an interruption left unfinished, or that is not what was written, is skipped. A file whose first
-    line is damaged is begun anew, and what it held kept beside it, with ``.damaged`` after its name. Runs that share a
-    file take turns.
-
-    Parameters
-    ----------
-    path
-        The file; it and its folder are made by ``begin`` or with the first record.
-    study
-        Kind of study, such as ``comparison of solvers``.
-    encode
-        Turns a record into what JSON can hold.
-    decode
-        Turns that back into a record.
-    fresh
-        Ignore the records in the file and replace them.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or written, or is the checkpoint of another study.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "squares.jsonl"
-    ...     Checkpoint(path, "table of squares", encode=int, decode=int).add("7", 49)
-    ...     resumed = Checkpoint(path, "table of squares", encode=int, decode=int)
-    >>> resumed.get("7"), resumed.get("8")
-    (49, None)
+    A line that is unfinished or damaged is skipped; if the first one, which names the study, is damaged, the file is
+    begun anew and the old one kept as ``.damaged``. ``fresh`` replaces the records that are in the file.
     """
 
     def __init__(
@@ -92,13 +62,7 @@ class Checkpoint(Generic[Record]):
         return self._records.get(key)
 
     def begin(self) -> None:
-        """Make the file if it does not exist yet, so that a path that cannot be written is known before any work.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+        """Make the file unless it exists, so that a path that cannot be written is known before any work."""
         if self._fresh:
             with whole_file(self.path) as temporary:
                 temporary.write_text(self._header, encoding="utf-8")
@@ -108,13 +72,7 @@ class Checkpoint(Generic[Record]):
                 pass
 
     def add(self, key: str, record: Record) -> None:
-        """Keep a record: it is on disk when this returns.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written; the records in it stay as they were.
-        """
+        """Keep a record: it is on disk when this returns. If that fails, the records in the file stay as they were."""
         stored = self._encode(record)
         line = json.dumps({"key": key, "record": stored, "digest": self._digest(key, stored)})
         if self._fresh:
@@ -155,9 +113,9 @@ class Checkpoint(Generic[Record]):
             raise
 
     def _is_begun(self, start: str) -> bool:
-        """Whether a file that starts so has a header; refuse the file of another study.
+        """True if a file that starts so has a header; the file of another study is refused.
 
-        Less than a header, and nothing after it, is what an interruption left; anything else but a header is damage.
+        Less than a header, and nothing after it, is left by an interruption; anything else but a header is damage.
         """
         first = next(iter(start.splitlines()), "")
         if first == self._header:
@@ -187,7 +145,7 @@ def _locked(path: Path) -> Iterator[BinaryIO]:
 
 
 def _is_at(file: BinaryIO, path: Path) -> bool:
-    """Whether an open file is still the one of its name: another run may have put a fresh one in its place."""
+    """True if an open file is still the one of its name: another run may have put a fresh one in its place."""
     try:
         return os.path.samestat(os.fstat(file.fileno()), os.stat(path))
     except FileNotFoundError:
@@ -212,11 +170,7 @@ def _header(study: str) -> str:
 
 
 def digest(**inputs: Any) -> str:
-    """Digest of everything that a record depends on, for its key.
-
-    >>> digest(torque=50.0, solver="native") == digest(solver="native", torque=50.0)
-    True
-    """
+    """Digest of everything that a record depends on, for its key; the order of the inputs does not matter."""
     return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
 

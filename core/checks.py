@@ -40,33 +40,9 @@ def number(
     most: float | None = None,
     infinite: bool = False,
 ) -> float:
-    """Return a number within bounds.
+    """Return a finite number within bounds; ``above`` and ``below`` do not belong to the range.
 
-    Parameters
-    ----------
-    name
-        Of the argument, as the user writes it.
-    value
-        Value of the argument.
-    unit
-        Of the number; ``1`` is left out of the message.
-    above, least, below, most
-        Bounds; ``above`` and ``below`` do not belong to the range.
-    infinite
-        Whether infinity is a value; it is none where ``below`` or ``most`` is given.
-
-    Raises
-    ------
-    InputError
-        If it is no number, not finite, or out of the bounds.
-
-    Examples
-    --------
-    >>> number("slide_to_roll", 1, least=-2.0, most=2.0)
-    1.0
-    >>> number("slide_to_roll", 2.5, least=-2.0, most=2.0)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: slide_to_roll = 2.5: must be a number from -2 to 2
+    A unit of ``1`` is left out of the message; ``infinite`` allows infinity unless ``below`` or ``most`` is given.
     """
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()  # an array without dimensions holds one number
@@ -77,47 +53,12 @@ def number(
 
 
 def positive(name: str, value: Any, unit: str = "1", *, zero: bool = False, infinite: bool = False) -> float:
-    """Return a positive number.
-
-    Parameters
-    ----------
-    name, value, unit, infinite
-        As for ``number``.
-    zero
-        Whether zero is a value, too.
-
-    Raises
-    ------
-    InputError
-        If it is none.
-
-    Examples
-    --------
-    >>> positive("torque", 500, "N m")
-    500.0
-    >>> positive("torque", -1.0, "N m", zero=True)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: torque = -1: must be a finite number of 0 or more [N m]
-    """
+    """Return a positive number, or zero if ``zero``; ``infinite`` allows infinity."""
     return number(name, value, unit, above=None if zero else 0.0, least=0.0 if zero else None, infinite=infinite)
 
 
 def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
-    """Return a whole number from ``least`` to ``most``.
-
-    Raises
-    ------
-    InputError
-        If it is none.
-
-    Examples
-    --------
-    >>> whole("segments", 20, 1)
-    20
-    >>> whole("segments", 2.5, 1)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: segments = 2.5: must be a whole number of 1 or more
-    """
+    """Return a whole number from ``least`` to ``most``."""
     try:
         counted = None if isinstance(value, bool) else operator.index(value)
     except TypeError:
@@ -129,56 +70,20 @@ def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
 
 
 def two_whole(name: str, values: Any, least: int) -> tuple[int, int]:
-    """Return two whole numbers of ``least`` or more.
-
-    Raises
-    ------
-    InputError
-        If it is no pair of such numbers.
-
-    Examples
-    --------
-    >>> two_whole("nodes", 9, 5)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: nodes = 9: must be two whole numbers of 5 or more
-    """
+    """Return two whole numbers of ``least`` or more."""
     first, second = two(name, values, f"whole numbers of {least} or more")
     return whole(f"{name}[0]", first, least), whole(f"{name}[1]", second, least)
 
 
 def truth(name: str, value: Any) -> bool:
-    """Return True or False.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
-
-    Examples
-    --------
-    >>> truth("thermal", 1)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: thermal = 1: must be True or False
-    """
+    """Return True or False; nothing else stands for them."""
     if not isinstance(value, bool):
         raise InputError(f"{name} = {shown(value)}: must be True or False")
     return value
 
 
 def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
-    """Return a word that is one of those allowed.
-
-    Raises
-    ------
-    InputError
-        If it is not among them.
-
-    Examples
-    --------
-    >>> one_of("flank", "side", ("drive", "coast"))
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: flank = 'side': must be one of drive, coast
-    """
+    """Return a word that is one of those allowed."""
     words = tuple(allowed)
     if not (isinstance(value, str) and value in words):
         raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(words)}")
@@ -186,19 +91,7 @@ def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
 
 
 def instance(name: str, value: Any, kind: Any) -> None:
-    """Refuse what is not of a type, or of one of several types joined by ``|``.
-
-    Raises
-    ------
-    InputError
-        If it is of another type.
-
-    Examples
-    --------
-    >>> instance("operation", 500, dict)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: operation = 500: must be a dict
-    """
+    """Refuse a value that is not of a type, or of one of several types joined by ``|``."""
     if not isinstance(value, kind):
         names = [one.__name__ for one in get_args(kind) or (kind,)]
         wanted = [KIND_WORDS.get(own, f"{'an' if own[0] in 'AEIOU' else 'a'} {own}") for own in names]
@@ -206,19 +99,7 @@ def instance(name: str, value: Any, kind: Any) -> None:
 
 
 def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
-    """Return the objects of one type in a list or tuple, of a given length if that is given.
-
-    Raises
-    ------
-    InputError
-        If it is none of such objects.
-
-    Examples
-    --------
-    >>> instances("materials", (500, 500), dict, 2)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: materials = (500, 500): must be 2 of the type dict, in a list or tuple
-    """
+    """Return the objects of one type in a list or tuple, of a given length if that is given."""
     found = tuple(values) if isinstance(values, Sequence) else (None,)
     if not all(isinstance(one, kind) for one in found) or count not in (None, len(found)):
         many = "all" if count is None else count
@@ -227,19 +108,7 @@ def instances(name: str, values: Any, kind: type[Record], count: int | None = No
 
 
 def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
-    """Return two values of any type.
-
-    Raises
-    ------
-    InputError
-        If there are not two.
-
-    Examples
-    --------
-    >>> two("velocities", 1.0, "velocities [m/s]")
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: velocities = 1: must be two velocities [m/s]
-    """
+    """Return two values of any type, called ``wanted`` in the message."""
     try:
         first, second = values
     except (TypeError, ValueError) as error:
@@ -248,28 +117,7 @@ def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
 
 
 def file_path(name: str, value: Any, also: str = "") -> Path:
-    """Return a path, given as text, bytes or an object that stands for one.
-
-    Parameters
-    ----------
-    name, value
-        As for ``number``.
-    also
-        What else it may be, for the message.
-
-    Raises
-    ------
-    InputError
-        If it is none.
-
-    Examples
-    --------
-    >>> file_path("path", b"cases/mine.toml").name
-    'mine.toml'
-    >>> file_path("path", 5)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: path = 5: must be a path, as text, bytes or a Path
-    """
+    """Return a path, given as text, bytes or an object that stands for one; ``also`` adds to the message."""
     try:
         return Path(os.fsdecode(value))
     except TypeError as error:
@@ -292,35 +140,10 @@ def array(
     anything: bool = False,
     frozen: bool = False,
 ) -> NDArray[np.float64]:
-    """Return an array of numbers within bounds.
+    """Return an array of finite numbers, each within the bounds of ``number``.
 
-    Parameters
-    ----------
-    name, unit, above, least, below, most, infinite
-        As for ``number``; the bounds hold for every entry.
-    values
-        An array, or what can be made one.
-    ndim
-        Number of dimensions; any if left out.
-    size, fewest
-        Number of entries, or the least number of them.
-    anything
-        Whether every number is a value, NaN too: for those who say better what is wrong with it.
-    frozen
-        Whether to return a read-only copy, in C order.
-
-    Raises
-    ------
-    InputError
-        If it is no array of numbers, has another shape, or an entry is out of the bounds.
-
-    Examples
-    --------
-    >>> array("position", [0, 1, 2], "m", ndim=1, fewest=2)
-    array([0., 1., 2.])
-    >>> array("position", [0.0], "m", ndim=1, fewest=2)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: position = [0.0]: must be finite numbers [m], 2 or more in a row
+    ``size`` and ``fewest`` count the entries. ``anything`` takes every number, NaN too, for callers with better
+    messages of their own; ``frozen`` returns a read-only copy in C order.
     """
     found = _numbers(values, frozen)
     if (
@@ -351,17 +174,6 @@ def frozen_arrays(record: type[Record]) -> type[Record]:
     """Class decorator of a frozen dataclass: the arrays that it keeps are read-only, those given are copied.
 
     So are arrays in tuples, lists and mappings, those of its cached properties, and those of a copy or of a pickle.
-
-    Examples
-    --------
-    >>> from dataclasses import dataclass
-    >>> @frozen_arrays
-    ... @dataclass(frozen=True, eq=False)
-    ... class Line:
-    ...     position: np.ndarray
-    >>> given = np.zeros(2)
-    >>> Line(given).position.flags.writeable, given.flags.writeable
-    (False, True)
     """
     for name in ("__init__", "__setstate__"):
         method: Any = getattr(record, name, _restored)
@@ -416,30 +228,7 @@ def frozen(value: Any) -> Any:
 
 
 def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[np.float64]:
-    """Return one number, or several that differ, as an array in one dimension.
-
-    Parameters
-    ----------
-    name, unit
-        As for ``number``.
-    values
-        A number or a list of numbers.
-    **bounds
-        Those of ``number``.
-
-    Raises
-    ------
-    InputError
-        If it is neither, a number is out of the bounds, or one comes twice.
-
-    Examples
-    --------
-    >>> distinct("speed", 1500, "1/min", above=0.0)
-    array([1500.])
-    >>> distinct("speed", [500, 500], "1/min", above=0.0)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: speed = [500, 500]: must be numbers that differ; 500 comes twice
-    """
+    """Return one number, or several that differ, within the bounds of ``number``, as an array in one dimension."""
     found = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
     if found.ndim > 1:
         raise InputError(f"{name} = {shown(values)}: must be a number, or numbers in a row")
@@ -451,21 +240,7 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
 
 
 def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
-    """Return texts, ``fewest`` or more, given as a list, a tuple or the like; one text alone is refused.
-
-    Raises
-    ------
-    InputError
-        If it is no list, an entry is no text, or there are too few.
-
-    Examples
-    --------
-    >>> words("free", ["radial_distance"])
-    ('radial_distance',)
-    >>> words("free", "radial_distance")
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: free = 'radial_distance': must be a list of texts
-    """
+    """Return texts, ``fewest`` or more, given as a list, a tuple or the like; one text alone is refused."""
     listed = isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
     listed = listed and getattr(values, "ndim", None) != 0
     found = tuple(values) if listed else ()
@@ -476,27 +251,10 @@ def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
 
 
 def check_fields(record: Any, of: str = "") -> None:
-    """Refuse a record whose values are of other kinds than the annotations of its fields: for ``__post_init__``.
+    """Refuse a record whose values are of other kinds than its annotations, for ``__post_init__``.
 
-    A ``float`` is a finite number, one that is none of Python's own is made that; an ``int`` is a whole number of 0 or
-    more. Arrays, tuples and dicts are not looked into. ``of`` stands before the name in the message.
-
-    Raises
-    ------
-    InputError
-        If a value is of another kind.
-
-    Examples
-    --------
-    >>> from dataclasses import dataclass
-    >>> @dataclass
-    ... class Shaft:
-    ...     diameter: float
-    ...     def __post_init__(self):
-    ...         check_fields(self)
-    >>> Shaft("thick")
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: diameter = 'thick': must be a finite number
+    A ``float`` is finite and becomes Python's own; an ``int`` is 0 or more. Arrays, tuples and dicts are not looked
+    into. ``of`` stands before the name in the message.
     """
     own: Any = type(record)
     for name, kind, optional in _field_kinds(own):
@@ -533,12 +291,7 @@ def _field_kinds(record: Hashable) -> tuple[tuple[str, Any, bool], ...]:
 def shown(value: Any) -> str:
     """A value as messages show it: a number to twelve digits, a large array by its shape, anything else in short.
 
-    The one function that puts values into messages.
-
-    Examples
-    --------
-    >>> shown(0.1 + 0.2), shown("drive")
-    ('0.3', "'drive'")
+    No other function puts values into messages.
     """
     if isinstance(value, np.ndarray):
         if value.ndim and (value.ndim > 1 or value.size > SHOWN_COUNT_LIMIT):
@@ -548,7 +301,7 @@ def shown(value: Any) -> str:
 
 
 def _quoted(value: Any) -> str:
-    """What Python writes for a value, in short and in one line."""
+    """Python's own text for a value, in short and in one line."""
     try:
         text = reprlib.repr(value)
     except Exception:  # of a foreign object, or of a whole number of too many digits
@@ -557,7 +310,7 @@ def _quoted(value: Any) -> str:
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Whether a value is a real number that a float can hold."""
+    """True if a value is a real number that a float can hold."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return False
     try:
@@ -588,7 +341,7 @@ def _strange(given: NDArray[Any]) -> list[Any]:
 
 
 def _why_no_numbers(values: Any) -> str:
-    """What an array holds that is no real numbers, and what to do about it; empty where it is its shape alone."""
+    """Reason why an array is not one of real numbers, and the remedy; empty where it is its shape alone."""
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
     try:
@@ -610,7 +363,7 @@ def _why_no_numbers(values: Any) -> str:
 def _within(
     value: Any, above: float | None, least: float | None, below: float | None, most: float | None, infinite: bool
 ) -> Any:
-    """Whether a number, or each entry of an array, is within the bounds."""
+    """True for a number, or for each entry of an array, that is within the bounds."""
     valid = ~np.isnan(value) if infinite else np.isfinite(value)
     valid = valid if above is None else valid & (value > above)
     valid = valid if least is None else valid & (value >= least)

@@ -28,16 +28,7 @@ _PRINTABLE_ASCII = re.compile(r"[ -~]*")
 
 
 def printable(text: str) -> str:
-    r"""A text of a foreign file in one line, without what steers a terminal.
-
-    Control characters, line ends, bidirectional controls and code points that are no characters become ``?``; blanks
-    of every width become a blank.
-
-    Examples
-    --------
-    >>> printable("PAINT \x1b[2J")
-    'PAINT ?[2J'
-    """
+    r"""A foreign text in one line, with ``?`` for controls and code points that are no characters."""
     if _PRINTABLE_ASCII.fullmatch(text):
         return text
     return "".join(
@@ -47,24 +38,12 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    r"""As ``printable``, with the line feeds kept.
-
-    Examples
-    --------
-    >>> printable_lines("title\r\nPAINT \x1b[2J")
-    'title?\nPAINT ?[2J'
-    """
+    r"""Text as by ``printable``, with the line feeds kept."""
     return "\n".join(map(printable, text.split("\n")))
 
 
 def shortened(text: str, limit: int = VALUE_LENGTH_LIMIT) -> str:
-    """A text of at most ``limit`` characters: of a longer one the beginning and the end.
-
-    Examples
-    --------
-    >>> shortened("0123456789" * 3, 15)
-    '01234 ... 56789'
-    """
+    """A text of at most ``limit`` characters: of a longer one the beginning and the end."""
     if len(text) <= limit:
         return text
     left = limit - len(ELLIPSIS)
@@ -72,13 +51,7 @@ def shortened(text: str, limit: int = VALUE_LENGTH_LIMIT) -> str:
 
 
 def message(text: str) -> str:
-    r"""A message as it is shown: printable, its lines shortened, and of very many the first.
-
-    Examples
-    --------
-    >>> message("speed = \x1b[2J: must be a number")
-    'speed = ?[2J: must be a number'
-    """
+    r"""A message as it is shown: printable, its lines shortened, and of very many the first."""
     lines = text.split("\n", LINE_COUNT_LIMIT)
     if len(lines) > LINE_COUNT_LIMIT:
         lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
@@ -159,7 +132,7 @@ class MissingPackageError(EaseoffError, ImportError):
 
 
 def how_to_install(requirement: str) -> str:
-    """Return what installs a requirement such as ``easeoff[cad]`` here: in this environment, activated or not.
+    """Command that installs a requirement such as ``easeoff[cad]`` in this environment, activated or not.
 
     An environment made without pip is served by the pip of the Python that made it.
     """
@@ -179,24 +152,7 @@ NAME_LENGTH_LIMIT = 100  # of a name that is compared [characters]
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """The known name that comes nearest, or begins so, as the end of a phrase; empty if there is none.
-
-    Parameters
-    ----------
-    name
-        Name as given; lower and upper case count alike.
-    known
-        Names that there are.
-
-    Examples
-    --------
-    >>> suggestion("radial_distanse", ["radial_distance", "cradle_angle"])
-    "; did you mean 'radial_distance'?"
-    >>> suggestion("axle", ["gearbox-nasa-12x36", "axle-fm-11x41"])
-    "; did you mean 'axle-fm-11x41'?"
-    >>> suggestion("x", ["radial_distance"])
-    ''
-    """
+    """Nearest known name, or one that begins so, as the end of a phrase; empty if none. Case does not count."""
     lower = {word.lower(): word for word in known}
     given = str(name)[:NAME_LENGTH_LIMIT].lower()
     found = difflib.get_close_matches(given, lower, n=1, cutoff=SIMILARITY)
@@ -210,11 +166,7 @@ TIME_UNITS = {"years": 3.15576e7, "days": 86400.0, "h": 3600.0, "min": 60.0}  # 
 
 
 def memory_in_words(size: float) -> str:
-    """A size of memory [byte] in words.
-
-    >>> memory_in_words(2.16e9), memory_in_words(4.0e6), memory_in_words(10.0)
-    ('2.2 GB', '4 MB', '1 MB')
-    """
+    """A size of memory [byte] in words."""
     unit, factor = next(((unit, one) for unit, one in MEMORY_UNITS.items() if size >= one), ("MB", 1e6))
     value = float(f"{max(size / factor, 1.0):.1e}")
     if value >= 1e6:
@@ -223,11 +175,7 @@ def memory_in_words(size: float) -> str:
 
 
 def time_in_words(seconds: float) -> str:
-    """A time [s] in words.
-
-    >>> time_in_words(42.4), time_in_words(1e5), time_in_words(4e9), time_in_words(1e300)
-    ('about 42 s', 'about 28 h', 'about 130 years', 'over a million years')
-    """
+    """A time [s] in words."""
     if seconds >= 1e6 * TIME_UNITS["years"]:
         return "over a million years"
     unit, size = next((pair for pair in TIME_UNITS.items() if seconds >= 2.0 * pair[1]), ("s", 1.0))

@@ -12,25 +12,7 @@ else:
 
 
 def try_lock(descriptor: int) -> bool:
-    """Lock an open file; return whether this succeeded, which it does not while another holds the lock.
-
-    Parameters
-    ----------
-    descriptor
-        Of the open file.
-
-    Raises
-    ------
-    OSError
-        If the file system has no locks.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryFile
-    >>> with TemporaryFile() as file:
-    ...     try_lock(file.fileno())
-    True
-    """
+    """True if an open file could be locked, False while another holds the lock; OSError without locks."""
     if sys.platform == "win32":
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
@@ -48,18 +30,6 @@ def wait_for_lock(descriptor: int) -> None:
     """Lock an open file as soon as no other holds the lock; without effect where the file system has no locks.
 
     Without effect on Windows, too, where a lock is on bytes of a file and not on the file.
-
-    Parameters
-    ----------
-    descriptor
-        Of the open file.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryFile
-    >>> with TemporaryFile() as file:
-    ...     wait_for_lock(file.fileno())
-    ...     _ = file.write(b"alone")
     """
     if sys.platform != "win32":
         with contextlib.suppress(OSError):

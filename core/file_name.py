@@ -16,22 +16,7 @@ TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
 
 
 def check_name(path: str | os.PathLike[str]) -> None:
-    r"""Check that the name of a file to write is one that every library can write and every message can show.
-
-    Raises
-    ------
-    InputError
-        If it is no text, or has a control character or one that turns the direction of writing.
-
-    Examples
-    --------
-    >>> check_name("kegelrad.nc")
-    >>> try:
-    ...     check_name("kegel\nrad.nc")
-    ... except InputError as error:
-    ...     print(error)
-    'kegel\nrad.nc': must be a name without control characters
-    """
+    r"""Refuse a name of a file to write that has control characters or turns the direction of writing."""
     name = os.fspath(path)
     check_text(name)
     if any(unicodedata.category(c) in CONTROLS or unicodedata.bidirectional(c) in TURNS for c in name):
@@ -39,21 +24,7 @@ def check_name(path: str | os.PathLike[str]) -> None:
 
 
 def check_text(word: str) -> None:
-    r"""Check that a word consists of characters, which the netCDF library and the texts that name a file ask for.
-
-    Raises
-    ------
-    InputError
-        If a byte of it is none of the characters that the system's encoding has.
-
-    Examples
-    --------
-    >>> try:
-    ...     check_text("kegelr\udce4der.nc")
-    ... except InputError as error:
-    ...     print(error)
-    kegelr\udce4der.nc: must be in UTF-8; rename the file
-    """
+    r"""Refuse a word with bytes that are no characters, which the netCDF library and messages cannot take."""
     encoding = sys.getfilesystemencoding()
     try:
         word.encode(encoding)

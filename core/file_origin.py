@@ -18,22 +18,7 @@ VERSION = re.compile(r"\d{1,4}(\.\d{1,6}){1,3}[a-z0-9.]{0,12}")
 
 
 def layout_fault(attributes: Mapping[Any, Any], name: str, known: int) -> list[str]:
-    """Fault of a file with a later layout than this version knows; empty if it has none.
-
-    Parameters
-    ----------
-    attributes
-        Attributes of the file.
-    name
-        Attribute that holds the number of the layout.
-    known
-        Greatest number that is known.
-
-    Examples
-    --------
-    >>> layout_fault({"schema_version": 2}, "schema_version", 1)
-    ['its layout schema_version = 2 is later than 1']
-    """
+    """Fault of a file whose attribute ``name``, the number of its layout, is beyond the known; else empty."""
     number = attributes.get(name, known)
     if not isinstance(number, int | np.integer) or number <= known:
         return []
@@ -43,24 +28,9 @@ def layout_fault(attributes: Mapping[Any, Any], name: str, known: int) -> list[s
 def unreadable(
     path: str | os.PathLike[str], attributes: Mapping[Any, Any], faults: Sequence[str], remedy: str
 ) -> InputError:
-    """Error of a file with faults: damaged, or of another version, which is then named as what reads it.
+    """Error of a file with faults: damaged, or written by another version, which is named as what reads it.
 
-    Parameters
-    ----------
-    path
-        The file.
-    attributes
-        Its attributes; ``easeoff_version`` says which version wrote it.
-    faults
-        What is wrong with it, one phrase each.
-    remedy
-        Command that makes it anew.
-
-    Examples
-    --------
-    >>> error = unreadable("x.nc", {"easeoff_version": "9.0.0"}, ["no group loaded"], "easeoff run CASE -o FILE")
-    >>> str(error).partition(" and ")[0]
-    'x.nc was written by easeoff 9.0.0'
+    The attribute ``easeoff_version`` tells; ``remedy`` is the command that makes the file anew.
     """
     more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
     what = f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}"

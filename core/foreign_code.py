@@ -29,7 +29,7 @@ class ForeignCodeError(EaseoffError):
 
     @property
     def is_time_limit(self) -> bool:
-        """Whether it took too long, or said so."""
+        """True if it took too long, or said so."""
         return issubclass(type(self.__cause__), TimeoutError | _TimeOver)
 
 
@@ -38,30 +38,10 @@ class _TimeOver(BaseException):
 
 
 class foreign_code:  # noqa: N801  # a context, called like a function
-    """Context for foreign code: imports of it, calls, and whatever touches what it returned.
+    """Context for foreign code (imports, calls, use of its results): what it raises becomes a ForeignCodeError.
 
-    Working folder, streams, filters of warnings and numpy's treatment of errors are afterwards what they were, and the
-    path of modules has still what it had. What is written within to the standard output, which bears the results of a
-    command, goes to standard error, also what other threads write. The user's Ctrl-C ends it.
-
-    Parameters
-    ----------
-    time_limit
-        By the clock [s]; in the main thread of a process whose system has alarms.
-    silent
-        Whether what is written to the standard output is dropped.
-
-    Raises
-    ------
-    ForeignCodeError
-        In place of everything that is raised within, but the exceptions of this package.
-
-    Examples
-    --------
-    >>> with foreign_code():
-    ...     raise SystemExit(0)
-    Traceback (most recent call last):
-    easeoff.core.foreign_code.ForeignCodeError: it ended with code 0
+    Exceptions of this package pass. Folder, streams, warnings and numpy's errors are put back; standard output goes to
+    standard error, or nowhere. The time limit [s] holds in the main thread, where the system has alarms.
     """
 
     def __init__(self, time_limit: float | None = None, *, silent: bool = False) -> None:
@@ -119,13 +99,7 @@ class foreign_code:  # noqa: N801  # a context, called like a function
 
 
 def reason_of(error: BaseException) -> str:
-    r"""Kind and text of an exception in a line of bounded length, also where its text cannot be had.
-
-    Examples
-    --------
-    >>> reason_of(ValueError("no\nluck"))
-    'ValueError: no luck'
-    """
+    r"""Kind and text of an exception in a line of bounded length, also where its text cannot be had."""
     kind, text = type(error), _text(error)  # not even to ask whether it is an instance is safe
     if issubclass(kind, SystemExit):
         return f"it ended with code {text or 0}"
@@ -145,7 +119,7 @@ def _text(error: BaseException) -> str | None:
 
 
 class _Process:
-    """What belongs to the whole process: the first thread in foreign code keeps it, the last one puts it back."""
+    """State of the whole process: the first thread in foreign code keeps it, the last one puts it back."""
 
     def __init__(self) -> None:
         self._lock, self._count = threading.Lock(), 0

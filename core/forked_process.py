@@ -39,30 +39,10 @@ def netcdf_to_oneself() -> Iterator[None]:
 
 
 def in_forked_process(work: Callable[[], Result]) -> Result:
-    """Result of a function that is called in a copy of this process.
+    """Result, which must pickle, of a function called in a copy of this process; on Windows in this one.
 
-    No other thread is inside the libraries for netCDF and HDF5 when the copy is made. Where processes cannot be copied
-    (Windows) the function is called in this one.
-
-    Parameters
-    ----------
-    work
-        Function without arguments; its result must be one that can be pickled.
-
-    Raises
-    ------
-    InputError
-        If the function raises it.
-    ProcessEndedError
-        If the process crashes, raises anything else, or takes more than ``PROCESSOR_TIME_LIMIT`` or ``TIME_LIMIT``.
-
-    Examples
-    --------
-    >>> in_forked_process(lambda: 6 * 7)
-    42
-    >>> in_forked_process(lambda: os.abort())
-    Traceback (most recent call last):
-    easeoff.core.forked_process.ProcessEndedError: the library that reads it crashed
+    No other thread is inside netCDF and HDF5 while the copy is made. An InputError passes; a crash, any other exception
+    and the limits of time raise ProcessEndedError.
     """
     if not hasattr(os, "fork"):
         return work()

@@ -17,15 +17,7 @@ from typing import Any
 
 
 class AfterImport:
-    """Module finder that calls a function once a package has been imported, and is gone then.
-
-    Parameters
-    ----------
-    package
-        Name of the package.
-    call
-        What to call.
-    """
+    """Module finder that calls a function once a package has been imported, and is gone then."""
 
     def __init__(self, package: str, call: Callable[[], None]) -> None:
         self.package = package
@@ -54,20 +46,7 @@ class AfterImport:
 
 
 def after_import(package: str, call: Callable[[], None]) -> None:
-    """Call a function once a package has been imported: now if it is loaded, else when somebody imports it.
-
-    Parameters
-    ----------
-    package
-        Name of the package.
-    call
-        What to call, without arguments.
-
-    Examples
-    --------
-    >>> after_import("sys", lambda: print("loaded already"))
-    loaded already
-    """
+    """Call a function once a package has been imported: now if it is loaded, else when somebody imports it."""
     if package in sys.modules:
         call()
     else:
@@ -99,12 +78,7 @@ FIGURE = ("matplotlib.figure", "Figure")
 def show_figures_in_notebooks() -> None:
     """Have a notebook show a matplotlib ``Figure`` that is the value of a cell, unless it does so already.
 
-    IPython does so only once ``matplotlib.pyplot`` is loaded, which figures that belong to nobody's global state do
-    not need. Neither IPython nor matplotlib is imported here.
-
-    Examples
-    --------
-    >>> show_figures_in_notebooks()  # nothing, but in a notebook
+    IPython does so only once ``matplotlib.pyplot`` is loaded; neither of them is imported here.
     """
     with suppress(Exception):  # of a shell of another kind: the figure is then shown as text
         shell = sys.modules["IPython"].get_ipython()

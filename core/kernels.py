@@ -13,23 +13,7 @@ HINT = "run 'make', or install the package again (pip install .)"
 
 
 def kernel(name: str, package: str) -> Any:
-    """Return a compiled module.
-
-    Parameters
-    ----------
-    name, package
-        Relative name of the module, and the package that it is relative to.
-
-    Raises
-    ------
-    MissingPackageError
-        The module has not been compiled, or from another source than that beside it.
-
-    Examples
-    --------
-    >>> kernel(".spline_kernel", "easeoff.contact.lines").__name__
-    'easeoff.contact.lines.spline_kernel'
-    """
+    """Compiled module of a relative name; refused if it is missing or compiled from another source than beside it."""
     from .errors import MissingPackageError  # the build runs this file by itself
 
     spec = importlib.util.find_spec(name, package)

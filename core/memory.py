@@ -13,28 +13,9 @@ UNLIMITED = 2**60  # [byte]; limits above this are none
 
 
 def require_memory(size: str, needed: float, what: str) -> None:
-    """Refuse work before it starts that needs more memory than is free.
+    """Refuse work that needs more memory [byte] than is free; nothing is refused where that is unknown.
 
-    Parameters
-    ----------
-    size
-        The numbers that decide the size, with their values: those to lower.
-    needed
-        Memory that the work needs [byte].
-    what
-        The work.
-
-    Raises
-    ------
-    InputError
-        If more is needed than is free. Where this cannot be found out, nothing is refused.
-
-    Examples
-    --------
-    >>> require_memory("nodes = 100", 1e6, "the grid")
-    >>> require_memory("nodes = 1000000000", 1e17, "the grid")  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: nodes = 1000000000: must be smaller, as the grid needs about 100000 TB of ...
+    ``size`` names the numbers to lower, with their values.
     """
     free = available_memory()
     if free is None or needed <= free:
@@ -46,14 +27,9 @@ def require_memory(size: str, needed: float, what: str) -> None:
 
 
 def available_memory() -> float | None:
-    """Memory that this process may still take [byte]: the least of what machine, container and process limit leave.
+    """Memory that this process may still take [byte]: the least that machine, container and process limit leave.
 
-    The environment variable ``EASEOFF_MEMORY`` [GB] takes its place. None where the system does not tell.
-
-    Raises
-    ------
-    InputError
-        If the variable is no positive number.
+    The environment variable ``EASEOFF_MEMORY`` [GB] takes its place. ``None`` where the system does not tell.
     """
     given = os.environ.get(MEMORY_VARIABLE)
     if given:
@@ -81,12 +57,9 @@ def _machine() -> float | None:
 
 
 def _container(root: Path) -> float | None:
-    """Memory that the control groups of this process leave, the least of them [byte]; none without a limit.
+    """Least memory that the control groups of this process leave [byte], ``None`` without a limit.
 
-    Parameters
-    ----------
-    root
-        Folder in which ``proc`` and ``sys`` are.
+    ``proc`` and ``sys`` are in the folder ``root``.
     """
     left = []
     try:

@@ -32,17 +32,9 @@ MEMBER_COUNT_LIMIT = 20_000  # groups and variables of a file
 
 
 def check_links(path: str | os.PathLike[str]) -> None:
-    """Refuse an HDF5 file with data in other files, links to names, or a group in itself.
+    """Refuse an HDF5 file with data in other files, links to names, a group in itself, or too many members.
 
-    Parameters
-    ----------
-    path
-        The file; an older format of netCDF, which has no links, passes.
-
-    Raises
-    ------
-    InputError
-        If it has such a link, or more groups and variables than ``MEMBER_COUNT_LIMIT``.
+    An older format of netCDF, which has no links, passes.
     """
     import h5py
 
@@ -93,41 +85,22 @@ class ReadingEndedError(InputError):
 
 
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
-    """All groups of a netCDF file, in memory; the file is closed again.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it is no netCDF file, it is damaged, or it declares more than is read.
-    """
+    """All groups of a netCDF file, in memory; the file is closed again. A file that declares too much is refused."""
     return _read(path, xr.open_datatree)
 
 
 def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset:
-    """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``.
+    """The outermost group of a netCDF file, in memory; the file is closed again.
 
-    Parameters
-    ----------
-    path
-        The file.
-    square
-        Whether a variable may have one dimension twice, as a square matrix of another program.
+    With ``square`` a variable may have one dimension twice, as a square matrix of another program.
     """
     return _read(path, xr.open_dataset, square=square)
 
 
 def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.DataTree | None:
-    """As ``read_tree``, to tell what a file is: None where the reader of its kind will say what is wrong with it.
+    """Tree of a file, to tell its kind; ``None`` where the reader of that kind will say what is wrong with it.
 
-    Parameters
-    ----------
-    path, square
-        As of ``read_dataset``.
-
-    Raises
-    ------
-    ReadingEndedError
-        If the process that read it ended without a result.
+    ReadingEndedError if the process that read it ended without a result.
     """
     try:
         return _read(path, xr.open_datatree, square=square)
@@ -138,20 +111,9 @@ def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.Da
 
 
 def in_memory(content: Content) -> Content:
-    """A tree or dataset with all values in memory, whether xarray keeps them in a file or as work to be done.
+    """A copy of a tree or dataset with all values in memory, also those in a file or of work to be done.
 
-    The one that is given stays as it is; values in memory are not copied.
-
-    Raises
-    ------
-    InputError
-        If the values cannot be had any more: their file was closed, changed or removed.
-
-    Examples
-    --------
-    >>> tree = xr.DataTree(xr.Dataset({"force": ("segment", [1.0, 2.0])}), name="loaded")
-    >>> in_memory(tree).identical(tree)
-    True
+    Values in memory are not copied; those whose file was closed, changed or removed are refused.
     """
     try:
         return _computed(content)
@@ -173,7 +135,7 @@ def _computed(content: Content) -> Content:
 
 
 def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
-    """What a function of xarray opens, read by a process of its own."""
+    """Content that a function of xarray opens, read by a process of its own."""
     # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
     for library in ("netCDF4", "h5py"):
         importlib.import_module(library)
@@ -258,10 +220,9 @@ def _unpacked_size(path: str | os.PathLike[str], variable: Any) -> int:
 
 
 class _LaterWriter:
-    """Takes the place of xarray's writer and keeps the values back until all variables of the file are defined.
+    """Writer in place of xarray's that keeps the values back until all variables of the file are defined.
 
-    netCDF writes the whole header anew with the first values after a definition: in turn, the time grows with the
-    square of the number of variables.
+    Otherwise netCDF writes the header anew after each definition, in time with the square of the number of variables.
     """
 
     def __init__(self) -> None:
@@ -283,31 +244,9 @@ def write_netcdf(
     path: str | os.PathLike[str],
     encoding: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:
-    """Write a dataset or a tree to a netCDF-4 file.
+    """Write a dataset or a tree to a netCDF-4 file, replaced if it exists; missing folders are made.
 
-    Parameters
-    ----------
-    content
-        What is written.
-    path
-        The file, replaced if it exists; missing folders are made.
-    encoding
-        As of ``Dataset.to_netcdf``: by variable, or of a tree by group and variable.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written; nothing is left behind then.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> tree = xr.DataTree.from_dict({"/inner": xr.Dataset({"force": ("segment", [1.0, 2.0])})})
-    >>> with TemporaryDirectory() as folder:
-    ...     write_netcdf(tree, f"{folder}/forces.nc")
-    ...     with xr.open_datatree(f"{folder}/forces.nc") as found:
-    ...         found.identical(tree)
-    True
+    If it fails nothing is left behind. ``encoding`` is that of xarray: by variable, or by group and variable.
     """
     from netCDF4 import Dataset
 

@@ -28,26 +28,9 @@ ACCESS_LIST = "system.posix_acl_access"
 
 
 def take_over_permissions(new: Path, old: Path) -> None:
-    """Give a new file the owner, group, mode and access control list of the file it is to replace, if there is one.
+    """Give a new file the owner, group, mode and access control list of the file that it is to replace.
 
-    Only the administrator can give a file to another owner, and only members of a group to that group. A new file of
-    another group grants that group no more than everybody.
-
-    Parameters
-    ----------
-    new, old
-        The two files; a link as the old one has nothing to pass on.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     new, old = Path(folder, "new"), Path(folder, "old")
-    ...     new.touch()
-    ...     old.touch(mode=0o600)
-    ...     take_over_permissions(new, old)
-    ...     oct(new.stat().st_mode & 0o777)
-    '0o600'
+    A group that cannot be kept gets no more than everybody. A link as the old file has nothing to pass on.
     """
     try:
         before = old.lstat()
@@ -78,34 +61,9 @@ ATTEMPT_COUNT = 20
 
 @contextlib.contextmanager
 def private_folder(parent: Path) -> Iterator[Path]:
-    """Make a private folder in another, and remove it with everything in it on leaving.
+    """A private folder in another, removed with its content on leaving; its file ``lock`` is taken.
 
-    What processes that were ended have left in the other folder is removed first.
-
-    Parameters
-    ----------
-    parent
-        The other folder.
-
-    Yields
-    ------
-    Path
-        The private folder. It holds a file ``lock``; other names are free.
-
-    Raises
-    ------
-    OSError
-        If it cannot be made.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as parent:
-    ...     with private_folder(Path(parent)) as folder:
-    ...         oct(folder.stat().st_mode & 0o777)
-    ...     folder.exists()
-    '0o700'
-    False
+    Private folders that processes left which were ended are removed first.
     """
     clear_remains(parent)
     folder, lock = _made(parent)
@@ -116,17 +74,7 @@ def private_folder(parent: Path) -> Iterator[Path]:
 
 
 def clear_remains(parent: Path) -> None:
-    """Remove the private folders of processes that were ended: those of this user whose lock is free.
-
-    Parameters
-    ----------
-    parent
-        Folder to clear; it need not exist.
-
-    Examples
-    --------
-    >>> clear_remains(Path("no such folder"))
-    """
+    """Remove the private folders of processes that were ended: those of this user whose lock is free."""
     with contextlib.suppress(OSError), os.scandir(parent) as entries:
         found = [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]
         for folder in found:
@@ -197,35 +145,10 @@ SUFFIX_LENGTH_LIMIT = 10  # of a name under which a file is written
 
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Write a file in a private folder beside it, and give it its name when it is complete and on the disk.
+    """Path to write to in a private folder; the file gets its name when it is complete and on the disk.
 
-    A file that is replaced leaves its permissions (mode, access control list, owner and group where the system allows
-    it) to the new one. A link is replaced, not the file it points to. Of two processes that write the same file, one
-    leaves its whole file. What an earlier process left that was ended while writing is removed.
-
-    Parameters
-    ----------
-    path
-        The file, replaced if it exists; missing folders are made.
-
-    Yields
-    ------
-    Path
-        Path to write to. If writing fails, nothing is left behind and an earlier file stays as it was.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     with whole_file(f"{folder}/new/table.txt") as temporary:
-    ...         _ = temporary.write_text("complete")
-    ...     Path(f"{folder}/new/table.txt").read_text()
-    'complete'
+    A replaced file leaves its permissions to the new one; a link is replaced, not its target. If writing fails, nothing
+    is left behind and an earlier file stays. Of two processes that write one file, one leaves its whole file.
     """
     target = file_path("path", path)
     _check_replaceable(target)
@@ -253,22 +176,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def existing_folder(folder: Path) -> Iterator[None]:
-    """Make a folder and those above it that are missing; if what follows fails, those that are empty are removed.
-
-    Raises
-    ------
-    OSError
-        If a folder cannot be made.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as parent:
-    ...     with contextlib.suppress(ValueError), existing_folder(Path(parent, "new", "deep")):
-    ...         raise ValueError
-    ...     os.listdir(parent)
-    []
-    """
+    """Make a folder and those above it; if what follows fails, the new ones that are empty are removed."""
     missing = [parent for parent in (folder, *folder.parents) if not os.path.exists(parent)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -281,23 +189,7 @@ def existing_folder(folder: Path) -> Iterator[None]:
 
 
 def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str], suffix: str | None = None) -> None:
-    """Check that a file can be written; nothing is left behind.
-
-    Parameters
-    ----------
-    path
-        The file to be written.
-    *sources
-        Its sources: files that must not be overwritten, or names that are no files.
-    suffix
-        Required suffix of the name; any if left out.
-
-    Raises
-    ------
-    InputError
-        If the name has another suffix or is too long, the folder does not exist and cannot be made, may not be written
-        to, or the path is a folder, a device or one of the sources.
-    """
+    """Refuse a file that cannot be written, has another suffix, or is one of its sources; leaves nothing behind."""
     target = file_path("path", path)
     _check_replaceable(target)
     for source in sources:
@@ -309,20 +201,7 @@ def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str
 
 
 def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
-    """Check that a folder can be written to; nothing is left behind.
-
-    Parameters
-    ----------
-    path
-        The folder; it need not exist.
-    purpose
-        Its contents, as messages name them.
-
-    Raises
-    ------
-    InputError
-        If it is a file, its name is too long, or it cannot be made or written to.
-    """
+    """Refuse a folder, which need not exist, that cannot be written to; leaves nothing behind."""
     target = Path(path)
     check_name(target)
     if os.path.exists(target) and not os.path.isdir(target):

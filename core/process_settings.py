@@ -38,19 +38,8 @@ THREAD_VARIABLES = (
 def child_environment(variables: Mapping[str, str] | None = None) -> Iterator[None]:
     """Set environment variables for processes started within, which import nothing from the current folder.
 
-    Python starts them as ``python -c ...``, for which the current folder comes first: a file ``pickle.py`` there would
-    run in place of Python's own. Once started they take over the path of modules of the process that started them.
-
-    Parameters
-    ----------
-    variables
-        Further variables.
-
-    Examples
-    --------
-    >>> with child_environment({"OMP_NUM_THREADS": "1"}):
-    ...     os.environ["PYTHONSAFEPATH"]
-    '1'
+    For ``python -c`` that comes first: a file ``pickle.py`` there would run. Once started they take over the path of
+    modules of the process that started them.
     """
     wanted = {"PYTHONSAFEPATH": "1", **(variables or {})}
     before = {name: os.environ.get(name) for name in wanted}
@@ -84,14 +73,7 @@ def _end_with(sentinel: Any) -> None:
 
 @contextlib.contextmanager
 def children_without_interrupts() -> Iterator[None]:
-    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them.
-
-    Examples
-    --------
-    >>> with children_without_interrupts():
-    ...     signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    True
-    """
+    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread may change this
         return
@@ -104,14 +86,7 @@ def children_without_interrupts() -> Iterator[None]:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Let linear algebra of this process run in one thread within this context.
-
-    Examples
-    --------
-    >>> with one_blas_thread():
-    ...     {library.num_threads for library in _libraries().lib_controllers if library.user_api == "blas"}
-    {1}
-    """
+    """Let linear algebra of this process run in one thread within this context."""
     with _libraries().limit(limits=1, user_api="blas"):
         yield
 
@@ -131,14 +106,9 @@ TRIM_THRESHOLD, KEPT_MEMORY = -1, 2**28
 
 
 def keep_freed_memory() -> None:
-    """Let this process keep 256 MB that it has freed, if its C library is glibc.
+    """Let this process keep 256 MB that it has freed, with glibc: saves a twentieth of the time of an analysis.
 
-    Otherwise arrays above 128 kB go back to the system, and the next ones cost a page fault for every four kilobytes: a
-    twentieth of the time of an analysis.
-
-    Examples
-    --------
-    >>> keep_freed_memory()
+    Otherwise arrays above 128 kB go back to the system, with a page fault for every four kilobytes of the next ones.
     """
     if os.name != "posix":
         return
@@ -152,20 +122,9 @@ def keep_freed_memory() -> None:
 
 @contextmanager
 def without_garbage_collection(*, at_all: bool = False) -> Iterator[None]:
-    """Leave the search to the end of this context: it takes a thirtieth of the time of an analysis.
+    """Put off the search for garbage, a thirtieth of the time of an analysis, to the end of this context.
 
-    Parameters
-    ----------
-    at_all
-        Whether the process ends after it: what it has made until then is never searched.
-
-    Examples
-    --------
-    >>> with without_garbage_collection():
-    ...     gc.isenabled()
-    False
-    >>> gc.isenabled()
-    True
+    With ``at_all``, where the process ends after it, what it has made until then is never searched.
     """
     searches = gc.isenabled()
     gc.disable()

@@ -25,20 +25,7 @@ def named(path: str | os.PathLike[str]) -> str:
 
 
 def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None:
-    """Check that there is a file to read.
-
-    Parameters
-    ----------
-    path
-        The file.
-    limit
-        Greatest size [bytes]; none if left out.
-
-    Raises
-    ------
-    InputError
-        If there is no file, or a folder, a pipe or a device, or it is larger.
-    """
+    """Refuse a path without a file to read: a folder, a pipe, a device, or a file above the limit [byte]."""
     path = file_path("path", path)
     # The functions of os.path take a name that is too long, or holds a null character, for one that does not exist.
     if os.path.isdir(path):
@@ -52,13 +39,7 @@ def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None
 
 
 def leads_outside(folder: str | os.PathLike[str], path: str | os.PathLike[str]) -> bool:
-    """Whether a path that starts in a folder leads out of it, wherever links lead.
-
-    Examples
-    --------
-    >>> leads_outside("cases", "oil.toml"), leads_outside("cases", "../oil.toml")
-    (False, True)
-    """
+    """True if a path that starts in a folder leads out of it, wherever links lead."""
     try:
         start = os.path.realpath(folder)
         return os.path.commonpath([start, os.path.realpath(os.path.join(start, path))]) != start
@@ -68,19 +49,9 @@ def leads_outside(folder: str | os.PathLike[str], path: str | os.PathLike[str]) 
 
 @contextlib.contextmanager
 def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
-    """Context in which libraries read a file: whatever a damaged one makes them raise becomes one message.
+    """Context in which libraries read a file: whatever a damaged one makes them raise becomes one InputError.
 
-    Parameters
-    ----------
-    path
-        The file.
-    kind
-        Kind of file that is expected, with its article.
-
-    Raises
-    ------
-    InputError
-        If anything is raised within; an ``InputError`` as it is.
+    ``kind`` is the expected kind of file, with its article.
     """
     try:
         yield
@@ -93,7 +64,7 @@ def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
 
 
 def reason(error: Exception) -> str:
-    """What another program says of an error, in a line."""
+    """Another program's words about an error, in a line."""
     why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
     return shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
 
@@ -104,25 +75,7 @@ def too_large(path: str | os.PathLike[str], limit: int) -> InputError:
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
-    """Content of a file.
-
-    Parameters
-    ----------
-    path
-        The file.
-    limit
-        Greatest size [bytes].
-
-    Raises
-    ------
-    InputError
-        As ``require_file``, or if the file cannot be read.
-
-    Examples
-    --------
-    >>> read_bytes(__file__, 100_000)[3:8]
-    b'Files'
-    """
+    """Content of a file of at most ``limit`` bytes."""
     require_file(path, limit)
     try:
         with file_path("path", path).open("rb") as file:
@@ -143,27 +96,7 @@ LINE_LENGTH_LIMIT = 50_000  # of a line of a table or script [characters]
 
 
 def read_text(path: str | os.PathLike[str], limit: int, *, line_limit: int | None = None) -> str:
-    """Content of a text file, with line feeds for ends of lines.
-
-    Parameters
-    ----------
-    path
-        The file.
-    limit
-        Greatest size [bytes].
-    line_limit
-        Greatest length of a line [characters]; any if left out.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it cannot be read, is larger, is not text in UTF-8, or has a longer line.
-
-    Examples
-    --------
-    >>> read_text(__file__, 100_000).splitlines()[2]
-    'from __future__ import annotations'
-    """
+    """Content of a UTF-8 text file, with line feeds for ends of lines; limits of its size [byte] and line length."""
     content = read_bytes(path, limit)
     try:
         text = content.decode("utf-8-sig")
@@ -190,23 +123,7 @@ DIGIT_COUNT_LIMIT = 300  # of a whole number; one of more may be greater than an
 
 
 def parsed_json(text: str) -> Any:
-    """Value of a JSON text.
-
-    Raises
-    ------
-    ValueError
-        If it is no JSON, is nested too deeply, or has a number of too many digits.
-
-    Examples
-    --------
-    >>> parsed_json('{"bias": 1.5}')
-    {'bias': 1.5}
-    >>> try:
-    ...     parsed_json("[" * 100_000)
-    ... except ValueError as error:
-    ...     print(error)
-    nested too deeply
-    """
+    """Value of a JSON text; ValueError also if it is nested too deeply or has a number of too many digits."""
     try:
         return json.loads(text, parse_int=_whole_number)
     except RecursionError as error:

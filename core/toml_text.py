@@ -23,21 +23,7 @@ WHOLE_NUMBER_BITS = 64
 def toml_tables(text: str, origin: str) -> dict[str, Any]:
     """Tables of a TOML text that messages call ``origin``.
 
-    Raises
-    ------
-    InputError
-        If the text is no TOML, is nested more than ``NESTING_LIMIT`` deep, holds a whole number of more than 64 bits,
-        or a list looks like a number with a decimal comma.
-
-    Examples
-    --------
-    >>> toml_tables("speed = 500.0", "mine.toml")
-    {'speed': 500.0}
-    >>> try:
-    ...     toml_tables("speed = [500,5]", "mine.toml")
-    ... except InputError as error:
-    ...     print(str(error).partition(";")[0])
-    mine.toml, line 1: 'speed = [500,5]': a list of two values, 500 and 5
+    Too deep a nesting, a whole number beyond 64 bits and a list that looks like a decimal comma are refused.
     """
     for part in KEY_ENDS.split(text):
         if part.count(".") > KEY_PART_LIMIT:
