@@ -24,30 +24,14 @@ SectionName = Literal["edge", "toprem", "profile", "flankrem"]
 
 @dataclass(frozen=True)
 class Relief:
-    """Toprem or flankrem: a relief at one end of the blade's profile.
+    """Toprem or flankrem: relief at one end of the blade's profile; a positive kink removes metal at root or tip.
 
-    Parameters
-    ----------
-    height
-        Height of its beginning above the tip plane [mm].
-    angle
-        Kink at the beginning [rad]. A toprem's pressure angle is smaller by it, a flankrem's larger: positive removes
-        metal at the flank's root or tip.
-    radius
-        Radius of an arc whose centre lies on the side of the metal, so that it removes more the further it goes [mm];
-        straight when ``None``.
-
-    Examples
-    --------
-    >>> from math import radians
-    >>> toprem = Relief(height=1.5, angle=radians(2.0))
-    >>> print(toprem.radius)
-    None
+    It makes a toprem's pressure angle smaller, a flankrem's larger.
     """
 
-    height: float
-    angle: float = 0.0
-    radius: float | None = None
+    height: float  # of its beginning above the tip plane [mm]
+    angle: float = 0.0  # kink at the beginning [rad]
+    radius: float | None = None  # of an arc [mm] with the centre in the metal; straight if None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -149,15 +133,10 @@ def blade_sections(
     toprem: Relief | None,
     flankrem: Relief | None,
 ) -> dict[SectionName, BladeSection]:
-    """Sections of a blade's edge from the tip land upwards, joined end to end.
+    """Sections of a blade's edge from the tip land upwards, joined end to end; parts that do not fit are refused.
 
-    The profile touches the line of the pressure angle through the blade point at the reference height. Reliefs begin on
-    the profile, with a kink if they have an angle; the edge radius touches what lies above it and the tip plane.
-
-    Raises
-    ------
-    InputError
-        If the parts do not fit onto one another.
+    The profile touches the line of the pressure angle at the reference height [mm]; reliefs begin on the profile, with
+    a kink if they have an angle; the edge radius touches what lies above it and the tip plane.
     """
     reference = (reference_height * math.tan(pressure_angle), reference_height)
     profile = _part("profile", reference, pressure_angle, spheric_radius)

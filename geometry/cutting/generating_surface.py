@@ -43,17 +43,10 @@ def _of(velocity: Velocity, point: Array) -> Array:
 
 
 def straight_edge(origin: Array, edge: Array, by_cutter: Velocity, by_cradle: Velocity) -> Array:
-    """Distance from the origin along a straight edge (n) [mm], in closed form.
+    """Distance from the origin along a straight edge, a unit vector (3, n), to the touched point (n) [mm].
 
-    Both velocities are linear in the distance, so the condition is quadratic. Its other root is far away: for a
-    face-milling cutter it is always the apex of the cone.
-
-    Parameters
-    ----------
-    origin, edge
-        A point [mm] and the unit vector of the edge (3, n).
-    by_cutter, by_cradle
-        Velocities of its points.
+    Both velocities are linear in it, so the condition is quadratic. Its other root is far away: for a face-milling
+    cutter it is always the apex of the cone.
     """
     at_origin = [_of(velocity, origin) for velocity in (by_cutter, by_cradle)]
     along = [cross(spin, edge) for spin, _ in (by_cutter, by_cradle)]
@@ -67,7 +60,7 @@ def straight_edge(origin: Array, edge: Array, by_cutter: Velocity, by_cradle: Ve
 def on_arc(
     middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, turn: Array
 ) -> tuple[Array, Array]:
-    """Point [mm] and direction (3, n) of a circular edge, ``turn`` (n) [rad] of its direction away from the middle.
+    """Point [mm] and direction (3, n) of a circular edge at ``turn`` (n) [rad] of its direction from the middle.
 
     The point lies on the chord, whose direction is that of the edge half way: exact for a radius of any size.
     """
@@ -87,23 +80,10 @@ def circular_edge(
     by_cradle: Velocity,
     middle_angle: float,
 ) -> Array:
-    """Turn (n) [rad] of a circular edge's direction from its middle to the touched point.
+    """Turn (n) [rad] of a circular edge's direction from its middle (3, n) [mm] to the touched point.
 
-    Closed form for a face-milling cutter, whose points all move along one direction. In face hobbing that is the start
-    of a Newton iteration.
-
-    Parameters
-    ----------
-    middle
-        Middle of the arc (3, n) [mm].
-    radius
-        Radius [mm], positive with the centre on the side of the metal; it may be zero.
-    plane
-        Unit vectors outward and towards the shank (3, n).
-    by_cutter, by_cradle
-        Velocities of the blade's points.
-    middle_angle
-        Angle between edge and cutter axis in the middle of the arc [rad]: the nearest solution is taken.
+    Closed for a face-milling cutter; in face hobbing that starts Newton. Radius positive with the centre in the metal,
+    or zero; the plane is (outward, to the shank); of two solutions the one nearest to the middle's angle [rad].
     """
 
     def real(values: Array) -> Array:
@@ -371,29 +351,11 @@ LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its
 @frozen_arrays
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Points of a generating surface (n) in the member's frame.
+    """Points of a generating surface (n) in the member's frame."""
 
-    Parameters
-    ----------
-    parameters
-        Surface parameters (2, n).
-    values
-        Position [mm], outward normal and blade coordinate [mm], in this order (7, n).
-    slopes
-        Their derivatives by both parameters (2, 7, n).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> surface = gear_pair(read_case("fm-11x41")).gear.loaded
-    >>> points = SurfacePoints.of(surface, np.array([[1.0], [5.0]]))
-    >>> bool((points.position == surface.evaluate(points.parameters)[0]).all())
-    True
-    """
-
-    parameters: Array
-    values: Array
-    slopes: Array
+    parameters: Array  # (2, n)
+    values: Array  # (7, n) position [mm], outward normal, blade coordinate [mm]
+    slopes: Array  # (2, 7, n) by both parameters
 
     @classmethod
     def of(cls, surface: GeneratingSurface, parameters: Array) -> SurfacePoints:
@@ -454,23 +416,9 @@ def axial_and_radial(points: SurfacePoints) -> tuple[Array, Array]:
 def points_at(
     locate: Locate, surface: GeneratingSurface, start: SurfacePoints, target: Array
 ) -> tuple[SurfacePoints, NewtonResult]:
-    """Points with given coordinates, by Newton's method.
+    """Points with target coordinates (2, n) by Newton's method, and how the search ended.
 
-    Parameters
-    ----------
-    locate
-        Two coordinates of points (2, n), and their derivatives by both parameters (2, 2, n).
-    surface
-        The surface.
-    start
-        First guess (n).
-    target
-        Coordinates (2, n).
-
-    Returns
-    -------
-    tuple
-        The points, and how the search ended.
+    ``locate`` gives two coordinates of points (2, n) and their derivatives by both parameters (2, 2, n).
     """
     held, known = start, True
 

@@ -112,7 +112,7 @@ class MachineSettings:
 
     @property
     def generated(self) -> bool:
-        """Whether the member is generated (rolled); if not, it is Formate."""
+        """True if the member is generated (rolled); if not, it is Formate."""
         return self.ratio_of_roll is not None
 
 
@@ -125,30 +125,7 @@ even orders of the modified roll only.
 
 
 def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: IncrementSense) -> tuple[Any, Any]:
-    """Rotation of the work, and its derivative by the cradle rotation.
-
-    Parameters
-    ----------
-    settings
-        Machine settings.
-    cradle_rotation
-        Rotation of the cradle about the machine z axis [rad].
-    sense
-        Sense of the cradle increment, see ``IncrementSense``.
-
-    Returns
-    -------
-    tuple
-        Rotation [rad] and ratio, both shaped as ``cradle_rotation`` (Kolivand 2009, Eq. 2.4a, with modified roll).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> rotation, ratio = work_rotation(pair.pinion.loaded.settings, np.array([0.0, 0.1]), pair.pinion.loaded.sense)
-    >>> bool(rotation[0] == 0.0), np.allclose(rotation[1] / 0.1, ratio[1])
-    (True, True)
-    """
+    """Rotation of the work [rad], with modified roll, and its derivative by the cradle's (Kolivand 2009, Eq. 2.4a)."""
     ratio = settings.ratio_of_roll or 0.0
     increment = sense * cradle_rotation
     rotation = increment
@@ -162,48 +139,26 @@ def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: Increm
 
 @dataclass(frozen=True, eq=False)
 class MachinePose:
-    """The machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).
+    """Machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).
 
     One is made in every step of an iteration, and none is handed on: its arrays are not locked.
-
-    Parameters
-    ----------
-    frame
-        Axes of the cutter, x and y before the cutter turns, z towards the blank.
-    center
-        Centre of the blade tip plane [mm].
-    axis, origin
-        Work axis and crossing point [mm].
-    spin, shift
-        Velocity of a blade point p relative to the work, by the cradle rotation: spin x p + shift.
-    cradle, work
-        Angle of the cradle, and rotation of the work by the roll [rad].
-    cradle_turn, root_turn
-        Cosine and sine of the angle of the cradle and of the machine root angle.
     """
 
-    frame: tuple[Array, Array, Array]
-    center: Array
+    frame: tuple[Array, Array, Array]  # axes of the cutter, x and y before it turns, z towards the blank
+    center: Array  # of the blade tip plane [mm]
     axis: Array
-    origin: Array
-    spin: Array
+    origin: Array  # crossing point [mm]
+    spin: Array  # velocity of a blade point p relative to the work, by the cradle: spin x p + shift
     shift: Array
     cradle: Array
-    work: Array
-    cradle_turn: tuple[Array, Array]
+    work: Array  # rotation by the roll [rad]
+    cradle_turn: tuple[Array, Array]  # cosine and sine of the angle of the cradle
     root_turn: tuple[Array, Array]
 
     def to_member(self, vector: Array, indexing: Array, *, point: bool) -> Array:
-        """Turn a position [mm] or direction (3, n) from the cradle's frame into the frame of the member being cut.
+        """Position [mm] or direction (3, n) in the frame of the member, from that of the cradle.
 
-        Parameters
-        ----------
-        vector
-            Position or direction.
-        indexing
-            Rotation of the work beyond the roll (n) [rad].
-        point
-            Whether the vector is a position.
+        ``indexing`` is the rotation of the work beyond the roll (n) [rad].
         """
         return self._to_member(vector - self.origin if point else vector, cos_sin(-self.work - indexing))
 
@@ -230,25 +185,7 @@ def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) 
 
 
 def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: IncrementSense) -> MachinePose:
-    """The machine at given cradle rotations.
-
-    Parameters
-    ----------
-    settings
-        Machine settings, with their motions.
-    cradle_rotation
-        Rotations of the cradle about the machine z axis (n) [rad].
-    sense
-        Sense of the cradle increment, see ``machine.IncrementSense``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> surface = pair.gear.loaded
-    >>> machine_pose(surface.settings, np.zeros(1), surface.sense).origin.shape
-    (3, 1)
-    """
+    """Machine with its motions at cradle rotations (n) [rad] about the machine z axis."""
     # Without motions one column stands for all n rotations.
     moves = bool(settings.motions)
     machine = _machine_at(settings, sense * cradle_rotation, sense) if moves else _still_machine(settings)
@@ -281,13 +218,10 @@ _Machine = tuple[
 
 
 def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _Machine:
-    """The machine at cradle increments (n), not turned with the cradle.
+    """Machine at cradle increments (n) [rad], not turned with the cradle, as a tuple.
 
-    Returns
-    -------
-    tuple
-        Settings and their derivatives (n) by the cradle rotation, axes of the cutter and its centre, direction of the
-        work axis and crossing point, cosine and sine of the machine root angle.
+    Settings, their derivatives by the cradle rotation, axes of the cutter, its centre, direction of the work axis,
+    crossing point, and cosine and sine of the machine root angle.
     """
     value: dict[str, Array] = {}
     rate: dict[str, Array] = {}

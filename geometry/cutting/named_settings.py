@@ -44,13 +44,7 @@ CRADLE_INCREMENT_SCALE = 0.3  # cradle increment at which a motion changes the f
 
 
 def scale_of(name: str) -> float:
-    """Usual step of a setting, which changes the flank about as much as those of the others [mm, rad or per radian].
-
-    Raises
-    ------
-    InputError
-        If there is no setting of that name.
-    """
+    """Usual step of a setting, which changes the flank about as much as that of any other [mm, rad or per rad]."""
     plain = {**BLADE_STEPS, **CURVATURE_STEPS, **MACHINE_STEPS}
     if name in plain:
         return plain[name]
@@ -67,15 +61,7 @@ def scale_of(name: str) -> float:
 
 
 def get_setting(surface: GeneratingSurface, name: str) -> float:
-    """One setting of a generating surface by name. Raises as ``scale_of``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> round(get_setting(pair.pinion.loaded, "radial_distance"), 3)
-    74.874
-    """
+    """One setting of a generating surface by name [mm, rad or per rad]."""
     scale_of(name)
     if name in BLADE_STEPS:
         return float(getattr(surface.blade, name))
@@ -91,16 +77,7 @@ def get_setting(surface: GeneratingSurface, name: str) -> float:
 
 
 def with_settings(surface: GeneratingSurface, values: Mapping[str, float]) -> GeneratingSurface:
-    """The same surface with some settings changed by name. Raises as ``scale_of``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> moved = with_settings(pair.pinion.loaded, {"radial_distance": 60.0})
-    >>> get_setting(moved, "radial_distance")
-    60.0
-    """
+    """Generating surface with some settings changed by name [mm, rad or per rad]."""
     blade: dict[str, Any] = {}
     machine: dict[str, Any] = {}
     roll, motions = surface.settings.modified_roll, dict(surface.settings.motions)
@@ -190,29 +167,12 @@ class MachineResolution:
 
 @dataclass(frozen=True)
 class SettingStep:
-    """Step of one setting.
+    """Unit and smallest step of one setting."""
 
-    Parameters
-    ----------
-    unit
-        Unit in which it is set and written.
-    step
-        Smallest step [unit].
-    factor
-        Units per internal one: mm, rad or per radian.
-    reciprocal
-        Whether one over the setting is set and written, as the radius of a blade's profile is.
-
-    Examples
-    --------
-    >>> SettingStep("deg", 0.001, math.degrees(1.0)).text(math.radians(70.0863))
-    '70.086'
-    """
-
-    unit: str
+    unit: str  # in which it is set and written
     step: float
-    factor: float = 1.0
-    reciprocal: bool = False
+    factor: float = 1.0  # units per mm, rad or per radian
+    reciprocal: bool = False  # one over it is set and written, as a profile's radius
 
     @property
     def decimals(self) -> int:
@@ -226,13 +186,7 @@ class SettingStep:
         return self.factor * value
 
     def rounded(self, value: float) -> float:
-        """The nearest setting that can be set [internal unit].
-
-        Examples
-        --------
-        >>> round(SettingStep("mm", 0.001).rounded(1.23456), 9)
-        1.235
-        """
+        """Nearest value that can be set [mm, rad or per rad]."""
         written = self.written(value)
         if math.isinf(written):
             return 0.0
@@ -248,21 +202,13 @@ class SettingStep:
 
 
 def nearest_multiple(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:
-    """The nearest multiple of a step between bounds, without the noise of the product; where none is, the value itself.
-
-    >>> nearest_multiple(70.08634, 0.001), nearest_multiple(70.08634, 0.001, high=70.0859)
-    (70.086, 70.085)
-    """
+    """Nearest multiple of a step between bounds, without the noise of the product; the value where none is."""
     count = step_count(value, step, low, high)
     return value if count is None else round(count * step, 12) + 0.0
 
 
 def step_count(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> int | None:
-    """Number of steps nearest to a value between bounds; ``None`` where no multiple of the step is.
-
-    >>> step_count(0.019, 0.01, high=0.019), step_count(0.019, 0.01, 0.015, 0.019)
-    (1, None)
-    """
+    """Number of steps nearest to a value between bounds; ``None`` where no multiple of the step is."""
     count = round(min(max(value, low), high) / step)
     low, high = low - STEP_NOISE * abs(low), high + STEP_NOISE * abs(high)
     count += int(count * step < low) - int(count * step > high)
@@ -293,13 +239,7 @@ USUAL_RESOLUTION = MachineResolution()
 
 
 def setting_step(name: str, resolution: MachineResolution = USUAL_RESOLUTION) -> SettingStep:
-    """Step of a setting by its name in ``named_settings``. Raises as ``scale_of``.
-
-    Examples
-    --------
-    >>> setting_step("machine_root_angle").step, setting_step("sliding_base_motion_1").unit
-    (0.001, 'mm/rad^1')
-    """
+    """Unit and step of a setting by its name in ``named_settings``."""
     scale_of(name)
     step = step_of(name, resolution)
     assert step is not None  # every named setting has one
@@ -315,11 +255,7 @@ def setting_step(name: str, resolution: MachineResolution = USUAL_RESOLUTION) ->
 
 
 def step_of(name: str, resolution: MachineResolution) -> float | None:
-    """Step of a setting of machine or blade [mm or deg]; ``None`` where it has none, as the reliefs of a blade.
-
-    >>> step_of("work_offset_motion_1", MachineResolution()), step_of("toprem_depth", MachineResolution())
-    (0.001, None)
-    """
+    """Step of a setting of machine or blade [mm or deg]; ``None`` where it has none, as the reliefs of a blade."""
     if name in MODIFIED_ROLL_ORDERS:
         return resolution.modified_roll
     if "_motion_" in name:

@@ -131,17 +131,8 @@ def generated_gear(
 ) -> Flanks:
     """Convex and concave flank of a generated gear: the cutter of ``formate_gear``, rolled with a crown gear.
 
-    The cradle axis passes through the apex of the pitch cone and the ratio of roll is cos(dedendum angle) / sin(pitch
-    angle): the pitch cone rolls without sliding. Parameters, return and exceptions are those of ``formate_gear``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> convex, _ = generated_gear(blanks, cutter_radius=95.25, hand="right", corrected=False)
-    >>> convex.settings.generated
-    True
+    The cradle axis passes through the pitch apex and the ratio of roll is cos(dedendum angle) / sin(pitch angle): the
+    pitch cone rolls without sliding.
     """
     gear = blank.gear
     ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
@@ -301,26 +292,10 @@ def _face_hobbed(
 def hobbing_blade(
     reference_radius: float, pressure_angle: float, side: BladeSide, reference_height: float, lead: float
 ) -> Blade:
-    """Face-hobbing blade whose edge stands at right angles to its path.
+    """Face-hobbing blade whose edge stands at right angles to its path [mm, rad].
 
-    Parameters
-    ----------
-    reference_radius
-        Distance of the reference point of the edge from the cutter axis [mm].
-    pressure_angle
-        Between edge and cutter axis [rad].
-    side
-        Which blade.
-    reference_height
-        Height of the reference point above the blade tip [mm].
-    lead
-        Angle between the radius of the reference point and the normal of its path (nu) [rad].
-
-    Examples
-    --------
-    >>> blade = hobbing_blade(88.0, 0.3, "outside", reference_height=6.0, lead=0.25)
-    >>> 86.0 < blade.point_radius < 88.0, round(blade.rake_angle, 3)
-    (True, 0.255)
+    The reference point is at a radius from the cutter axis and a height above the tip; ``lead`` (nu) is between that
+    radius and the normal of the path.
     """
     plain = Blade(reference_radius, pressure_angle, side)
     # The edge runs in a plane turned by the lead angle; the tip then stands at a radius and an angle of its own.

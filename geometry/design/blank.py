@@ -278,41 +278,15 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class MeanPointAngles:
-    """Angles of a flank at the mean point's axial and radial coordinates.
+    """Angles of a flank at the mean point's axial and radial coordinates."""
 
-    Parameters
-    ----------
-    spiral_angle
-        Between tooth trace and cone element, in the plane that touches the pitch cone [rad]; positive for the hand of
-        the member.
-    pressure_angle
-        Between the flank's normal and that plane [rad]; positive where the tooth narrows towards its tip.
-    azimuth
-        Of the point about the member's axis [rad], counted as on a right-hand member.
-    """
-
-    spiral_angle: float
-    pressure_angle: float
-    azimuth: float
+    spiral_angle: float  # [rad] in the tangent plane of the pitch cone, positive for the member's hand
+    pressure_angle: float  # [rad], positive where the tooth narrows towards its tip
+    azimuth: float  # [rad] about the member's axis, as on a right-hand member
 
 
 def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member: MemberBlank) -> MeanPointAngles:
-    """Measure a flank at the mean point of its blank.
-
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    section
-        Axial section of the blank.
-    member
-        Dimensions of the blank; pitch cone and mean cone distance are used.
-
-    Raises
-    ------
-    GeometryError
-        If the flank does not pass through the mean point.
-    """
+    """Angles of a flank at the mean point of its blank; GeometryError if it does not pass through that point."""
     sine, cosine = math.sin(member.pitch_angle), math.cos(member.pitch_angle)
     axial = member.mean_cone_distance * cosine - member.pitch_apex
     radial = member.mean_cone_distance * sine
@@ -324,17 +298,7 @@ def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member:
 
 
 def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: Hand) -> MeanPointAngles:
-    """Angles of a flank at a point, from its outward normal.
-
-    Parameters
-    ----------
-    position, normal
-        Point [mm] and unit normal (3) in the member's frame.
-    pitch_angle
-        Of the cone whose elements the spiral angle is measured against [rad].
-    hand
-        Hand of spiral of the member.
-    """
+    """Angles of a flank at a point (3) [mm] from its outward normal, against a cone of ``pitch_angle`` [rad]."""
     sine, cosine = math.sin(pitch_angle), math.cos(pitch_angle)
     side = 1.0 if hand == "right" else -1.0
     azimuth = math.atan2(side * position[1], position[0])

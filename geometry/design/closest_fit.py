@@ -34,13 +34,7 @@ BLANK_ADVICE = "change the blanks: cutter_radius, depth_taper, spiral angle, or 
 
 
 def residual_limits(target: EaseOffTarget) -> tuple[float, float]:
-    """Largest residuals of a good fit and of one that can be used at all [mm], by the target's range.
-
-    Examples
-    --------
-    >>> [round(limit, 6) for limit in residual_limits(EaseOffTarget(lengthwise_crowning=0.05))]
-    [0.005, 0.025]
-    """
+    """Largest residuals of a good fit and of one that can be used at all [mm], by the target's range."""
     size = target_range(target)
     return max(SMALL_RESIDUAL, GOOD_SHARE * size), max(USABLE_RESIDUAL, USABLE_SHARE * size)
 
@@ -54,24 +48,7 @@ def target_range(target: EaseOffTarget) -> float:
 def require_usable(
     side: FlankName, residual: float, target: EaseOffTarget, advice: str = ADVICE["closest_fit"]
 ) -> None:
-    """Refuse a fit that misses its target by more than the second of ``residual_limits``.
-
-    Parameters
-    ----------
-    side
-        Which side.
-    residual
-        Its largest residual [mm].
-    target
-        The wanted ease-off.
-    advice
-        What else to try.
-
-    Raises
-    ------
-    GeometryError
-        If the fit is far off.
-    """
+    """Refuse a fit whose largest residual [mm] is beyond the second of ``residual_limits``."""
     limit = residual_limits(target)[1]
     if not residual <= limit:
         raise GeometryError(
@@ -86,32 +63,11 @@ SMALL_MODULE, SMALL_SHARE = 1.0, 0.1  # [mm]; below it the steps are a tenth
 
 @dataclass(frozen=True)
 class StandardSteps:
-    """Steps of the cutters; zero leaves a value as it was computed.
+    """Steps of the cutters; zero leaves a value as it was computed."""
 
-    Parameters
-    ----------
-    blade_angle
-        Of the pressure angle of a blade [rad].
-    point_width
-        Of the point width of a cutter; the radius of a blade's tip has half of it [mm].
-    edge_radius
-        Of the edge radius of a blade, which is rounded down [mm].
-
-    Raises
-    ------
-    InputError
-        If a step is negative.
-
-    Examples
-    --------
-    >>> steps = StandardSteps(blade_angle=math.radians(0.5), point_width=0.1, edge_radius=0.05)
-    >>> round(steps.edge(0.93), 9), round(math.degrees(steps.angle(math.radians(18.83))), 9)
-    (0.9, 19.0)
-    """
-
-    blade_angle: float = 0.0
-    point_width: float = 0.0
-    edge_radius: float = 0.0
+    blade_angle: float = 0.0  # [rad]
+    point_width: float = 0.0  # [mm]; the radius of a blade's tip has half of it
+    edge_radius: float = 0.0  # [mm], rounded down
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -145,14 +101,7 @@ class StandardSteps:
     ) -> dict[str, float]:
         """Settings of a flank's blade at their steps, by name; empty where nothing has one.
 
-        Parameters
-        ----------
-        surface
-            The flank.
-        with_radius
-            Whether the radius of the blade's tip has steps too.
-        allowed
-            Least and greatest value of a setting by name; one without a step between them stays as it is.
+        A setting without a step between the two values of ``allowed`` stays as it is.
         """
         found = {}
         if self.blade_angle:
@@ -183,25 +132,10 @@ def best_fit(
     clearance: float,
     steps: StandardSteps,
 ) -> Synthesis:
-    """The fit that comes nearest to target and root cone: the first good one, else the best of several.
+    """Fit that comes nearest to target and root cone: the first good one, else the best from all starts.
 
-    Parameters
-    ----------
-    starts
-        The pair with each pinion flank to start from; that of a Formate gear last.
-    target
-        The wanted ease-off.
-    free, follow_root
-        As in ``design_pair``.
-    clearance
-        Of the blanks [mm]: blade tips further off the root cone are not good.
-    steps
-        Standard steps of the blade, at which the machine settings are fitted once more.
-
-    Raises
-    ------
-    GeometryError
-        If no fit succeeds.
+    The start of a Formate gear comes last. Blade tips further off the root cone than the clearance [mm] are not good.
+    Blades are put at their steps and the machine settings fitted once more.
     """
     best: Synthesis | None = None
     from_start, margin_of_best = starts[-1], 0.0
@@ -259,9 +193,9 @@ def _attempts(
 
 
 def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
-    """A fit from the pinion of the crown gear, its blade tips on the root cone itself.
+    """Fit from the pinion of the crown gear, its blade tips on the root cone itself.
 
-    What ``RootLine`` measures at blades that roll past is corrected by what it gives for the flank found.
+    ``RootLine`` measures at blades that roll past: its wanted distances are those it gives for the flank found.
     """
     fit: Synthesis | None = None
     surface, section = pair.pinion.loaded, pair.pinion.section

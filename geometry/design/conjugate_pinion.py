@@ -102,10 +102,10 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
 
 
 def other_side(blade: Blade, height: float) -> Blade:
-    """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis.
+    """Same edge as a blade that points the other way, its tip ``height`` [mm] further up the cutter axis.
 
-    Both blades are written in components along radius, tangent and their own axis; the new axis is the old one
-    reversed. The plane of the edge stays: its normal fixes rake and hook.
+    Both are written along radius, tangent and their own axis; the new axis is the old one reversed. The plane of the
+    edge stays: its normal fixes rake and hook.
     """
     (tip_r, tip_t), edge, (outward, upward) = blade.tip, np.array(blade.edge), blade.plane
     reversed_axis = np.array([1.0, 1.0, -1.0])
@@ -142,45 +142,10 @@ TILT_ROUNDING = 1e-9  # [rad]; a smaller tilt is none
 def crown_gear_pinion(
     gear: GeneratingSurface, assembly: Assembly, blade_height: float, pitch_point_azimuth: float = 0.0
 ) -> GeneratingSurface:
-    """Machine settings of the pinion flank cut by the crown gear that generates a gear flank.
+    """Pinion flank cut by the crown gear that generates a gear flank; the two have no ease-off on one pitch cone.
 
-    Parameters
-    ----------
-    gear
-        Generating surface of the gear flank; generated.
-    assembly
-        The pair; its misalignment is not used.
-    blade_height
-        Distance between the blade tips of the two cutters along the cutter axis [mm]: where the pinion's root is to be.
-    pitch_point_azimuth
-        Of the pitch point about the gear axis [rad], see ``pitch_point_azimuth``; zero without an offset.
-
-    Returns
-    -------
-    GeneratingSurface
-        The pinion flank.
-
-    Raises
-    ------
-    GeometryError
-        If the gear is Formate, the cone ends before ``blade_height``, or the crown gear's axis is the pinion's.
-
-    Examples
-    --------
-    Pinion and gear of a spiral bevel pair with one crown gear, which rolls on the pitch cone, have no ease-off:
-
-    >>> from dataclasses import replace
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import ease_off
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> pitch_angle = math.atan(pair.assembly.ratio)
-    >>> rolled = {"ratio_of_roll": 1.0 / math.sin(pitch_angle), "machine_root_angle": pitch_angle}
-    >>> settings = replace(pair.gear.loaded.settings, **rolled, sliding_base=-1.5)
-    >>> gear = replace(pair.gear, loaded=replace(pair.gear.loaded, settings=settings))
-    >>> pinion = replace(pair.pinion, loaded=crown_gear_pinion(gear.loaded, pair.assembly, blade_height=3.0))
-    >>> found = ease_off(replace(pair, pinion=pinion, gear=gear), (5, 5))
-    >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
-    True
+    The misalignment is not used; ``blade_height`` [mm], between the tips of both cutters along their axis, is where the
+    pinion's root is to be. GeometryError for Formate.
     """
     settings = gear.settings
     if settings.ratio_of_roll is None:
@@ -234,16 +199,9 @@ def crown_gear_pinion(
 
 
 def pitch_point_azimuth(blank: BlankDimensions, hypoid_offset: float) -> float:
-    """Azimuth of the pitch point about the gear axis [rad], towards the pinion's offset.
+    """Azimuth of the pitch point about the gear axis [rad], towards the pinion's offset [mm] with its sign.
 
     The common normal of the pitch cones stands at the pitch angle to either axis.
-
-    Parameters
-    ----------
-    blank
-        Dimensions of the pair.
-    hypoid_offset
-        Offset [mm], with its sign.
     """
     if hypoid_offset == 0.0:
         return 0.0

@@ -27,39 +27,17 @@ ROOT_WEIGHT = 50.0  # [um/mm]
 
 @dataclass
 class EaseOffResidual:
-    """Residuals of a fit of one pinion flank, which remembers where the flanks last met, to start from there.
+    """Residuals of a fit of one pinion flank, which starts from where the flanks last met."""
 
-    Parameters
-    ----------
-    pair
-        The pair, with the pinion flank to start from.
-    gear
-        Nodes of the gear flank.
-    wanted
-        Target ease-off at the nodes (n) [mm].
-    free
-        Names of the settings that move, see ``named_settings``.
-    known
-        Ease-off of the start.
-    root_line
-        Nodes where the blade's tip shall follow the root cone; ``None`` if it need not.
-    fold_margin
-        See ``fit_pinion``.
-    wanted_root
-        Distances of the blade's tip above the root cone at those nodes (3) [mm]; zero if left out.
-    tie
-        Settings that follow from the moving ones, by name; none if left out.
-    """
-
-    pair: GearPair
+    pair: GearPair  # with the pinion flank to start from
     gear: Flank
-    wanted: Array
+    wanted: Array  # ease-off at the nodes (n) [mm]
     free: Sequence[str]
-    known: EaseOff
+    known: EaseOff  # ease-off of the start
     root_line: RootLine | None
     fold_margin: float
-    wanted_root: Array | None = None
-    tie: Tie | None = None
+    wanted_root: Array | None = None  # blade's tip above the root cone (3) [mm]; zero if None
+    tie: Tie | None = None  # settings that follow from the moving ones
 
     def __post_init__(self) -> None:
         self.start = self.pair.pinion.loaded
@@ -97,7 +75,7 @@ class EaseOffResidual:
         return self.form(angle[self.usable] * self.lever - self.wanted[self.usable])
 
     def form(self, gap: Array) -> Array:
-        """What a rotation of the gear leaves of a gap (..., n)."""
+        """Gap (..., n) less the rotation of the gear that fits it best."""
         return np.asarray(gap - np.multiply.outer(gap @ self.lever, self.lever) / float(self.lever @ self.lever))
 
     def __call__(self, steps: Array) -> Array:
@@ -116,15 +94,10 @@ class EaseOffResidual:
         return residual
 
     def jacobian(self, steps: Array) -> Array:
-        """Derivatives of the residuals by the steps (n, m) [um].
+        """Derivatives of the residuals by the steps (n, m) [um]; GeometryError if settings close by cut no flank.
 
-        The conjugate gear is the envelope of the moving pinion flank: where a setting moves the flank along its normal,
-        it moves the envelope as far. No conjugate point has to be sought for it.
-
-        Raises
-        ------
-        GeometryError
-            If settings close by cut no flank.
+        A setting that moves the pinion flank along its normal moves its envelope, the conjugate gear, as far: no
+        conjugate point has to be sought.
         """
         if not np.array_equal(steps, self.solved):
             self(steps)

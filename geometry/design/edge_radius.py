@@ -26,30 +26,10 @@ WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
 
 
 def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[float, float]:
-    """Edge radii of the blades of pinion and gear [mm].
+    """Edge radii of the blades of pinion and gear [mm]: ISO 53:1998, profile C, within AGMA 929-B22.
 
-    A quarter of the mean normal module, the fillet radius of the basic rack profile C of ISO 53:1998, table 2, and no
-    more than AGMA 929-B22 allows: no fillet meets the mate's tip, the blades can be made, and neither cuts into the
-    other's fillet.
-
-    Parameters
-    ----------
-    blank
-        Dimensions of the pair.
-    limits
-        Largest edge radii of the pair.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> from easeoff.geometry.design.slot_width import SlotWidths
-    >>> from easeoff.geometry.design.slot_width import ToothLine
-    >>> from easeoff.geometry.design.tooth_proportions import ToothProportions
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> limits = EdgeRadiusLimits(SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))))
-    >>> [round(radius / blanks.mean_normal_module, 3) for radius in usual_edge_radii(blanks, limits)]
-    [0.25, 0.25]
+    That is a quarter of the mean normal module, less where a fillet would meet the mate's tip, the blade could not be
+    made, or one would cut into the other's fillet.
     """
     least, usual = (share * blank.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
     pinion, gear = (max(least, min(usual, float(np.nan_to_num(limit)))) for limit in limits.largest)
@@ -57,17 +37,7 @@ def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[
 
 
 def allowed_edge_radius(pair: GearPair, member: MemberName, usual: float) -> float:
-    """An edge radius, made smaller where AGMA 929-B22 allows less for the slots as they were cut [mm].
-
-    Parameters
-    ----------
-    pair
-        The pair seen from its drive side, with both flanks of both members.
-    member
-        ``"pinion"`` or ``"gear"``.
-    usual
-        See ``usual_edge_radii`` [mm].
-    """
+    """Usual edge radius, or a smaller one where AGMA 929-B22 allows less for the slots as they were cut [mm]."""
     try:
         proportions = measured_proportions(pair)
     except GeometryError:  # no mean point to measure at
@@ -78,42 +48,16 @@ def allowed_edge_radius(pair: GearPair, member: MemberName, usual: float) -> flo
 
 
 def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
-    """Refuse a member whose flanks and fillets make no whole tooth.
-
-    Parameters
-    ----------
-    pair
-        The pair, with both flanks of the member.
-    member
-        ``"pinion"`` or ``"gear"``.
-
-    Raises
-    ------
-    GeometryError
-        As ``tooth_surface``.
-    """
+    """Refuse a member whose flanks and fillets make no whole tooth (GeometryError)."""
     tooth_surface(pair, member, WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES)
 
 
 def fitting_edge_radius(
     pair: GearPair, member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
 ) -> float:
-    """The usual edge radius of a member's blades, made smaller until the tooth passes a check [mm].
+    """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does.
 
-    The flanks do not depend on it. If no radius passes, the usual one stands.
-
-    Parameters
-    ----------
-    pair
-        The pair, with both flanks of the member.
-    member
-        ``"pinion"`` or ``"gear"``.
-    usual
-        See ``usual_edge_radii`` [mm].
-    steps
-        Standard steps of the radius.
-    require
-        Raises ``GeometryError`` for a pair and a member whose tooth will not do, as ``require_whole_tooth``.
+    The flanks do not depend on it.
     """
     for share in REDUCTIONS:
         try:

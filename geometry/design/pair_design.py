@@ -39,31 +39,14 @@ SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 @dataclass(frozen=True)
 class PairDesign:
-    """A designed pair.
-
-    Parameters
-    ----------
-    blank
-        Blanks of both members.
-    assembly
-        Axes, with the misalignment in which the pinion was fitted.
-    gear
-        Convex and concave flank of the gear.
-    pinion
-        Concave (drive) and convex (coast) flank of the pinion, each with what its fit moved and left.
-    gear_thickness
-        Normal circular thickness of the gear's tooth in the middle of the flank [mm], where the cutter does not fix
-        it (face hobbing); ``None`` where it does.
-    pinion_thickness
-        That of the pinion's tooth: what one cutter leaves that cuts both its flanks (face-milled, completing), else
-        what leaves the blank's backlash in the gear's slot.
-    """
+    """Designed pair; the misalignment of the assembly is the one in which the pinion was fitted."""
 
     blank: BlankDimensions
     assembly: Assembly
-    gear: Flanks
+    gear: Flanks  # convex, concave
     pinion: Mapping[FlankName, Synthesis]
-    gear_thickness: float | None
+    gear_thickness: float | None  # normal circular, mid-flank [mm]; None where the cutter fixes it
+    #: [mm] left by a completing face-milling cutter, else with the blank's backlash
     pinion_thickness: float | None = None
 
     def pair(self, side: FlankName = "drive") -> GearPair:
@@ -102,45 +85,10 @@ def design_pair(
     steps: StandardSteps = NO_STEPS,
     require: ToothCheck = require_whole_tooth,
 ) -> PairDesign:
-    """Design the blanks, the gear and the pinion flanks of a pair.
+    """Design the blanks, the gear and the pinion flanks of a pair; targets hold at the assembly's misalignment.
 
-    Parameters
-    ----------
-    design
-        Basic data of the blanks; cutter radius and blade groups are those of the cutters too.
-    assembly
-        Axes and teeth as in ``design``, hand of the pinion, and the misalignment in which the targets hold.
-    targets
-        Wanted ease-off of the two sides.
-    method
-        How the pinion is cut. ``closest_fit`` takes the settings of each flank that come nearest to its target,
-        whatever a machine allows; the others are those of the shop, see ``pinion_method``.
-    limits
-        Limits of the settings where ``method`` is one of the shop; the usual ones if left out.
-    free
-        Pinion settings that the closest fit may move, see ``named_settings``; the usual ones if left out.
-    follow_root
-        Whether the closest fit shall keep the tips of the pinion's blades on its root cone, see ``fit_pinion``.
-    generated
-        Whether the gear is generated; Formate if not. The fit of a generated gear starts from the pinion of its crown
-        gear and, where that stays off the target, from the same on a machine along the root cone and from the conjugate
-        pinion of the Formate gear.
-    corrected
-        Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
-    edge_radii
-        Edge radius of the blades of pinion and gear [mm]; that of ``edge_radius.usual_edge_radii`` where ``None``.
-    steps
-        Standard steps of blade angles, point widths and of an edge radius that is not given, see ``of_module``.
-    require
-        What the teeth must pass; an edge radius that is not given is made smaller until they do.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used.
-    GeometryError
-        If the basic data give no blanks, no cutter fits them, the flanks do not meet, or every fit stays far from the
-        target (``residual_limits``).
+    Cutter radius and blade groups are those of the design. ``closest_fit`` uses ``free`` and ``follow_root``, other
+    methods ``limits``; an edge radius [mm] of ``None`` is the usual one, smaller until the teeth pass ``require``.
     """
     blank = blank_dimensions(design)
     groups, steps = design.number_of_blade_groups or 0, steps.of_module(blank.mean_normal_module)

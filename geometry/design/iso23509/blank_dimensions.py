@@ -21,70 +21,31 @@ from .blank_design import DepthTaper
 
 @dataclass(frozen=True, kw_only=True)
 class MemberBlank:
-    """Blank of one member: lengths in mm, angles in rad; ISO 23509 symbols in brackets, without the member's digit.
+    """Blank of one member [mm, rad], by the symbols of ISO 23509 without the member's digit.
 
-    ``outer`` is the heel, ``inner`` the toe, ``mean`` the mean point; the three apexes are counted from the crossing
-    point of the axes, positive beyond it, away from the teeth.
-
-    Parameters
-    ----------
-    number_of_teeth
-        z.
-    pitch_angle, face_angle, root_angle
-        Angles of the cones (delta, delta_a, delta_f).
-    addendum_angle, dedendum_angle
-        Between pitch and face cone, pitch and root cone (theta_a, theta_f).
-    pitch_apex, face_apex, root_apex
-        Apexes beyond the crossing point (t_z, t_zF, t_zR).
-    mean_point_distance
-        From the crossing point to the mean point along the axis (t_zm).
-    crown_distance, front_crown_distance
-        From the crossing point to the outer and the inner end of the face cone along the axis (t_xo, t_xi).
-    outer_cone_distance, mean_cone_distance, inner_cone_distance
-        From the pitch apex along the pitch cone (R_e, R_m, R_i).
-    face_width, outer_face_width, inner_face_width
-        Along the pitch cone: total, mean point to heel, toe to mean point (b, b_e, b_i).
-    outer_spiral_angle, mean_spiral_angle, inner_spiral_angle
-        On the pitch cone (beta_e, beta_m, beta_i).
-    outer_pitch_diameter, mean_pitch_diameter, inner_pitch_diameter
-        d_e, d_m, d_i.
-    outer_tip_diameter, inner_tip_diameter, outer_root_diameter, inner_root_diameter
-        At the ends of face and root cone (d_ae, d_ai, d_fe, d_fi).
-    outer_addendum, mean_addendum, inner_addendum
-        h_ae, h_am, h_ai.
-    outer_dedendum, mean_dedendum, inner_dedendum
-        h_fe, h_fm, h_fi.
-    outer_whole_depth, inner_whole_depth
-        h_e, h_i.
-    thickness_modification_coefficient
-        x_sm.
-    mean_normal_thickness, mean_transverse_thickness
-        Circular tooth thickness at the mean point with backlash (s_mn, s_mt).
-    mean_normal_diameter
-        Of the virtual cylinder in the normal section (d_mn).
-    mean_normal_chordal_thickness, mean_chordal_addendum
-        For measuring the tooth (s_mnc, h_amc).
+    ``outer`` is the heel, ``inner`` the toe, ``mean`` the mean point. Apexes are counted from the crossing point of the
+    axes, positive beyond it, away from the teeth.
     """
 
     number_of_teeth: int
-    pitch_angle: float
+    pitch_angle: float  # delta
     face_angle: float
     root_angle: float
-    addendum_angle: float
+    addendum_angle: float  # theta_a
     dedendum_angle: float
-    pitch_apex: float
+    pitch_apex: float  # t_z; face t_zF, root t_zR
     face_apex: float
     root_apex: float
-    mean_point_distance: float
-    crown_distance: float
-    front_crown_distance: float
-    outer_cone_distance: float
+    mean_point_distance: float  # t_zm, from the crossing point along the axis
+    crown_distance: float  # t_xo, outer end of the face cone from the crossing point
+    front_crown_distance: float  # t_xi, its inner end
+    outer_cone_distance: float  # R_e, from the pitch apex along the pitch cone
     mean_cone_distance: float
     inner_cone_distance: float
     face_width: float
-    outer_face_width: float
-    inner_face_width: float
-    outer_spiral_angle: float
+    outer_face_width: float  # b_e, mean point to heel
+    inner_face_width: float  # b_i, toe to mean point
+    outer_spiral_angle: float  # beta_e, on the pitch cone
     mean_spiral_angle: float
     inner_spiral_angle: float
     outer_pitch_diameter: float
@@ -102,12 +63,12 @@ class MemberBlank:
     inner_dedendum: float
     outer_whole_depth: float
     inner_whole_depth: float
-    thickness_modification_coefficient: float
-    mean_normal_thickness: float
+    thickness_modification_coefficient: float  # x_sm
+    mean_normal_thickness: float  # s_mn, circular, with backlash
     mean_transverse_thickness: float
-    mean_normal_diameter: float
-    mean_normal_chordal_thickness: float
-    mean_chordal_addendum: float
+    mean_normal_diameter: float  # d_mn, of the virtual cylinder in the normal section
+    mean_normal_chordal_thickness: float  # s_mnc
+    mean_chordal_addendum: float  # h_amc
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,11 +174,7 @@ class BlankDimensions:
 
 @dataclass(frozen=True, kw_only=True)
 class MemberFrame:
-    """Data that one member's dimensions follow from: lengths in mm, angles in rad.
-
-    The spiral angles are those at the heel, at the mean point and at the toe; the profile shift coefficient counts
-    positive where it makes this member's tooth thicker.
-    """
+    """Data that one member's dimensions follow from [mm, rad]."""
 
     number_of_teeth: int
     pitch_angle: float
@@ -231,32 +188,15 @@ class MemberFrame:
     root_apex: float
     addendum: float
     dedendum: float
-    spiral_angles: tuple[float, float, float]
-    profile_shift_coefficient: float
+    spiral_angles: tuple[float, float, float]  # at heel, mean point and toe
+    profile_shift_coefficient: float  # positive: thicker tooth
     thickness_modification_coefficient: float
 
 
 def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float) -> MemberBlank:
-    """Dimensions of one member (ISO 23509:2016, 195 to 200, 206, 211 to 225).
+    """Dimensions of one member [mm, rad] (ISO 23509:2016, 195 to 200, 206, 211 to 225).
 
-    Parameters
-    ----------
-    frame
-        Cones, widths and depth of the member.
-    module
-        Mean normal module [mm].
-    normal_pressure_angle
-        Mean normal pressure angle [rad].
-
-    Returns
-    -------
-    MemberBlank
-        All dimensions.
-
-    Raises
-    ------
-    GeometryError
-        If the teeth have no depth or no thickness left.
+    GeometryError if the teeth have no depth or no thickness left.
     """
     sine, cosine = math.sin(frame.pitch_angle), math.cos(frame.pitch_angle)
     above, below = frame.face_angle - frame.pitch_angle, frame.pitch_angle - frame.root_angle
@@ -333,20 +273,7 @@ def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float
 def standard_sum_of_dedendum_angles(
     pinion_mean_dedendum: float, gear_mean_dedendum: float, gear_mean_cone_distance: float
 ) -> float:
-    """Sum of the dedendum angles with standard taper [rad] (ISO 23509:2016, C.3).
-
-    Parameters
-    ----------
-    pinion_mean_dedendum, gear_mean_dedendum
-        Dedenda at mid face (hfm1, hfm2) [mm].
-    gear_mean_cone_distance
-        Rm2 [mm].
-
-    Returns
-    -------
-    float
-        Sum of both dedendum angles [rad].
-    """
+    """Sum of both dedendum angles with standard taper [rad] (ISO 23509:2016, C.3)."""
     return math.atan(pinion_mean_dedendum / gear_mean_cone_distance) + math.atan(
         gear_mean_dedendum / gear_mean_cone_distance
     )
@@ -361,30 +288,9 @@ def constant_slot_width_sum_of_dedendum_angles(
     gear_mean_spiral_angle: float,
     cutter_radius: float,
 ) -> float:
-    """Sum of the dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5).
+    """Sum of both dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5).
 
-    Parameters
-    ----------
-    outer_transverse_module
-        m_et2 [mm].
-    gear_outer_cone_distance, gear_mean_cone_distance
-        Re2, Rm2 [mm].
-    mean_normal_pressure_angle
-        alpha_n [rad].
-    gear_mean_spiral_angle
-        beta_m2 [rad].
-    cutter_radius
-        rc0 [mm].
-
-    Returns
-    -------
-    float
-        Sum of both dedendum angles [rad].
-
-    Raises
-    ------
-    GeometryError
-        If the cutter is so small that the teeth would have to be deeper at the toe.
+    GeometryError if the cutter is so small that the teeth would have to be deeper at the toe.
     """
     opening = 1.0 - gear_mean_cone_distance * math.sin(gear_mean_spiral_angle) / cutter_radius
     if opening < 0.0:
@@ -410,30 +316,9 @@ def gear_taper_angles(
     gear_mean_spiral_angle: float,
     cutter_radius: float,
 ) -> tuple[float, float]:
-    """Addendum and dedendum angle of the gear for a kind of taper (ISO 23509:2016, C.6 to C.11).
+    """Addendum and dedendum angle of the gear [rad] for a kind of taper (ISO 23509:2016, C.6 to C.11).
 
-    Parameters
-    ----------
-    taper
-        Kind of taper.
-    pinion_mean_dedendum, gear_mean_dedendum, gear_mean_addendum, mean_working_depth
-        hfm1, hfm2, ham2, hmw [mm].
-    outer_transverse_module, gear_outer_cone_distance, gear_mean_cone_distance
-        m_et2, Re2, Rm2 [mm].
-    mean_normal_pressure_angle, gear_mean_spiral_angle
-        alpha_n, beta_m2 [rad].
-    cutter_radius
-        rc0 [mm].
-
-    Returns
-    -------
-    tuple of float
-        theta_a2, theta_f2 [rad].
-
-    Raises
-    ------
-    GeometryError
-        If the cutter is too small for the taper.
+    GeometryError if the cutter is too small for the taper.
     """
     if taper == "uniform":
         return 0.0, 0.0

@@ -34,40 +34,17 @@ from .blank_design import BlankDesign
 
 @dataclass(frozen=True)
 class PitchCones:
-    """Pitch cones that touch at the mean point.
-
-    Parameters
-    ----------
-    shaft_angle
-        Angle between the axes (Sigma) [rad].
-    hypoid_offset
-        Distance between the axes (a) [mm].
-    pinion_pitch_angle, gear_pitch_angle
-        Cone angles (delta1, delta2) [rad].
-    pinion_mean_cone_distance, gear_mean_cone_distance
-        Apex to mean point (Rm1, Rm2) [mm].
-    pinion_mean_spiral_angle, gear_mean_spiral_angle
-        Spiral angles (beta_m1, beta_m2) [rad].
-    face_width_factor
-        Share of the gear's face width outside the mean point (c_be2).
-
-    Examples
-    --------
-    >>> from math import pi
-    >>> cones = PitchCones(pi / 2, 0.0, 0.35, pi / 2 - 0.35, 75.0, 75.0, 0.6, 0.6)
-    >>> cones.face_width_factor
-    0.5
-    """
+    """Pitch cones that touch at the mean point [mm, rad]."""
 
     shaft_angle: float
-    hypoid_offset: float
+    hypoid_offset: float  # a
     pinion_pitch_angle: float
     gear_pitch_angle: float
-    pinion_mean_cone_distance: float
+    pinion_mean_cone_distance: float  # apex to mean point (Rm1)
     gear_mean_cone_distance: float
     pinion_mean_spiral_angle: float
     gear_mean_spiral_angle: float
-    face_width_factor: float = 0.5
+    face_width_factor: float = 0.5  # share of the gear's face width outside the mean point (c_be2)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -125,7 +102,7 @@ class PitchCones:
 
 
 class CutterAndTeeth(Protocol):
-    """What a crown gear takes of a pair's basic data."""
+    """Basic data of a pair that a crown gear takes."""
 
     @property
     def cutter_radius(self) -> float:
@@ -142,45 +119,18 @@ class CutterAndTeeth(Protocol):
 
 @dataclass(frozen=True)
 class CrownGear:
-    """Tooth line on the gear's developed pitch cone.
+    """Tooth line on the gear's developed pitch cone."""
 
-    Parameters
-    ----------
-    cutter_radius
-        Distance of the tracing point from the cutter axis [mm].
-    cutter_lead_angle
-        Angle between the radius of the cutter and the normal of the tooth line (nu) [rad], 0 when face-milled.
-    centre_distance
-        From the crown gear's centre to the cutter's (rho_P0) [mm].
-    base_radius
-        Radius of the epicycloid's base circle (rho_b) [mm]; the centre distance when face-milled.
-    mean_radius_of_curvature
-        Of the tooth line at the mean point (rho_m_beta) [mm].
-    """
-
-    cutter_radius: float
-    cutter_lead_angle: float
-    centre_distance: float
-    base_radius: float
-    mean_radius_of_curvature: float
+    cutter_radius: float  # of the tracing point [mm]
+    cutter_lead_angle: float  # its radius to the normal of the tooth line (nu) [rad]; 0 face-milled
+    centre_distance: float  # to the centre of the cutter (rho_P0) [mm]
+    base_radius: float  # rho_b [mm]; the centre distance when face-milled
+    mean_radius_of_curvature: float  # rho_m_beta [mm]
 
     def spiral_angle(self, cone_distance: float) -> float:
-        """Spiral angle of the tooth line at a distance from the centre (ISO 23509:2016, 179 to 184).
+        """Spiral angle [rad] at a distance from the apex [mm] along the cone (ISO 23509:2016, 179 to 184).
 
-        Parameters
-        ----------
-        cone_distance
-            Distance from the apex along the pitch cone [mm].
-
-        Returns
-        -------
-        float
-            Spiral angle [rad].
-
-        Raises
-        ------
-        GeometryError
-            If the cutter does not reach that far.
+        GeometryError if the cutter does not reach that far.
         """
         angle = self.generating_angle(cone_distance)
         return math.atan2(cone_distance - self.base_radius * math.cos(angle), self.base_radius * math.sin(angle))
@@ -188,7 +138,7 @@ class CrownGear:
     def generating_angle(self, cone_distance: float) -> float:
         """Angle at the centre between a point of the tooth line and the cutter's centre (q) [rad].
 
-        Parameters and exceptions are those of ``spiral_angle``.
+        GeometryError if the cutter does not reach that far.
         """
         centre, cutter = self.centre_distance, self.cutter_radius
         cosine = (cone_distance**2 + centre**2 - cutter**2) / (2.0 * cone_distance * centre)
@@ -200,10 +150,10 @@ class CrownGear:
 
     @property
     def involute_cone_distance(self) -> float:
-        """Cone distance at which the tooth line is curved as an involute [mm]: generating and spiral angle agree there.
+        """Cone distance at which the tooth line is curved as an involute [mm]; NaN where there is none.
 
-        NaN where there is none. From ``rho_b = R cos(q)`` and the triangle of the centres and the point; face-milled it
-        is formula 39 of AGMA 929-B22, face-hobbed the solution of its 41 to 46.
+        Generating and spiral angle agree there: from ``rho_b = R cos(q)`` and the triangle of both centres and the
+        point; face-milled it is formula 39 of AGMA 929-B22, face-hobbed the solution of its 41 to 46.
         """
         centre = self.centre_distance
         square = 2.0 * centre * self.base_radius - centre**2 + self.cutter_radius**2
@@ -213,26 +163,9 @@ class CrownGear:
 def crown_gear(
     design: CutterAndTeeth, gear_pitch_angle: float, gear_mean_cone_distance: float, gear_mean_spiral_angle: float
 ) -> CrownGear:
-    """Crown gear of a pair from the mean point of its gear (ISO 23509:2016, 34 to 40 and 176 to 178).
+    """Crown gear from the mean point of the gear [mm, rad] (ISO 23509:2016, 34 to 40 and 176 to 178).
 
-    Parameters
-    ----------
-    design
-        Basic data; the cutter and the teeth are used.
-    gear_pitch_angle, gear_mean_spiral_angle
-        Of the gear [rad].
-    gear_mean_cone_distance
-        Of the gear [mm].
-
-    Returns
-    -------
-    CrownGear
-        Tooth line through the mean point.
-
-    Raises
-    ------
-    GeometryError
-        If the face-hobbing cutter is too small for its number of blade groups.
+    GeometryError if the face-hobbing cutter is too small for its number of blade groups.
     """
     cutter = design.cutter_radius
     distance, spiral = gear_mean_cone_distance, gear_mean_spiral_angle
@@ -265,22 +198,8 @@ ROOT_MISMATCH = 1e-6
 def pitch_cones(design: BlankDesign) -> PitchCones:
     """Pitch cones by the method of the design.
 
-    Parameters
-    ----------
-    design
-        Basic data.
-
-    Returns
-    -------
-    PitchCones
-        The cones.
-
-    Raises
-    ------
-    InputError
-        If the offset is larger than the gear's mean radius, or the gear would have internal teeth.
-    GeometryError
-        If no pair of cones satisfies the method's condition.
+    InputError for an offset beyond the gear's mean radius or internal teeth, GeometryError if no cones meet the
+    condition.
     """
     if not _bevel_gear_angle(design) < math.pi / 2:
         raise InputError(
@@ -314,10 +233,10 @@ def _bevel(design: BlankDesign) -> PitchCones:
 
 
 def _gleason(design: BlankDesign) -> PitchCones:
-    """Limit radius of curvature equal to that of the tooth line (formulas 8 to 41).
+    """Limit radius of curvature equal to that of the tooth line (ISO 23509:2016, 8 to 41).
 
-    The desired spiral angle of the pinion is met to first order of the correction made by formulas 20 to 26, as in
-    the standard: the angle in the result may differ by some thousandths of a degree.
+    The pinion's spiral angle is met to first order of the correction by 20 to 26, as in the standard: it may differ by
+    some thousandths of a degree.
     """
     ratio, desired = _ratio(design), math.tan(design.mean_spiral_angle)
     outer, offset = _outer_diameter(design), design.hypoid_offset
@@ -374,10 +293,9 @@ def _gleason(design: BlankDesign) -> PitchCones:
 
 
 def _oerlikon(design: BlankDesign) -> PitchCones:
-    """Both apexes and the cutter centre on one line (formulas 42 to 83).
+    """Both apexes and the cutter centre on one line (ISO 23509:2016, 42 to 83).
 
-    The standard reaches the cones by a chain of approximations and stops when this condition holds to 1 %; here the
-    offset, the shaft angle and the condition hold exactly.
+    Here offset, shaft angle and that condition hold exactly; the standard stops at 1 % of it.
     """
     if design.gear_mean_pitch_diameter is None:
         raise InputError("gear_mean_pitch_diameter: method 2 needs it")
@@ -447,7 +365,7 @@ def _check_offset(design: BlankDesign, gear_mean_radius: float) -> None:
 
 
 def _touching_cones(design: BlankDesign, gear_pitch_angle: float, gear_mean_diameter: float) -> PitchCones:
-    """Cones touching at the mean point for a given gear pitch angle and spiral angle (formulas 89 to 97).
+    """Cones that touch at the mean point for a gear pitch angle and spiral angle (formulas 89 to 97).
 
     The one unknown is the offset angle in the pinion axial plane, at which the axes have the wanted distance.
     """

@@ -137,35 +137,12 @@ _GREEK_ANGLES = ("Sigma", "delta", "theta", "beta", "zeta", "alpha", "lambda", "
 
 
 def is_angle(symbol: str) -> bool:
-    """Whether a symbol stands for an angle."""
+    """True if a symbol stands for an angle."""
     return symbol.startswith(_GREEK_ANGLES)
 
 
 def dimensions_by_symbol(dimensions: BlankDimensions, *, degrees: bool = False) -> dict[str, float]:
-    """Results under the symbols of the standard.
-
-    Parameters
-    ----------
-    dimensions
-        Blanks of a pair.
-    degrees
-        Angles in degrees for people instead of rad.
-
-    Returns
-    -------
-    dict
-        Value of every symbol of :data:`ISO_SYMBOLS` [mm, rad or degrees].
-
-    Examples
-    --------
-    >>> from easeoff.geometry import blank_dimensions
-    >>> symbols = {"z1": 14, "z2": 39, "beta_m2": 35.0, "de2": 176.893, "b2": 25.4, "rc0": 114.3}
-    >>> symbols |= {"alpha_dD": 20.0, "alpha_dC": 20.0, "c_ham": 0.24737, "k_d": 2.0, "k_c": 0.125, "k_t": 0.0915}
-    >>> fields = {"method": 0, "process": "face_milled", "depth_taper": "constant_slot_width"}
-    >>> blank = blank_dimensions(blank_design_from_symbols(fields | symbols, degrees=True))
-    >>> round(dimensions_by_symbol(blank, degrees=True)["delta2"], 3)
-    70.253
-    """
+    """Value of every symbol of ``ISO_SYMBOLS`` [mm, rad or degrees]."""
     values: dict[str, float] = {}
     for symbol, path in ISO_SYMBOLS.items():
         owner, _, field = path.rpartition(".")
@@ -175,33 +152,10 @@ def dimensions_by_symbol(dimensions: BlankDimensions, *, degrees: bool = False) 
 
 
 def blank_design_from_symbols(values: Mapping[str, Any], *, degrees: bool = False) -> BlankDesign:
-    """Take basic data from the symbols of the standard.
+    """Basic data from the symbols of the standard, angles [rad or degrees].
 
-    Parameters
-    ----------
-    values
-        ``z1``, ``z2``, symbols of :data:`ISO_INPUT_SYMBOLS`, and any field of :class:`BlankDesign` under its own name
-        (``method``, ``process``, ``depth_taper``) [mm, rad or degrees].
-    degrees
-        Angles are given in degrees instead of rad.
-
-    Returns
-    -------
-    BlankDesign
-        Basic data.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, the mean spiral angle belongs to the wrong member, or a value cannot be used.
-
-    Examples
-    --------
-    >>> symbols = {"z1": 14, "z2": 39, "beta_m2": 35.0, "de2": 176.893, "b2": 25.4, "rc0": 114.3}
-    >>> symbols |= {"alpha_dD": 20.0, "alpha_dC": 20.0, "c_ham": 0.24737, "k_d": 2.0, "k_c": 0.125, "k_t": 0.0915}
-    >>> fields = {"method": 0, "process": "face_milled", "depth_taper": "constant_slot_width"}
-    >>> blank_design_from_symbols(fields | symbols, degrees=True).number_of_teeth
-    (14, 39)
+    Takes ``z1``, ``z2``, ``ISO_INPUT_SYMBOLS``, and any field of ``BlankDesign`` under its own name, such as
+    ``method``.
     """
     fields: dict[str, Any] = {}
     if "z1" not in values or "z2" not in values:

@@ -111,30 +111,8 @@ def mating_cone(
 ) -> MatingCone:
     """Pinion cone that clears a gear cone: face over root, or root under face (formulas 142 to 147, 152, 153).
 
-    Parameters
-    ----------
-    cones
-        Pitch cones.
-    gear_pitch_apex
-        Gear pitch apex beyond the crossing point [mm].
-    cone_angle
-        Angle of the gear's root or face cone [rad].
-    taper
-        Angle between that cone and the pitch cone, without sign [rad].
-    apex
-        Apex of that cone beyond the crossing point [mm].
-    clearance
-        Distance between the two cones [mm].
-
-    Returns
-    -------
-    MatingCone
-        Offset angle in the common plane, angle and apex of the pinion cone.
-
-    Raises
-    ------
-    GeometryError
-        If the offset leaves no common plane.
+    Angles [rad]; apexes beyond the crossing point and clearance [mm]; ``taper`` is the angle of that cone against the
+    pitch cone, without sign. GeometryError if the offset leaves no common plane.
     """
     excess, offset = cones.shaft_angle - math.pi / 2, cones.hypoid_offset
     reach = cones.gear_mean_cone_distance * math.cos(taper) - gear_pitch_apex * math.cos(cone_angle)
@@ -161,20 +139,7 @@ def width_in_pitch_plane(cones: PitchCones, inner: float, outer: float) -> float
 def pinion_face_width(
     design: BlankDesign, cones: PitchCones, module: float, depth: ToothDepth, face: MatingCone
 ) -> PinionFaceWidth:
-    """Face width of the pinion by the rule of its method (formulas 156 to 173).
-
-    Parameters
-    ----------
-    design, cones, module, depth
-        Basic data, pitch cones, mean normal module [mm], tooth depth.
-    face
-        Face cone of the pinion; method 1 uses it.
-
-    Returns
-    -------
-    PinionFaceWidth
-        Both parts, and the auxiliary values of method 1.
-    """
+    """Face width of the pinion by the rule of its method (formulas 156 to 173); method 1 uses the face cone."""
     width, share = design.gear_face_width, cones.face_width_factor
     if design.method == 0:
         return PinionFaceWidth(share * width, (1.0 - share) * width)
@@ -219,25 +184,10 @@ def thickness_modification(
     spiral_angles: tuple[float, float],
     cone_distances: tuple[float, float],
 ) -> tuple[float, float]:
-    """Thickness modification coefficients with half the backlash taken off each member (formulas 202 to 210).
+    """Coefficients x_sm1, x_sm2, half the backlash taken off each member (formulas 202 to 210).
 
-    Parameters
-    ----------
-    design
-        Basic data; the backlash is used.
-    module
-        Mean normal module [mm].
-    theoretical
-        Coefficient without backlash (x_smn).
-    normal_pressure_angle
-        Mean normal pressure angle [rad].
-    spiral_angles, cone_distances
-        Mean and outer spiral angle [rad] and cone distance [mm] of the gear.
-
-    Returns
-    -------
-    tuple of float
-        x_sm1, x_sm2.
+    ``theoretical`` is that without backlash (x_smn); spiral angles [rad] and cone distances [mm] of the gear are (mean,
+    outer).
     """
     mean_spiral, outer_spiral = spiral_angles
     scale = cone_distances[0] / cone_distances[1]
