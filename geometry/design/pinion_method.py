@@ -40,54 +40,19 @@ SLIDING_BASE_SHARE = 0.5  # of the cutter radius: limit of sliding base and heli
 
 @dataclass(frozen=True)
 class SettingLimits:
-    """Limits of the settings of a pinion; a limit of zero takes the setting out of use.
+    """Limits of the settings of a pinion; a limit of zero takes the setting out of use."""
 
-    Parameters
-    ----------
-    cutter_tilt
-        Largest tilt of the cutter axis [rad].
-    cutter_swivel
-        Largest swivel to either side [rad].
-    machine_root_angle
-        Largest difference of machine root angle and root angle of the blank where the cutter is tilted [rad]; without
-        tilt there is none.
-    sliding_base
-        Largest sliding base [mm]; half the cutter radius where ``None``. Without tilt it follows from the machine
-        centre.
-    modified_roll_2c, modified_roll_6d, modified_roll_24e, modified_roll_120f
-        Largest coefficients of the modified roll.
-    helical_motion
-        Largest first derivative of the sliding base by the cradle rotation [mm/rad]; half the cutter radius where
-        ``None``.
-    blade_point_radius
-        Largest difference of the radius of the blade tip and the mean cutter radius, as a share of it.
-    blade_pressure_angle
-        Smallest and largest blade angle [rad].
-
-    Raises
-    ------
-    InputError
-        If a limit is negative.
-
-    Examples
-    --------
-    >>> SettingLimits(cutter_tilt=0.3).allowed("cutter_tilt", root_angle=0.27, cutter_radius=95.0)
-    (-0.3, 0.3)
-    >>> SettingLimits().allowed("sliding_base", root_angle=0.27, cutter_radius=80.0)
-    (-40.0, 40.0)
-    """
-
-    cutter_tilt: float = math.radians(30.0)
-    cutter_swivel: float = math.pi
-    machine_root_angle: float = math.radians(30.0)
-    sliding_base: float | None = None
+    cutter_tilt: float = math.radians(30.0)  # [rad]
+    cutter_swivel: float = math.pi  # [rad] to either side
+    machine_root_angle: float = math.radians(30.0)  # [rad] off the blank's root angle; none without tilt
+    sliding_base: float | None = None  # [mm], half the cutter radius if None; without tilt it follows
     modified_roll_2c: float = 0.5
     modified_roll_6d: float = 1.0
     modified_roll_24e: float = 0.0
     modified_roll_120f: float = 0.0
-    helical_motion: float | None = None
-    blade_point_radius: float = 0.2
-    blade_pressure_angle: tuple[float, float] = (math.radians(5.0), math.radians(40.0))
+    helical_motion: float | None = None  # [mm/rad], of the sliding base; half the cutter radius if None
+    blade_point_radius: float = 0.2  # off the mean cutter radius, as a share of it
+    blade_pressure_angle: tuple[float, float] = (math.radians(5.0), math.radians(40.0))  # least and largest [rad]
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -99,17 +64,7 @@ class SettingLimits:
             raise InputError(f"limit of blade_pressure_angle = {(low, high)}: the first must be below the second")
 
     def allowed(self, name: str, root_angle: float, cutter_radius: float) -> tuple[float, float]:
-        """Least and largest value of a free setting; infinite where there is no limit.
-
-        Parameters
-        ----------
-        name
-            Of the setting, see ``named_settings``.
-        root_angle
-            Of the pinion's blank [rad].
-        cutter_radius
-            Mean radius of the cutter [mm].
-        """
+        """Least and largest value of a setting by name [mm, rad or per rad]; infinite where there is no limit."""
         if name == "pressure_angle":
             return self.blade_pressure_angle
         if name in ("radial_distance", "ratio_of_roll"):
@@ -132,13 +87,7 @@ class SettingLimits:
 
 
 def shared_settings(method: SetUpMethod, limits: SettingLimits, cutter_radius: float) -> tuple[str, ...]:
-    """Machine settings that a method may move, without those whose limit is zero.
-
-    Examples
-    --------
-    >>> shared_settings("modified_roll", SettingLimits(modified_roll_6d=0.0), 95.0)[-2:]
-    ('ratio_of_roll', 'modified_roll_2c')
-    """
+    """Machine settings that a method may move, without those whose limit is zero."""
     one_of("method", method, tuple(SETTINGS_OF_METHOD))
     names = [*MACHINE_SETTINGS, *SETTINGS_OF_METHOD[method]]
     unused = {name for name in names if limits.largest(name, cutter_radius) == 0.0}
@@ -150,24 +99,7 @@ def shared_settings(method: SetUpMethod, limits: SettingLimits, cutter_radius: f
 def at_limit(
     values: Mapping[str, float], limits: SettingLimits, root_angle: float, cutter_radius: float
 ) -> tuple[str, ...]:
-    """Names of the fitted settings that stand at a limit.
-
-    Parameters
-    ----------
-    values
-        Fitted settings by name [mm, rad or per rad].
-    limits
-        Their limits.
-    root_angle
-        Of the pinion's blank [rad].
-    cutter_radius
-        Mean radius of the cutter [mm].
-
-    Examples
-    --------
-    >>> at_limit({"modified_roll_2c": -0.5, "work_offset": 3.0}, SettingLimits(), 0.27, 95.0)
-    ('modified_roll_2c',)
-    """
+    """Names of the fitted settings [mm, rad or per rad] that stand at a limit."""
     found = []
     for name, value in values.items():
         low, high = limits.allowed(name, root_angle, cutter_radius)

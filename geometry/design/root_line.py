@@ -23,23 +23,13 @@ PROFILE_FRACTIONS = (0.15, 0.3, 0.45)  # of the nodes: near the root, or higher 
 class RootLine:
     """Nodes near the root of a flank at toe, middle and heel, and the parameters that cut them.
 
-    It measures along the blade's axis where the blade cuts these nodes. A generated flank is cut while the blade rolls
-    past, so that the tip is not above its path there: ``tooth_surface.tip_gap`` gives the height of that. What changes
-    the one changes the other by nearly as much.
-
-    Parameters
-    ----------
-    section
-        The blank.
-    parameters
-        Surface parameters (2, 3) of the nodes, a start for other settings.
-    profile
-        Their fraction from root to tip.
+    It measures along the blade's axis where the blade cuts these nodes, not the path of the rolling blade's tip, see
+    ``tooth_surface.tip_gap``; a change moves both by nearly as much.
     """
 
     section: BlankSection
-    parameters: Array
-    profile: float = PROFILE_FRACTIONS[0]
+    parameters: Array  # (2, 3) of the nodes, a start for other settings
+    profile: float = PROFILE_FRACTIONS[0]  # fraction of the nodes from root to tip
 
     @classmethod
     def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
@@ -54,17 +44,9 @@ class RootLine:
         return lines[0]
 
     def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
-        """Distance of the blade's tip above the root cone (3) [mm], negative where it cuts deeper.
+        """Distance of the blade's tip above the root cone (3) [mm], and the nodes of this surface, near the known one.
 
-        Parameters
-        ----------
-        surface
-            Generating surface, near the one of the parameters.
-
-        Returns
-        -------
-        tuple
-            The gap, NaN where the node is not found, and the nodes of this surface.
+        Negative where it cuts deeper, NaN where the node is not found.
         """
         target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, self.profile))
         found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
@@ -73,15 +55,7 @@ class RootLine:
         return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
 
     def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
-        """Change of the gap (3) [mm] from one flank to another, to first order: one step of Newton's method.
-
-        Parameters
-        ----------
-        surface
-            The flank that these parameters belong to.
-        behind, ahead
-            Flanks near it.
-        """
+        """Change of the gap (3) [mm] from one flank to another, both near the known one, in one step of Newton."""
         here, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
 
         def above_tip(near: GeneratingSurface) -> Array:

@@ -44,24 +44,12 @@ Array = NDArray[Any]
 
 @dataclass
 class MeanSlot:
-    """The mean point on both flanks, and the width that the blank wants between them.
+    """The mean point on both flanks, and the width that the blank wants between them."""
 
-    Parameters
-    ----------
-    point
-        Axial and radial coordinates of the mean point (2, 1) [mm].
-    width_per_angle
-        Normal width per angle about the member's axis [mm/rad].
-    wanted
-        Normal width of the slot [mm].
-    parameters
-        Surface parameters (2, 1) of the point on the concave and on the convex flank, a start for other settings.
-    """
-
-    point: Array
-    width_per_angle: float
-    wanted: float
-    parameters: tuple[Array, Array]
+    point: Array  # axial and radial coordinates (2, 1) [mm]
+    width_per_angle: float  # normal width per angle about the axis [mm/rad]
+    wanted: float  # normal width [mm]
+    parameters: tuple[Array, Array]  # (2, 1) on concave and convex flank
 
     @classmethod
     def of(
@@ -93,17 +81,7 @@ class MeanSlot:
     def change(
         self, here: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface, *, convex: bool
     ) -> float:
-        """Change of the width [mm] from one flank to another near it, to first order: the other side stays.
-
-        Parameters
-        ----------
-        here
-            The flank that the parameters belong to.
-        behind, ahead
-            Flanks near it.
-        convex
-            Whether it is the convex flank.
-        """
+        """Change of the width [mm] between two flanks near the known one, to first order: the other side stays."""
         parameters = self.parameters[1 if convex else 0]
         position, normal = (vector[:, 0] for vector in here.evaluate(parameters)[:2])
         moved = (ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0])[:, 0]
@@ -121,10 +99,10 @@ CENTER = "machine_center_to_crossing_point"
 
 
 def root_tie(blank: BlankDimensions, free: Sequence[str]) -> Tie | None:
-    """The sliding base that keeps the root on its cone, where nothing but the machine centre moves it.
+    """The sliding base that keeps the root on its cone where only the machine centre moves it; ``None`` if it is free.
 
-    Without tilt, and with the machine root angle of the blank, the tip plane of the cutter envelops the root cone: it
-    has to pass through the apex of that cone. ``None`` if the sliding base is free.
+    Without tilt, and with the blank's machine root angle, the tip plane of the cutter envelops the root cone: it has to
+    pass through the apex of that cone.
     """
     if "sliding_base" in free:
         return None
@@ -138,15 +116,7 @@ def root_tie(blank: BlankDimensions, free: Sequence[str]) -> Tie | None:
 
 
 def along_the_root(surface: GeneratingSurface, blank: BlankDimensions) -> GeneratingSurface:
-    """A pinion flank's machine without tilt, its root angle that of the blank and its tip plane through the root apex.
-
-    Parameters
-    ----------
-    surface
-        The flank, see ``crown_gear_pinion``.
-    blank
-        Dimensions of the pair.
-    """
+    """A pinion flank's machine without tilt, at the root angle of the blank, its tip plane through the root apex."""
     tie = root_tie(blank, ())
     assert tie is not None
     values = {CENTER: get_setting(surface, CENTER)}
@@ -170,24 +140,12 @@ INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
 
 @dataclass
 class SetUpResidual:
-    """Residuals of a set-up that cuts one flank or both.
-
-    Parameters
-    ----------
-    parts
-        Residuals of each flank.
-    shared
-        Number of machine settings that move, whose steps come first.
-    own
-        Number of settings of each blade, whose steps follow.
-    slot
-        The slot that one cutter leaves between both flanks; ``None`` where it leaves none.
-    """
+    """Residuals of a set-up that cuts one flank or both."""
 
     parts: Sequence[EaseOffResidual]
-    shared: int
-    own: int
-    slot: MeanSlot | None
+    shared: int  # number of machine settings that move, their steps first
+    own: int  # number of settings of each blade
+    slot: MeanSlot | None  # left by one cutter between both flanks
 
     @property
     def size(self) -> int:
@@ -255,37 +213,10 @@ def best_set_up(
     cutter_radius: float,
     steps: StandardSteps,
 ) -> dict[FlankName, Synthesis]:
-    """Fit the set-up of a pinion to the wanted ease-off of both sides: the first good fit, else the best of all.
+    """Set-up fitted to the wanted ease-off of both sides: the first good fit, else the best of all.
 
-    Parameters
-    ----------
-    upright
-        The pair with the pinion flanks that a machine without tilt cuts along the root cone, see ``along_the_root``.
-    further
-        The same from other starts, to be tried before it where the cutter may be tilted.
-    targets
-        Wanted ease-off of both sides.
-    method
-        Customary method, see ``pinion_method``. ``completing`` cuts both flanks with one set of machine settings;
-        face-milled, the cutter also leaves the slot of the blank at the mean point.
-    limits
-        Of the settings.
-    blank
-        Dimensions of the pair.
-    cutter_radius
-        Mean radius of the cutter [mm].
-    steps
-        Standard steps of the blades, at which the machine settings are fitted once more; not so completing.
-
-    Returns
-    -------
-    dict
-        The fit of each side.
-
-    Raises
-    ------
-    GeometryError
-        If no fit succeeds.
+    ``upright`` comes from ``along_the_root``; ``further`` starts come before it where the cutter may be tilted.
+    Completing, blades have no steps, and a face-milling cutter also leaves the slot of the blank at the mean point.
     """
     shared = shared_settings(method, limits, cutter_radius)
     on_root = {side: root_gap(pair.pinion.loaded, pair.pinion.section) for side, pair in upright.items()}
@@ -324,7 +255,7 @@ def best_set_up(
 
 
 def _refusal(sides: tuple[FlankName, ...], method: SetUpMethod, reason: GeometryError) -> GeometryError:
-    """What to change where a method gives no pinion; another method than the one that was tried."""
+    """Error of a method that gives no pinion, with another method as advice."""
     other = "tilt" if method != "tilt" else "modified_roll"
     return GeometryError(
         f"{' and '.join(sides)}: no pinion of the method {method} was found that meets the gear: {reason}; choose "
@@ -365,10 +296,10 @@ def _stepped(
 
 
 def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> Mapping[FlankName, GearPair]:
-    """The start with the point width that leaves the blank's slot, where one face-milling cutter cuts both flanks.
+    """Start with the point width that leaves the blank's slot, where one face-milling cutter cuts both flanks.
 
-    The outside blade of a cutter stands at the larger radius; the crown gear's flanks, cut from the other side, would
-    have it at the smaller one, with a tooth of the crown gear between them.
+    The outside blade stands at the larger radius; the crown gear's flanks, cut from the other side, would have it at
+    the smaller one, with a tooth of the crown gear between them.
     """
     concave, convex = (start[side].pinion for side in ("drive", "coast"))
     if concave.loaded.settings.indexing_ratio != 0.0:
@@ -402,23 +333,9 @@ def set_up_residual(
     blank: BlankDimensions,
     own: tuple[str, ...] = BLADE_SETTINGS,
 ) -> SetUpResidual:
-    """Residuals of a set-up that cuts the given sides.
+    """Residuals of a set-up that cuts the given sides; each begins from the same machine settings.
 
-    Parameters
-    ----------
-    sides
-        Pair, target and root line of the sides that are cut together; each begins from the same machine settings.
-    shared
-        Machine settings that move.
-    blank
-        Dimensions of the pair.
-    own
-        Settings of each blade that move.
-
-    Raises
-    ------
-    GeometryError
-        If the flanks do not meet on enough of the gear flank.
+    GeometryError if the flanks do not meet on enough of the gear flank.
     """
     names, tie = (*shared, *own), root_tie(blank, shared)
     parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]

@@ -32,22 +32,7 @@ PLACES = ("toe", "mean", "heel")
 
 @dataclass(frozen=True)
 class ToothLine:
-    """The tooth of a pair along the face (AGMA 929-B22, 4.1 to 4.4).
-
-    Parameters
-    ----------
-    proportions
-        Tooth proportions of the pair.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> line = ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))
-    >>> bool(np.allclose(line.on_pinion(line.on_gear(line.pinion_places)), line.pinion_places))
-    True
-    """
+    """Tooth of a pair along the face (AGMA 929-B22, 4.1 to 4.4)."""
 
     proportions: ToothProportions
 
@@ -79,7 +64,7 @@ class ToothLine:
 
     @property
     def has_involute_point(self) -> bool:
-        """Whether that place lies on the gear's face."""
+        """True if that place lies on the gear's face."""
         toe, _, heel = self.gear_places
         return bool(toe < self.involute_distance < heel)
 
@@ -129,7 +114,7 @@ class ToothLine:
         return np.asarray(straight if p.generated_gear else straight - self._rise(gear_distance))
 
     def _rise(self, gear_distance: Array) -> Array:
-        """What the flat path of a Formate cutter rises above the root cone towards the ends (...) [mm] (48, 54, 57)."""
+        """Rise of a Formate cutter's flat path above the root cone towards the ends (...) [mm] (48, 54, 57)."""
         p = self.proportions
         blade = p.half_included_angle if p.inside_blade_angle is None else p.inside_blade_angle
         tilt = math.tan(blade - p.drive_pressure_angle) / (2.0 * p.cutter_radius * math.cos(p.gear_spiral_angle) ** 2)
@@ -159,22 +144,7 @@ BLADE_OVERLAP = 0.025  # [mm] by which a blade point passes the middle of the sl
 @frozen_arrays
 @dataclass(frozen=True)
 class SlotWidths:
-    """Slot widths of both members; arrays have the pinion first (AGMA 929-B22, 4.4 and 4.5).
-
-    Parameters
-    ----------
-    line
-        The tooth along the face.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> slots = SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False)))
-    >>> slots.width.shape, bool(np.all(slots.least <= slots.greatest))
-    ((2, 3), True)
-    """
+    """Slot widths of both members; arrays have the pinion first (AGMA 929-B22, 4.4 and 4.5)."""
 
     line: ToothLine
 
@@ -201,7 +171,7 @@ class SlotWidths:
 
     @property
     def clearance_change(self) -> Array:
-        """What the backlash changes of the clearance at the toe of pinion and gear (2) [mm] (52, 53)."""
+        """Change of the clearance by the backlash at the toe of pinion and gear (2) [mm] (52, 53)."""
         p, line = self.proportions, self.line
         steep = math.sin(p.drive_pressure_angle) + math.sin(p.coast_pressure_angle)
         pinion = line.pinion_places * np.cos(line.pinion_spiral(line.on_gear(line.pinion_places)))
@@ -267,8 +237,7 @@ class SlotWidths:
     def finishing_blade_point(self) -> Array:
         """Widths of the tips of finishing blades (2) [mm] (94 to 97).
 
-        Of a member finished in one cut the least ones, with which the two blades leave no fin in the middle; of others
-        the greatest.
+        The least ones, which leave no fin, for a member finished in one cut; the greatest for others.
         """
         stock = np.array(self.proportions.stock_allowance)
         return np.where(stock == 0.0, self.least / 2.0 + BLADE_OVERLAP, self.least - stock)
@@ -281,24 +250,9 @@ LIMITS = ("interference", "manufacture", "mutilation")
 @frozen_arrays
 @dataclass(frozen=True)
 class EdgeRadiusLimits:
-    """Limits of the edge radii (AGMA 929-B22, 4.6); arrays have members first (pinion, gear), then drive and coast.
+    """Limits of the edge radii by (pinion, gear), then (drive, coast) (AGMA 929-B22, 4.6).
 
     The drive side is the pinion's concave and the gear's convex flank.
-
-    Parameters
-    ----------
-    slots
-        Slot widths of the pair.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> from easeoff.geometry.design.slot_width import ToothLine
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> limits = EdgeRadiusLimits(SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))))
-    >>> bool(np.all(limits.largest > 0.25 * blanks.mean_normal_module))
-    True
     """
 
     slots: SlotWidths
@@ -338,10 +292,10 @@ class EdgeRadiusLimits:
 
     @cached_property
     def interference_height(self) -> Array:
-        """Heights above the root, at the toe, to which the fillet may reach (h_inf) (2, 2) [mm] (106 to 127).
+        """Heights above the root at the toe to which the fillet may reach (h_inf) (2, 2) [mm] (106 to 127).
 
-        Where the mate's tip ends on the line of action with the backlash taken up; beside a gear cut without
-        generation, what is left of the clearance.
+        The mate's tip ends there on the line of action with the backlash taken up; beside a gear cut without generation
+        it is the clearance that is left.
         """
         p, radius, dedendum = self.proportions, self.inner_radius, self.inner_dedendum
         tip = radius + dedendum[::-1] - p.clearance
@@ -361,13 +315,7 @@ class EdgeRadiusLimits:
         return self.interference_height / (1.0 - np.sin(self.pressure_angles))
 
     def fillet_clearance(self, edge_radius: Array) -> Array:
-        """Heights left between the end of the fillet and the mate's tip at the toe (2, 2) [mm]; negative if they meet.
-
-        Parameters
-        ----------
-        edge_radius
-            Of the blades of pinion and gear (2) [mm].
-        """
+        """Heights from the end of the fillet to the mate's tip at the toe (2, 2) [mm]; negative if they meet."""
         return self.interference_height - np.multiply.outer(edge_radius, 1.0 - np.sin(self.pressure_angles))
 
     @cached_property
@@ -382,7 +330,7 @@ class EdgeRadiusLimits:
 
     @cached_property
     def by_mutilation(self) -> Array:
-        """Largest edge radii with which one blade leaves the fillet of the other whole (2, 2) [mm] (152 to 161).
+        """Largest edge radii with which one blade spares the fillet of the other (2, 2) [mm] (152 to 161).
 
         NaN where the blade point is too wide for any.
         """
@@ -409,7 +357,7 @@ class EdgeRadiusLimits:
 
     @property
     def governing(self) -> tuple[str, str]:
-        """What limits the edge radii of pinion and gear: interference, manufacture or mutilation."""
+        """Limit that governs the edge radii of pinion and gear: interference, manufacture or mutilation."""
         pinion, gear = np.argmin(self._limits, axis=0)
         return LIMITS[pinion], LIMITS[gear]
 
@@ -419,23 +367,8 @@ class EdgeRadiusLimits:
 class TopLands:
     """Normal top lands of both members; arrays have the pinion first (AGMA 929-B22, 4.7).
 
-    The tooth is that of a cylindrical gear in the normal section, with involutes on both sides; the gear cut without
-    generation has straight ones, and the pinion's are fuller by what the mate's lack.
-
-    Parameters
-    ----------
-    slots
-        Slot widths of the pair.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> from easeoff.geometry.design.tooth_proportions import ToothProportions
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> lands = TopLands(SlotWidths(ToothLine(ToothProportions.of(blanks, 95.25, generated_gear=False))))
-    >>> lands.width.shape
-    (2, 3)
+    The tooth is a cylindrical gear's in the normal section, with involutes; a gear cut without generation has straight
+    flanks, and the pinion's are fuller by that difference.
     """
 
     slots: SlotWidths

@@ -28,59 +28,7 @@ BLADE_FLAT_SHARE = 0.1  # of the module: the most that is taken of a small blade
 
 @dataclass(frozen=True, kw_only=True)
 class ToothProportions:
-    """Tooth proportions of a pair (AGMA 929-B22, tables 2 and 3); of two values the pinion's stands first.
-
-    Parameters
-    ----------
-    number_of_teeth
-        z.
-    shaft_angle, hypoid_offset
-        Sigma [rad], a [mm].
-    mean_normal_module
-        m_mn [mm].
-    face_width, outer_cone_distance, mean_cone_distance
-        b, R_e, R_m [mm].
-    pitch_angle, dedendum_angle
-        delta, theta_f [rad].
-    mean_addendum, mean_dedendum, mean_normal_thickness
-        h_am, h_fm, s_mn [mm].
-    clearance
-        c [mm].
-    drive_pressure_angle, coast_pressure_angle
-        Of the pinion's concave and convex flank, both positive (alpha_cv1, -alpha_cx1) [rad].
-    gear_spiral_angle
-        beta_m2 [rad].
-    cutter_radius
-        r_c0 [mm].
-    number_of_blade_groups
-        z0; zero for face milling.
-    generated_gear
-        Whether the gear is generated; not so, it is cut without generation (Formate).
-    inside_blade_angle
-        Of the cutter of a Formate gear (alpha_BX2) [rad]; the mean of the two pressure angles where ``None``.
-    gear_rotation_factor
-        Turn of the gear between its two flanks, over half the pitch (k_E): 0 with a spread blade, 1 face-hobbed, 1.3
-        with a roughing blade; by the process where ``None``.
-    stock_allowance
-        Left by the roughing cutter (S_A) [mm]; zero for a member that is finished in one cut (completing).
-    fillet_mutilation
-        Permitted (y) [mm].
-    blade_flat
-        Width of the flat at the tip of a blade (Delta_f) [mm].
-
-    Raises
-    ------
-    InputError
-        If an allowance is negative.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> round(ToothProportions.of(blanks, cutter_radius=95.25, generated_gear=False).pitch, 3)
-    12.087
-    """
+    """Tooth proportions of a pair (AGMA 929-B22, tables 2 and 3) [mm, rad]; of two values the pinion's first."""
 
     number_of_teeth: tuple[int, int]
     shaft_angle: float
@@ -93,19 +41,20 @@ class ToothProportions:
     dedendum_angle: Two
     mean_addendum: Two
     mean_dedendum: Two
-    mean_normal_thickness: Two
+    mean_normal_thickness: Two  # s_mn
     clearance: float
-    drive_pressure_angle: float
-    coast_pressure_angle: float
+    drive_pressure_angle: float  # of the pinion's concave flank (alpha_cv1)
+    coast_pressure_angle: float  # of its convex flank, positive (-alpha_cx1)
     gear_spiral_angle: float
     cutter_radius: float
-    number_of_blade_groups: int = 0
+    number_of_blade_groups: int = 0  # z0; 0 for face milling
     generated_gear: bool = True
-    inside_blade_angle: float | None = None
+    inside_blade_angle: float | None = None  # Formate (alpha_BX2); mean pressure angle if None
+    #: k_E: 0 spread blade, 1 face-hobbed, 1.3 with a roughing blade; by the process if None
     gear_rotation_factor: float | None = None
-    stock_allowance: Two = (0.0, 0.0)
-    fillet_mutilation: float = FILLET_MUTILATION
-    blade_flat: float = BLADE_FLAT
+    stock_allowance: Two = (0.0, 0.0)  # S_A, by the roughing cutter; 0 if completing
+    fillet_mutilation: float = FILLET_MUTILATION  # permitted (y)
+    blade_flat: float = BLADE_FLAT  # width at the tip (Delta_f)
 
     def __post_init__(self) -> None:
         for name, value in (
@@ -120,19 +69,7 @@ class ToothProportions:
     def of(
         cls, blank: BlankDimensions, cutter_radius: float, number_of_blade_groups: int = 0, *, generated_gear: bool
     ) -> ToothProportions:
-        """Those of a pair of blanks, with the suggested allowances and members finished in one cut.
-
-        Parameters
-        ----------
-        blank
-            Dimensions of the pair.
-        cutter_radius
-            Mean radius of the cutter [mm].
-        number_of_blade_groups
-            Of a face-hobbing cutter; zero for face milling.
-        generated_gear
-            Whether the gear is generated.
-        """
+        """Proportions of a pair of blanks, with the suggested allowances and members finished in one cut."""
         pinion, gear = blank.pinion, blank.gear
         return cls(
             number_of_teeth=(pinion.number_of_teeth, gear.number_of_teeth),
@@ -164,7 +101,7 @@ class ToothProportions:
 
     @property
     def taper(self) -> float:
-        """What both flanks of a tooth take off its thickness, over the height: the sum of the tangents."""
+        """Thickness that both flanks of a tooth lose per height: the sum of the tangents."""
         return math.tan(self.drive_pressure_angle) + math.tan(self.coast_pressure_angle)
 
     @property
@@ -193,23 +130,7 @@ class ToothProportions:
 def measured_proportions(pair: GearPair) -> ToothProportions:
     """Tooth proportions at the middle of the gear's face, where the pitch cones touch.
 
-    Parameters
-    ----------
-    pair
-        The pair seen from its drive side, with both flanks of both members.
-
-    Raises
-    ------
-    GeometryError
-        If the pitch cones of the blanks do not touch, or a flank does not pass through the mean point.
-    InputError
-        If a member has one flank only.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> round(measured_proportions(gear_pair(read_case("fm-11x41"))).mean_normal_module, 2)
-    3.85
+    The pair is seen from its drive side and has both flanks of both members. GeometryError if the cones do not touch.
     """
     members, sections = (pair.pinion, pair.gear), (pair.pinion.section, pair.gear.section)
     distance = mean_cone_distances(pair, must_touch=True)

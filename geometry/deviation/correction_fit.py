@@ -40,39 +40,16 @@ REFIT_SHARE = 0.1  # of the greatest effect, from which on rounding is made up f
 
 @dataclass(frozen=True)
 class LooseCombination:
-    """A combination of free settings that hardly changes the flanks.
+    """Combination of free settings that hardly changes the flanks."""
 
-    Parameters
-    ----------
-    settings
-        The settings that have most part in it.
-    effect
-        Root mean square change of the flanks by a usual step of it [mm].
-    """
-
-    settings: tuple[str, ...]
-    effect: float
+    settings: tuple[str, ...]  # those with most part in it
+    effect: float  # root mean square on the flanks of a usual step [mm]
 
 
 def rotations(flanks: Sequence[RecutFlank], values: Sequence[Array], one_rotation: bool = False) -> tuple[float, ...]:
-    """Rotation of each tooth flank that is nearest to its deviations (n) [mm]: radians; points that are NaN left out.
+    """Rotation of each tooth flank [rad] that is nearest to its deviations (n) [mm]; NaN points are left out.
 
-    Parameters
-    ----------
-    flanks
-        The flanks.
-    values
-        Deviations of each (n) [mm].
-    one_rotation
-        Whether it is one rotation of all flanks together.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> gear = gear_pair(read_case("fm-11x41")).gear
-    >>> flank = RecutFlank.of(gear, *gear.section.points(np.array([0.2, 0.5, 0.8]), np.array([0.3, 0.5, 0.7])))
-    >>> round(rotations([flank], [1e-3 * flank.lever])[0], 9)
-    0.001
+    With ``one_rotation`` it is the same for all flanks.
     """
     levers = [np.where(np.isfinite(v), flank.lever, 0.0) for flank, v in zip(flanks, values, strict=True)]
     moments = np.array([lever @ np.nan_to_num(v) for lever, v in zip(levers, values, strict=True)])
@@ -85,25 +62,12 @@ def rotations(flanks: Sequence[RecutFlank], values: Sequence[Array], one_rotatio
 
 @dataclass(frozen=True)
 class SetUpFit:
-    """The flanks of one set-up, and the settings that may move.
-
-    Parameters
-    ----------
-    flanks
-        One flank, or two that share the set-up.
-    names
-        Free settings. A setting of the machine is one unknown, one of the blade an unknown a flank.
-    one_rotation
-        Whether both flanks may only be turned together.
-    position
-        Rotation of each flank in the position in which it was measured, see ``rotations`` [rad]; zero if left out. A
-        flank cut anew is compared with it in the same position.
-    """
+    """Flanks of one set-up, and the settings that may move: of the machine once, of the blade for each flank."""
 
     flanks: tuple[RecutFlank, ...]
     names: tuple[str, ...]
-    one_rotation: bool = False
-    position: tuple[float, ...] = ()
+    one_rotation: bool = False  # both flanks may only be turned together
+    position: tuple[float, ...] = ()  # rotation in which each flank was measured [rad]
 
     @cached_property
     def unknowns(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
@@ -137,7 +101,7 @@ class SetUpFit:
         return with_settings(self.flanks[flank].surface, own)
 
     def form(self, values: Sequence[Array]) -> Array:
-        """What a rotation leaves of deviations of all flanks (n) [mm]."""
+        """Deviations of all flanks (n) [mm] less the rotation that fits them best."""
         turns = rotations(self.flanks, values, self.one_rotation)
         return np.concatenate([v - f.lever * turn for f, v, turn in zip(self.flanks, values, turns, strict=True)])
 
@@ -180,11 +144,10 @@ class SetUpFit:
         return np.asarray(self.effects[0] >= EFFECT_LIMIT)
 
     def needed(self, target: Array) -> NDArray[np.bool_]:
-        """Which combinations (m) a departure (n) [mm] takes: those determined, down to the last one that counts.
+        """True for the combinations (m) that a departure (n) [mm] takes: determined, down to the last that counts.
 
-        To first order the combinations act at right angles to each other. Those of the least effect are left out while
-        their parts of the departure are in all no more than what the scatter of the points, which no setting can make,
-        would look like; at least ``LEAST_GIVEN_UP`` and at most ``GIVEN_UP`` of the departure.
+        Of those that act at right angles, the weakest are left out while their parts are no more than the scatter of
+        the points would look like, between ``LEAST_GIVEN_UP`` and ``GIVEN_UP`` of the departure.
         """
         acts = self.slopes @ self.effects[1][:, self.determined]
         acts = acts / np.linalg.norm(acts, axis=0)

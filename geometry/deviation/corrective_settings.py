@@ -39,45 +39,16 @@ MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found ma
 class CorrectedFlank:
     """One measured flank before and after the correction, a rotation left out.
 
-    Of points that the flank with the errors found does not have, nothing is known after the correction: they are NaN,
-    and left out of the fit.
-
-    Parameters
-    ----------
-    member
-        The member as designed, seen from this flank.
-    surface
-        The flank's surface with the corrected settings, to be set on the machine.
-    deviation
-        The deviation as measured.
-    before
-        The deviation (columns, rows) [mm].
-    linear
-        What is left by first derivatives (columns, rows) [mm].
-    after
-        What is left on the flank cut anew (columns, rows) [mm].
-    root_change
-        By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm], negative where it cuts
-        deeper.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
-    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
-    >>> (flank,) = corrective_settings(pair.gear, deviation, free=["machine_root_angle"]).flanks
-    >>> isinstance(flank, CorrectedFlank), flank.side, flank.after.shape
-    (True, 'convex', (9, 5))
+    Points that the flank with the errors found does not have are NaN after the correction, and left out of the fit.
     """
 
-    member: Member
-    surface: GeneratingSurface
+    member: Member  # as designed, seen from this flank
+    surface: GeneratingSurface  # with the corrected settings
     deviation: Deviation
-    before: Array
-    linear: Array
-    after: Array
-    root_change: Array
+    before: Array  # deviation (columns, rows) [mm]
+    linear: Array  # left by first derivatives
+    after: Array  # left on the flank cut anew
+    root_change: Array  # tip off the root cone (3) [mm], negative if deeper
 
     @property
     def side(self) -> Side:
@@ -135,12 +106,12 @@ class Correction:
 
     @property
     def residual(self) -> Array:
-        """What is left of the first measured flank's deviation (columns, rows) [mm]."""
+        """Rest of the first measured flank's deviation (columns, rows) [mm]."""
         return self.flanks[0].after
 
     @property
     def nothing(self) -> bool:
-        """Whether no setting changes: the deviation is less than what steps of the resolution make of it."""
+        """True if no setting changes: the deviation is below the effect of one step of the resolution."""
         return not any(self.changes.values())
 
     @property
@@ -270,7 +241,7 @@ def corrective_settings(
 def _fit(
     measured: Sequence[tuple[Member, Deviation]], names: tuple[str, ...], thickness: float | None
 ) -> tuple[SetUpFit, Array, list[Array], list[NDArray[np.bool_]]]:
-    """Fit to the points that settings near the design cut, and its steps; form of all points (n) [mm], and which (n).
+    """Fit to points cut by settings near the design, its steps, form (n) [mm] and the points kept (n), by flank.
 
     A point that the flank with the errors found does not have (undercut, beyond the blade) is left out, and the errors
     are found anew.

@@ -46,13 +46,7 @@ RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a re
 
 @dataclass(frozen=True)
 class DeviatedFlank(GeneratingSurface):
-    """A generated flank with its deviation from the design.
-
-    Parameters
-    ----------
-    deviation
-        Deviation; ``None`` for the designed flank.
-    """
+    """Generated flank with its deviation from the design."""
 
     deviation: Deviation | None = None
 
@@ -87,13 +81,7 @@ class DeviatedFlank(GeneratingSurface):
 
 
 def deviated_member(member: Member, deviation: Deviation | None) -> Member:
-    """The member with a deviated loaded flank.
-
-    Raises
-    ------
-    InputError
-        If the deviation belongs to a flank on another blank.
-    """
+    """Member with a deviated loaded flank; InputError if the deviation belongs to another blank."""
     if deviation is None:
         return member
     if deviation.section != member.section:
@@ -104,55 +92,23 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
-    """The pair with deviated flanks, for geometry and contact of the deviated surfaces themselves.
-
-    Raises as ``deviated_member``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
-    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(lengthwise_crowning=10.0))
-    >>> crowned = ease_off(deviated_pair(pair, gear=deviation), (7, 5))["ease_off"].sel(profile=0.5)
-    >>> added = crowned - ease_off(pair, (7, 5))["ease_off"].sel(profile=0.5)
-    >>> bool(added.sel(lengthwise=0.0) > 1.0)  # the gap at the toe grows [um]
-    True
-    """
+    """Pair with deviated flanks, for geometry and contact of the deviated surfaces themselves."""
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class RecutFlank:
-    """The designed flank at measuring points, from where flanks of other settings are found.
-
-    Parameters
-    ----------
-    surface
-        The designed surface.
-    section
-        Blank of the member.
-    target
-        Axial and radial coordinates of the points (2, n) [mm].
-    flank
-        The designed flank there.
-    """
+    """Designed flank at measuring points, from where flanks of other settings are found."""
 
     surface: GeneratingSurface
     section: BlankSection
-    target: Array
-    flank: Flank
+    target: Array  # axial and radial coordinates (2, n) [mm]
+    flank: Flank  # designed flank there
 
     @classmethod
     def of(cls, member: Member, axial: Array, radial: Array) -> RecutFlank:
-        """The loaded flank of a member at points (...) [mm].
-
-        Raises
-        ------
-        GeometryError
-            If a point lies off the designed flank.
-        """
+        """Loaded flank of a member at points (...) [mm]; GeometryError if one lies off the designed flank."""
         surface, target = member.loaded.designed, np.stack([np.ravel(axial), np.ravel(radial)])
         flank = solve_flank(surface, member.section, *target)
         if not np.all(np.isfinite(flank.position)):
@@ -188,10 +144,9 @@ class RecutFlank:
         return sign
 
     def turn(self, surface: GeneratingSurface) -> float:
-        """Rotation that brings a flank of another surface near the designed one [rad].
+        """Rotation that brings a flank of another surface near the designed one [rad]; NaN without points.
 
-        From points with the same axial and radial coordinates, each weighted by what a rotation changes of its
-        deviation. NaN if there are none.
+        From points with the same axial and radial coordinates, weighted by their lever arms.
         """
         around = np.full(self.lever.shape, np.nan)
         for part, own in self._parts:
@@ -205,20 +160,10 @@ class RecutFlank:
         return float(np.nansum(ahead * weight) / weight.sum()) if np.any(weight) else np.nan
 
     def distance(self, surface: GeneratingSurface, turn: float | None = None) -> Array:
-        """Distance from the points along their normals to another surface, turned back: the deviation that it is.
+        """Distance (n) [mm] along the normals to another surface, turned back: its deviation; positive for more metal.
 
-        Parameters
-        ----------
-        surface
-            The other surface.
-        turn
-            Rotation that is taken off [rad]; the one of ``turn`` if left out.
-
-        Returns
-        -------
-        Array
-            Distance (n) [mm], positive where the other surface has more metal. NaN where the normal misses it, meets it
-            where it is undercut, or only further away than ``DEVIATION_LIMIT``.
+        The turn [rad] is by default that of ``turn``. NaN where the normal misses the surface, or meets it undercut or
+        beyond ``DEVIATION_LIMIT``.
         """
         ahead = np.full(self.lever.shape, self.turn(surface) if turn is None else turn)
         position, normal = rotate_z(ahead, self.flank.position), rotate_z(ahead, self.flank.normal)
@@ -231,9 +176,9 @@ class RecutFlank:
         return found
 
     def displacement(self, surface: GeneratingSurface) -> Array:
-        """Distance (n) [mm] as ``distance``, not turned back, to first order in the change of the settings.
+        """Distance (n) [mm] to first order in the change of the settings, not turned back.
 
-        A point that the same place of the blade cuts at the same cradle rotation moves along the surface, too, which is
+        A point cut by the same place of the blade at the same cradle rotation also slides along the surface, which is
         of second order for the distance.
         """
         moved = np.empty(self.lever.shape)
@@ -300,32 +245,8 @@ def deviated_ease_off(
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
-    Good to the first order, but for one part: the pinion's deviation is divided by the lever arm of the gear's normal,
-    which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
-    see ``deviated_flank``.
-
-    Parameters
-    ----------
-    geometry
-        The designed pair, from ``pair_geometry``.
-    pinion, gear
-        Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
-
-    Returns
-    -------
-    xr.Dataset
-        The same variables, of the deviated flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
-        effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, pair_geometry
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
-    >>> updated = deviated_ease_off(pair_geometry(pair, (7, 5)), gear=deviation)
-    >>> [round(float(v), 3) + 0.0 for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel
-    [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
+    Of first order, but for the pinion's deviation, divided by the lever arm of the gear's normal so that both members
+    count alike. Also deviations, ``ease_off_change`` [um], and ``extrapolated``: beyond the outermost nodes.
     """
     ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}

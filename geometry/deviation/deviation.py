@@ -54,23 +54,15 @@ class Interpolant(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class WeightedAverage:
-    """All nodes, weighted by the inverse of their squared distance in the axial plane.
+    """Average of all nodes by the inverse of their squared distance in the axial plane (Kolivand 2009, 4.5.2).
 
-    The dissertation interpolates and extrapolates by "a simple weighted average" (Kolivand 2009, section 4.5.2) and
-    does not print the weights; these are Shepard's (1968, doi:10.1145/800186.810616). Exact at the nodes, where the
-    slope is zero; between them drawn to the mean of all.
-
-    Parameters
-    ----------
-    axial, radial
-        Coordinates of the nodes (k) [mm].
-    value
-        Deviations at the nodes (k) [mm].
+    The weights are Shepard's (1968, doi:10.1145/800186.810616), not printed there: exact at the nodes, where the slope
+    is zero; drawn to the mean between them.
     """
 
     axial: Array
     radial: Array
-    value: Array
+    value: Array  # (k) [mm] at nodes (k)
 
     def __call__(self, axial: Array, radial: Array) -> tuple[Array, Array]:
         """See ``Interpolant``."""
@@ -85,28 +77,16 @@ class WeightedAverage:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class GridSpline:
-    """A bicubic spline through the nodes, in the grid's own coordinates.
+    """Bicubic spline through the nodes, in the grid's own coordinates from 0 to 1 over columns (u) and rows (v).
 
-    Exact at the nodes and between them for every polynomial of third order in the grid's coordinates (of second, where
-    a direction has three nodes). Grid coordinates run from 0 to 1 over the columns (u) and rows (v). Beyond the grid
-    the surface of second order in the axial plane that fits all nodes best is continued, up to the edge of the flank;
-    what the nodes have besides soon ceases to change. So a global error is extrapolated as such, and the scatter of
-    the outermost nodes is not magnified.
-
-    Parameters
-    ----------
-    axial, radial
-        Coordinates of the nodes (columns, rows) [mm].
-    value
-        Deviations at the nodes (columns, rows) [mm].
-    edge
-        Axial and radial coordinates of the flank's corners (2, k) [mm].
+    Exact for polynomials of third order (second, where a direction has three nodes). Beyond the grid it goes over to
+    the best fit of second order in the axial plane, so that the scatter of the outermost nodes is not magnified.
     """
 
     axial: Array
     radial: Array
-    value: Array
-    edge: Array
+    value: Array  # (columns, rows) [mm]
+    edge: Array  # axial and radial coordinates of the flank's corners (2, k) [mm]
 
     @cached_property
     def _spline(self) -> NdBSpline:
@@ -212,10 +192,7 @@ class GridSpline:
 
 
 def smoothed(value: Array) -> Array:
-    """Values at the nodes of a grid (columns, rows), of the surface of third order by rows and columns that fits best.
-
-    Waves and scatter go, what a global error is stays: surfaces of third order are kept exactly.
-    """
+    """Best surface of third order by rows and columns through the nodes of a grid (columns, rows): without waves."""
     along, up = (np.linspace(-1.0, 1.0, n) for n in value.shape)
     largest = [min(SPLINE_DEGREE, n - 1) for n in value.shape]
     orders = [(i, j) for i in range(largest[0] + 1) for j in range(min(SPLINE_DEGREE - i, largest[1]) + 1)]
@@ -231,13 +208,7 @@ FRACTION_TOLERANCE = 1e-9
 
 
 def require_method(name: str) -> None:
-    """Refuse an unknown method of interpolation.
-
-    Raises
-    ------
-    InputError
-        If the name is unknown; the message lists the methods.
-    """
+    """Refuse an unknown method of interpolation."""
     one_of("interpolation", name, get_args(Method))
 
 
@@ -326,7 +297,7 @@ class Deviation:
         return self.interpolant(*self.section.points(lengthwise, profile))[0]
 
     def extrapolated(self, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
-        """Whether fractions (...) of the flank lie beyond the outermost nodes (...)."""
+        """True where fractions (...) of the flank lie beyond the outermost nodes (...)."""
         shape = np.broadcast_shapes(np.shape(lengthwise), np.shape(profile))
         point = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
         beyond = (point < -FRACTION_TOLERANCE) | (point > 1.0 + FRACTION_TOLERANCE)
@@ -407,33 +378,7 @@ def deviation_from_formula(
 
 
 def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: Method = "spline") -> Deviation:
-    """A deviation from a dataset such as ``Deviation.on_grid`` gives.
-
-    Parameters
-    ----------
-    section
-        Blank of the member.
-    dataset
-        ``deviation`` [um] over (lengthwise, profile), both increasing fractions within 0 to 1.
-    method
-        As in ``Deviation``.
-
-    Raises
-    ------
-    InputError
-        If the variable or a coordinate is missing or of another kind; and as ``Deviation``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> from easeoff.geometry import GlobalErrors
-    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(twist=3.0))
-    >>> stored = deviation.on_grid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5))
-    >>> again = deviation_from_dataset(pair.gear.section, stored)
-    >>> again.value.shape
-    (5, 5)
-    """
+    """A deviation from a dataset such as ``Deviation.on_grid`` gives [um], over fractions that increase."""
     grid = ("lengthwise", "profile")
     if "deviation" not in dataset or set(dataset["deviation"].dims) != set(grid):
         raise InputError(f"dataset: must have a variable 'deviation' over ({', '.join(grid)})")
@@ -453,35 +398,9 @@ def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: M
 def normal_distance(
     surface: GeneratingSurface, position: Array, normal: Array, start: Array
 ) -> tuple[Array, SurfacePoints]:
-    """Distance from points along their normals to a surface, by Newton's method.
+    """Distance (n) [mm] along unit normals (3, n) from points to a surface, and its points, by Newton's method.
 
-    A point of the surface is on a normal where two of its coordinates, at right angles to the normal, are those of the
-    normal; the third is the distance.
-
-    Parameters
-    ----------
-    surface
-        The surface.
-    position, normal
-        Points [mm] and unit normals (3, n) in the member's frame.
-    start
-        Surface parameters near the crossings (2, n).
-
-    Returns
-    -------
-    tuple
-        Distance (n) [mm], positive along the normal, and the points of the surface; NaN where no crossing is found
-        with the outward side ahead.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> gear = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)).members.gear
-    >>> beside = gear.position - 0.25 * gear.normal
-    >>> distance, _ = normal_distance(gear.surface, beside, gear.normal, gear.parameters)
-    >>> bool(np.abs(distance - 0.25).max() < 1e-9)
-    True
+    Positive along the normal; NaN where no crossing has the outward side ahead. ``start`` (2, n): parameters near it.
     """
     first = cross(np.eye(3)[:, np.argmin(np.abs(normal), axis=0)], normal)
     first = first / np.sqrt(dot(first, first))
@@ -504,17 +423,9 @@ def normal_distance(
 
 
 def zeroed(deviation: Deviation, surface: GeneratingSurface) -> Deviation:
-    """The deviation with the tooth turned about its axis so that the middle of the flank has none.
+    """The deviation with the tooth turned about its axis so that the middle of the flank has none, as measured.
 
-    That is how bevel gears are measured: the machine turns them to the reference point. A constant would not do: the
-    lever arm, and with it what a rotation moves, changes along the flank.
-
-    Parameters
-    ----------
-    deviation
-        Deviation measured in any position of the tooth.
-    surface
-        The designed flank.
+    A constant would not do: the lever arm, and with it the effect of a rotation, changes along the flank.
     """
     section, shape = deviation.section, deviation.value.shape
     middle = section.points(np.array([0.5]), np.array([0.5]))

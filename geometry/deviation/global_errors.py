@@ -71,22 +71,12 @@ def _terms(lengthwise: Array, profile: Array) -> Array:
 
 @dataclass(frozen=True)
 class GlobalErrorFit:
-    """Global errors of a measured flank.
-
-    Parameters
-    ----------
-    errors
-        The errors.
-    residual
-        Rest at the nodes (columns, rows) [um].
-    rms_before, rms
-        Root mean square of the deviation, its mean removed, and of the rest [um].
-    """
+    """Global errors of a measured flank."""
 
     errors: GlobalErrors
-    residual: Array
-    rms_before: float
-    rms: float
+    residual: Array  # at the nodes (columns, rows) [um]
+    rms_before: float  # of the deviation, its mean removed [um]
+    rms: float  # of the residual [um]
 
 
 def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:

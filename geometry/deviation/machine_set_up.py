@@ -44,7 +44,7 @@ TILTS = ("cutter_tilt", "cutter_swivel")
 
 
 def shares_set_up(member: Member) -> bool:
-    """Whether both flanks of a member are cut in one set-up: by one cutter at the same machine settings.
+    """True if both flanks of a member are cut in one set-up: by one cutter at the same machine settings.
 
     So are spread-blade and completing members. Unlike ``Member.one_set_up`` it counts face hobbing in.
 
@@ -78,15 +78,7 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
 
 
 def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
-    """Settings of a surface that can be moved, but for its higher-order motions.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> "ratio_of_roll" in movable_settings(pair.pinion.loaded), "ratio_of_roll" in movable_settings(pair.gear.loaded)
-    (True, False)
-    """
+    """Settings of a surface that can be moved, but for its higher-order motions; a Formate flank has no roll."""
     hobbed, rolled = surface.settings.indexing_ratio != 0.0, surface.settings.generated
     found = [name for name in BLADE_SETTINGS if hobbed or name not in ("rake_angle", "hook_angle")]
     tilted = surface.settings.cutter_tilt != 0.0
@@ -97,26 +89,7 @@ def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
 
 
 def require_movable(surface: GeneratingSurface, names: Sequence[str]) -> None:
-    """Refuse settings that cannot be moved.
-
-    Parameters
-    ----------
-    surface
-        The flank's surface.
-    names
-        Names as in ``named_settings``.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one comes twice, is unknown or does not belong to this machine; the message lists those
-        that may be named.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> require_movable(gear_pair(read_case("fm-11x41")).gear.loaded, ["radial_distance"])
-    """
+    """Refuse names of settings that this machine does not have, that come twice, or none at all."""
     allowed, rolled = movable_settings(surface), surface.settings.generated
     motions = f", or a motion: {', '.join(MOVING_SETTINGS)} with _motion_1 to _motion_6" if rolled else ""
     if not names:
