@@ -22,21 +22,9 @@ COLUMNS_PER_BLOCK = 1000  # so many that their intermediate results stay in the 
 def complex_steps(
     function: Callable[[Array], Array], parameters: Array, count: int | None = None
 ) -> tuple[Array, Array]:
-    """Value and derivatives of ``function`` by each of its m parameters, in one call.
+    """Values (..., n) and derivatives (count, ..., n) of an analytic function by its first parameters (m, n).
 
-    Parameters
-    ----------
-    function
-        Analytic function of an array (m, n); the n columns are independent of one another.
-    parameters
-        Where to differentiate (m, n).
-    count
-        By how many of the parameters, the first ones; by all if left out.
-
-    Returns
-    -------
-    tuple
-        Value (..., n) and derivatives (count, ..., n).
+    Its n columns must be independent of one another.
     """
     count, n = parameters.shape[0] if count is None else count, parameters.shape[1]
     if n > COLUMNS_PER_BLOCK:
@@ -59,25 +47,7 @@ def determinant(first: Pair, second: Pair) -> Array:
 
 
 def cramers_rule(first: Pair, second: Pair, right: Pair) -> Array:
-    """Solution of first * x + second * y = right; infinite or NaN where the matrix is singular.
-
-    Parameters
-    ----------
-    first, second
-        Columns of the matrices (2, ...).
-    right
-        Right-hand sides (2, ...).
-
-    Returns
-    -------
-    Array
-        The unknowns x and y (2, ...).
-
-    Examples
-    --------
-    >>> cramers_rule((2.0, 0.0), (1.0, 4.0), (4.0, 8.0))
-    array([1., 2.])
-    """
+    """Solution (2, ...) of first * x + second * y = right; infinite or NaN where the matrix is singular."""
     return np.stack([determinant(right, second), -determinant(right, first)]) / determinant(first, second)
 
 
@@ -140,15 +110,9 @@ def solve_by(
     tolerance: float = 1e-11,
     iterations: int = 20,
 ) -> NewtonResult:
-    """As ``solve``, of a function that gives its derivatives itself.
+    """As ``solve``, of a function that gives values (2, k) and derivatives (2, 2, k) at parameters (2, k) itself.
 
-    Parameters
-    ----------
-    derivatives
-        Values (2, k) and derivatives by both parameters (2, 2, k) at parameters (2, k) of the columns with given
-        numbers (k): those of all columns first, then of those that have not converged.
-    start, target, max_step, tolerance, iterations
-        As of ``solve``.
+    Its other argument are the numbers (k) of the columns: all first, then those that have not converged.
     """
     parameters = np.array(start, dtype=float)
     count = parameters.shape[1]

@@ -28,7 +28,7 @@ def column(vector: Array, like: Array) -> Array:
 
 
 def cos_sin(angle: Array) -> tuple[Array, Array]:
-    """Cosine and sine of angles (...) that are real, or carry a complex step.
+    """Cosine and sine of angles (...) that are real or carry a complex step.
 
     For a step of 1e-30 the first-order term is exact, and far cheaper than the complex functions.
     """

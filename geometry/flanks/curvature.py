@@ -20,33 +20,16 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class Curvatures:
-    """Principal curvatures of a flank at n nodes.
+    """Principal curvatures of a flank at n nodes."""
 
-    Parameters
-    ----------
-    curvature
-        Both principal curvatures (2, n) [1/mm], the larger one first; positive where the tooth is convex.
-    direction
-        Unit vector (3, n) of the first principal direction, in the member's frame.
-    """
-
-    curvature: Array
-    direction: Array
+    curvature: Array  # (2, n) [1/mm], the larger one first; positive where the tooth is convex
+    direction: Array  # (3, n) of the first one, in the member's frame
 
 
 def shape_operator(flank: Flank) -> tuple[Array, Array, Array]:
-    """Tangents and shape operator of a flank.
+    """Tangents (3, 2, n) by both parameters, and first and second fundamental form (2, 2, n) of a flank.
 
-    Parameters
-    ----------
-    flank
-        Flank at n nodes.
-
-    Returns
-    -------
-    tuple
-        Tangents (3, 2, n) by the two surface parameters, and first and second fundamental form (2, 2, n); the second is
-        taken with the inward normal, so that convex teeth have positive curvature.
+    The second is taken with the inward normal, so that convex teeth have positive curvature.
     """
 
     def derivatives_on(surface: GeneratingSurface, parameters: Array) -> Array:

@@ -35,21 +35,9 @@ JOINT_TOLERANCE = 1e-9  # [mm]
 def deepest(
     parts: Sequence[GeneratingSurface], coordinates: Sequence[Array], depths: Sequence[Array]
 ) -> NDArray[np.int8]:
-    """Index of the flank part that cuts deepest at each of n nodes.
+    """Index (n) of the flank part, ordered from the blade's tip upwards, that cuts deepest at each node.
 
-    Parameters
-    ----------
-    parts
-        Surfaces of the sections that cut the flank, from the tip of the blade upwards.
-    coordinates
-        Blade coordinate for each part (n).
-    depths
-        How much each part has removed, in any unit (n); NaN where it has no point.
-
-    Returns
-    -------
-    NDArray
-        Index into ``parts`` (n); of one that has no point where there is no flank.
+    Depths (n) in any unit, NaN where a part has no point; where there is no flank, the index is that of such a part.
     """
     depth = np.stack([np.where(np.isfinite(d), d, -np.inf) for d in depths])
     within = np.stack(
@@ -99,12 +87,9 @@ STRAY_LIMIT = 6.0  # [seeds]; a solution further from its seed is not the one th
 
 @lru_cache(maxsize=64)
 def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
-    """Parameters (2, 1) of the flank's mean point, on the blade's profile, searched over every position of the cutter.
+    """Parameters (2, 1) of the flank's mean point, on the blade's profile, searched over all cutter positions.
 
-    Raises
-    ------
-    GeometryError
-        If the cutter meets no tooth of this blank.
+    GeometryError if the cutter meets no tooth of this blank.
     """
     surface = surface.on("profile")
     target = section.points(np.array([0.5]), np.array([0.5]))
@@ -140,10 +125,9 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
 
 
 def _nearest_slot(surface: GeneratingSurface, parameters: Array) -> Array:
-    """The same point (2, 1) in the slot nearest to the x axis.
+    """Same point (2, 1) in the slot nearest to the x axis: the flank must not depend on the slot that was found.
 
-    A whole turn of a face-hobbing cutter leads to another slot of the same member. Which one a search comes upon is
-    chance, and the flank must not depend on it.
+    A whole turn of a face-hobbing cutter leads to another slot of the same member.
     """
     if surface.settings.indexing_ratio == 0.0:
         return parameters
@@ -154,31 +138,18 @@ def _nearest_slot(surface: GeneratingSurface, parameters: Array) -> Array:
 
 @dataclass(frozen=True)
 class SeedLattice:
-    """Surface parameters spread over the whole flank and somewhat beyond, as first guesses.
+    """Surface parameters spread over the whole flank and somewhat beyond, as first guesses."""
 
-    Parameters
-    ----------
-    points
-        The seeds (m), m = ``SEEDS``^2.
-    side
-        Which seeds lie on the same side of the surface as the mean point (m).
-    orientation
-        Orientation sign of that side.
-    step
-        Distance of neighbouring seeds in each parameter (2).
-    """
-
-    points: SurfacePoints
-    side: NDArray[np.bool_]
-    orientation: float
-    step: Array
+    points: SurfacePoints  # the seeds (m), m = SEEDS^2
+    side: NDArray[np.bool_]  # on the same side of the surface as the mean point (m)
+    orientation: float  # sign of that side
+    step: Array  # between neighbours, in each parameter (2)
 
     def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> SurfacePoints:
-        """The usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n).
+        """Usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n); NaN if none is usable.
 
-        NaN if no seed is usable. The envelope of a motion may fold twice: beyond the second fold it is on the mean
-        point's side again and covers targets a second time. Where near seeds lie on two such sheets, the one nearest to
-        the mean point is taken.
+        An envelope that folds twice covers targets a second time, on the mean point's side again: of near seeds on two
+        such sheets the one nearest to the mean point is taken.
         """
         from scipy.spatial import cKDTree
 
@@ -196,26 +167,13 @@ class SeedLattice:
         return self.points.at(found[np.arange(found.shape[0]), choice])
 
     def strayed(self, start: Array, found: Array) -> NDArray[np.bool_]:
-        """Whether solutions (2, n) lie so far from their starts (2, n) that they belong to another sheet."""
+        """True for solutions (2, n) so far from their starts (2, n) that they belong to another sheet."""
         return np.asarray(np.any(np.abs(found - start) > STRAY_LIMIT * self.step[:, None], axis=0))
 
 
 @lru_cache(maxsize=64)
 def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> SeedLattice:
-    """Seeds about the mean point of a flank.
-
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    section
-        The blank.
-
-    Raises
-    ------
-    GeometryError
-        If the cutter meets no tooth of this blank.
-    """
+    """Seeds about the mean point of a flank; GeometryError if the cutter meets no tooth of this blank."""
     mean = mean_parameters(surface, section)
     corners = section.corners.reshape(4, 2)
     reach = float(np.max(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))
@@ -236,13 +194,7 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> SeedLatti
 
 
 class NodeStatus(IntEnum):
-    """Status of a flank node: usable, or why not; stored with CF ``flag_values`` and ``flag_meanings``.
-
-    Examples
-    --------
-    >>> NodeStatus(2).name
-    'UNDERCUT'
-    """
+    """Status of a flank node: usable, or why not; stored with CF ``flag_values`` and ``flag_meanings``."""
 
     INSIDE = 0
     NO_SOLUTION = 1
@@ -293,7 +245,7 @@ class Flank:
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Where the node is a usable point of the flank (n)."""
+        """True where the node is a usable point of the flank (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
 
     def reshape(self, *shape: int) -> Flank:
@@ -310,35 +262,9 @@ class Flank:
 
 
 def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> Flank:
-    """Flank at the nodes with given axial and radial coordinates, by Newton on all nodes at once.
+    """Flank at axial and radial coordinates (n) [mm], by Newton on all nodes at once.
 
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    section
-        The blank; it locates the tooth and supplies the first guesses.
-    axial, radial
-        Coordinates of the nodes about the member's axis (n) [mm].
-
-    Returns
-    -------
-    Flank
-        Nodes that cannot be used carry NaN and a status that says why.
-
-    Raises
-    ------
-    GeometryError
-        If the cutter meets no tooth of this blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> axial, radial = pair.gear.section.points(np.array([0.5]), np.array([0.5]))
-    >>> gear = solve_flank(pair.gear.loaded, pair.gear.section, axial, radial)
-    >>> np.allclose(gear.position[2], axial), np.allclose(np.hypot(*gear.position[:2]), radial)
-    (True, True)
+    Nodes that cannot be used carry NaN and a status; GeometryError if the cutter meets no tooth of this blank.
     """
     parts, flanks = surface.flank_parts, solve_parts(surface, section, axial, radial)
     if len(flanks) == 1:

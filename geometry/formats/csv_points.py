@@ -43,20 +43,7 @@ def text(dataset: xr.Dataset) -> str:
 
 
 def parsed(content: str, source: str) -> xr.Dataset:
-    """The dataset of a text file.
-
-    Parameters
-    ----------
-    content
-        The text.
-    source
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If a line cannot be used; with its number.
-    """
+    """Dataset of a text file; a line that cannot be used is refused with its number."""
     attributes, lines = parted(content, source)
     points: Points = {}
     number, head = lines[0]
@@ -120,21 +107,9 @@ def require_size(rows: int, columns: int, source: str) -> None:
 
 
 def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:
-    """The dataset of a complete grid.
+    """Dataset of points by (flank, row, column): position, normal, and deviation or measured position if any.
 
-    Parameters
-    ----------
-    points
-        Position, normal, and either nothing more, the deviation or the measured position, by (flank, row, column).
-    attributes
-        Attributes of the dataset.
-    source
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If a point of the grid is missing.
+    A grid with a missing point is refused.
     """
     flanks = sorted({key[0] for key in points})
     rows, columns = max(key[1] for key in points), max(key[2] for key in points)

@@ -37,33 +37,15 @@ EDGES = ("toe", "heel", "root", "tip")
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class DeviationTable:
-    """Table of deviations.
+    """Table of deviations."""
 
-    Parameters
-    ----------
-    deviation
-        Deviations (row, column) [um]; rows from root to tip, columns from toe to heel.
-    flank
-        ``concave`` or ``convex``.
-    margins
-        Margins of the measuring grid.
-    source
-        Name of the file, for messages.
-    """
-
-    deviation: NDArray[np.float64]
+    deviation: NDArray[np.float64]  # (root to tip, toe to heel) [um]
     flank: str
     margins: EdgeMargins
-    source: str
+    source: str  # file name for messages
 
     def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them.
-
-        Raises
-        ------
-        InputError
-            If the member is not known to have this flank.
-        """
+        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
         if self.flank != side(member.loaded):
             if member.opposite is None:
                 known = side(member.loaded)
@@ -81,33 +63,14 @@ class DeviationTable:
 
 
 def is_table(content: str) -> bool:
-    r"""Whether the first line that is no comment holds numbers, and is neither a point nor column names.
-
-    Examples
-    --------
-    >>> is_table("# rows: root to tip\n1,5;-2;0"), is_table("1.5,abc,0"), is_table("flank,row,column")
-    (True, True, False)
-    """
+    r"""True if the first line that is no comment holds numbers, and is neither a point nor column names."""
     lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
     first = cells(lines[0], separator(lines[0])) if lines else []
     return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
 
 
 def parsed_table(content: str, source: str) -> DeviationTable:
-    """The table of a text file.
-
-    Parameters
-    ----------
-    content
-        The text.
-    source
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If a line cannot be used, with its number; or if the comments do not say what the table holds.
-    """
+    """Table of a text file, whose comments must say what it holds; a bad line is refused with its number."""
     attributes, lines = parted(content, source)
     first, head = lines[0]
     mark = separator(head)
@@ -152,31 +115,10 @@ def table_of_matrix(
     deviation_unit: str = "um",
     margins: EdgeMargins | None = None,
 ) -> DeviationTable:
-    """The table of a plain matrix of deviations.
+    """Table of a plain matrix of deviations, positive for more metal, in ``deviation_unit``: ``um`` or ``mm``.
 
-    Parameters
-    ----------
-    deviation
-        Deviations, positive where there is more metal; what rows and columns are say the next arguments.
-    flank
-        ``concave`` or ``convex``.
-    rows, columns
-        ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; rows and columns may be exchanged.
-    deviation_unit
-        ``um`` or ``mm``.
-    margins
-        Margins of the measuring grid.
-
-    Raises
-    ------
-    InputError
-        If the matrix is none, or the words do not say how it lies.
-
-    Examples
-    --------
-    >>> table = table_of_matrix([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "convex", rows="tip to root")
-    >>> table.deviation[0].tolist()  # at the root
-    [4.0, 5.0, 6.0]
+    ``rows`` and ``columns`` are ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; they may be
+    exchanged.
     """
     given = {"flank": flank, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
     for key, allowed in WANTED.items():

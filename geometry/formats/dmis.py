@@ -49,20 +49,7 @@ def text(dataset: xr.Dataset) -> str:
 
 
 def parsed(content: str, source: str) -> xr.Dataset:
-    """The dataset of a DMIS file, with the measured positions.
-
-    Parameters
-    ----------
-    content
-        The text.
-    source
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If a line cannot be used, a label does not tell row and column, or a point was not measured; with its number.
-    """
+    """Dataset of a DMIS file, with the measured positions; bad lines, labels and gaps are refused by number."""
     scale: float | None = None
     features: dict[str, dict[tuple[str, int, int], list[float]]] = {"F": {}, "FA": {}}
     for number, line in _statements(content):

@@ -31,15 +31,7 @@ VTK_TYPES = {"f8": "Float64", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 
 
 def stl_file(points: Array, triangles: Array) -> bytes:
-    """Binary STL, single precision.
-
-    Parameters
-    ----------
-    points
-        Points (n, 3) [mm].
-    triangles
-        Corners (c, 3), anticlockwise seen from outside.
-    """
+    """Binary STL, single precision, of points (n, 3) [mm] and corners (c, 3), anticlockwise seen from outside."""
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     records = np.zeros(len(triangles), dtype=TRIANGLE)
@@ -49,17 +41,7 @@ def stl_file(points: Array, triangles: Array) -> bytes:
 
 
 def vtk_file(points: Array, quads: Array, cell_data: Mapping[str, Array]) -> bytes:
-    """Legacy VTK 4.2, which every reader of VTK files knows, in binary.
-
-    Parameters
-    ----------
-    points
-        Points (n, 3) [mm].
-    quads
-        Corners of the quadrilaterals (c, 4).
-    cell_data
-        Values (c) by name.
-    """
+    """Legacy VTK 4.2, which every reader knows, in binary: points (n, 3) [mm], corners (c, 4), values (c) by name."""
     count = len(quads)
     parts: list[str | Array] = [
         f"# vtk DataFile Version 4.2\n{TITLE}\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {len(points)} double\n",
@@ -78,15 +60,7 @@ def vtk_file(points: Array, quads: Array, cell_data: Mapping[str, Array]) -> byt
 def vtu_file(
     points: Array, quads: Array, cell_data: Mapping[str, Array], point_data: Mapping[str, Array] | None = None
 ) -> bytes:
-    """Unstructured grid in the XML of VTK, compressed.
-
-    Parameters
-    ----------
-    points, quads, cell_data
-        As of ``vtk_file``.
-    point_data
-        Values (n) at the points by name.
-    """
+    """Unstructured grid in the XML of VTK, compressed: as ``vtk_file``, and values (n) at the points by name."""
     root = ElementTree.Element(
         "VTKFile", type="UnstructuredGrid", version="0.1", byte_order="LittleEndian", compressor="vtkZLibDataCompressor"
     )
@@ -171,20 +145,9 @@ def write_mesh(
 
 
 def mesh(patches: Mapping[str, Array], angles: Array) -> tuple[Array, Array, Array, Array]:
-    """Nodes and quadrilaterals of a tooth and its copies.
+    """Points (n, 3), corners (c, 4), and numbers of patch (c) and tooth (c) of oriented patches and their copies.
 
-    Parameters
-    ----------
-    patches
-        Oriented patches by name.
-    angles
-        Rotations of the copies about the z axis (k) [rad].
-
-    Returns
-    -------
-    tuple
-        Points (n, 3), each once; corners of the quadrilaterals (c, 4), anticlockwise seen from outside; number of
-        patch (c) and of tooth (c).
+    Copies stand at angles (k) [rad] about z; each point comes once, corners anticlockwise seen from outside.
     """
     quads, numbers, start = [], [], 0
     for index, array in enumerate(patches.values()):

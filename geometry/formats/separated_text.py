@@ -19,13 +19,7 @@ EXCERPT_LENGTH = 60  # of a line in a message [characters]
 
 
 def comment(line: str) -> str | None:
-    """Text of a comment line after its sign; ``None`` of any other line.
-
-    Examples
-    --------
-    >>> comment("# deviation_unit: um;;;"), comment("1;2")
-    ('deviation_unit: um', None)
-    """
+    """Text of a comment line after its sign; ``None`` of any other line."""
     stripped = line.strip()
     quoted = re.fullmatch(r'"(#(?:[^"]|"")*)"[;,\t]*', stripped)
     if quoted:
@@ -37,13 +31,7 @@ def comment(line: str) -> str | None:
 
 
 def separator(line: str) -> str:
-    """Separator of the columns of a line: semicolon, tab, comma or blanks.
-
-    Examples
-    --------
-    >>> [separator(line) for line in ("1,5;2,0", "1.5, 2.0", "1,5 2,0")]
-    [';', ',', ' ']
-    """
+    """Separator of the columns of a line: semicolon, tab, comma or blanks."""
     for mark in (";", "\t"):
         if mark in line.strip():
             return mark
@@ -53,13 +41,7 @@ def separator(line: str) -> str:
 
 
 def cells(line: str, mark: str) -> list[str]:
-    """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point.
-
-    Examples
-    --------
-    >>> cells("concave;1;-0,5;;", ";")
-    ['concave', '1', '-0.5']
-    """
+    """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point."""
     found = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
     while found and not found[-1]:
         found.pop()
@@ -67,13 +49,7 @@ def cells(line: str, mark: str) -> list[str]:
 
 
 def excerpt(line: str) -> str:
-    """A line as messages show it, its beginning in quotes.
-
-    Examples
-    --------
-    >>> excerpt("1.5;2.5")
-    "'1.5;2.5'"
-    """
+    """A line as messages show it, its beginning in quotes."""
     text = line.strip()
     return repr(text if len(text) <= EXCERPT_LENGTH else f"{text[:EXCERPT_LENGTH]} ...")
 
@@ -81,10 +57,7 @@ def excerpt(line: str) -> str:
 def parted(content: str, source: str) -> tuple[Attributes, Lines]:
     """Comments of a text by key, and its other lines with their numbers, without empty ones.
 
-    Raises
-    ------
-    InputError
-        If a comment has another form or contradicts one above, or there is no other line.
+    A comment of another form, or that contradicts one above, is refused.
     """
     attributes: Attributes = {}
     lines: Lines = []

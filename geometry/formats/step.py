@@ -31,13 +31,7 @@ SAME_POINT = 1e-6  # [mm]; far below any tolerance of a drawing, far above round
 
 
 def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
-    """The patches as float arrays.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is no grid of finite points or has no area.
-    """
+    """Patches as float arrays; those that are no grid of finite points or have no area are refused."""
     checks.instance("patches", patches, Mapping)
     if not patches:
         raise InputError("no surface patches to write")
@@ -57,18 +51,7 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def merged(points: Array) -> tuple[Array, Array]:
-    """Points without repetition, and where each one went.
-
-    Parameters
-    ----------
-    points
-        Points (n, 3) [mm].
-
-    Returns
-    -------
-    tuple
-        Different points (k, 3) and the number (n) of the one each point became.
-    """
+    """Different points (k, 3) [mm] of (n, 3), and the number (n) of the one that each point became."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -81,20 +64,9 @@ def merged(points: Array) -> tuple[Array, Array]:
 
 
 def oriented(patches: Mapping[str, Array]) -> dict[str, Array]:
-    """Patches whose normals agree across every common border.
+    """Patches whose normals agree across every common border; refused if they cannot.
 
-    The first patch of every connected group is kept; others are turned, by reversing their first index, until they
-    agree with it.
-
-    Parameters
-    ----------
-    patches
-        Patches by name.
-
-    Raises
-    ------
-    InputError
-        If a patch is no grid of finite points, or the patches cannot agree.
+    The first patch of every connected group is kept; others are turned by reversing their first index.
     """
     arrays = checked(patches)
     names = list(arrays)
@@ -136,20 +108,7 @@ def oriented(patches: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def rotations(teeth: int, pitch: float | None) -> Array:
-    """Angles [rad] of the copies of a tooth about the axis.
-
-    Parameters
-    ----------
-    teeth
-        Number of copies.
-    pitch
-        Angle from one to the next [rad]; ``None`` to spread them over the whole turn.
-
-    Raises
-    ------
-    InputError
-        If there is no tooth to write.
-    """
+    """Angles [rad] of the copies of a tooth about the axis; without a pitch [rad] spread over the whole turn."""
     count = checks.whole("teeth", teeth, 1, COPY_COUNT_LIMIT)
     return np.arange(count) * (2.0 * np.pi / count if pitch is None else checks.number("pitch", pitch, "rad"))
 
@@ -222,13 +181,7 @@ def write_step(
 
 
 def require_opencascade() -> None:
-    """Check that OpenCASCADE is there, before any work is done for a STEP file.
-
-    Raises
-    ------
-    MissingPackageError
-        If OpenCASCADE is not installed, is too old, or does not load.
-    """
+    """Refuse before any work a STEP file without a usable OpenCASCADE (MissingPackageError)."""
     try:
         import OCP.collections
         import OCP.STEPControl  # noqa: F401
@@ -246,18 +199,10 @@ def require_opencascade() -> None:
 
 
 def spline(points: Array) -> tuple[Array, list[Array], tuple[int, int]]:
-    """Tensor-product spline through a grid of points, with the point numbers as parameters.
+    """Poles (m, n, 3) [mm], knots and degrees of the tensor-product spline through a grid (m, n, 3) [mm].
 
-    Parameters
-    ----------
-    points
-        Grid (m, n, 3) [mm].
-
-    Returns
-    -------
-    tuple
-        Poles (m, n, 3) [mm], the knots of both directions with their repetitions (m + degree + 1) and
-        (n + degree + 1), and both degrees: 3, or less where there are fewer than 4 points.
+    Parameters are the point numbers; knots come with their repetitions (m + degree + 1) and (n + degree + 1); degrees
+    are 3, or less where there are fewer than 4 points.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -23,27 +23,13 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class ConjugateMotion:
-    """Two members turning at a constant ratio, and one pinion flank.
-
-    Parameters
-    ----------
-    surface
-        The generating surface of the pinion flank.
-    assembly
-        The pair.
-    pinion_sense
-        Sense of the drive rotation about the pinion axis, +1 or -1; the gear turns in the opposite sense about its own.
-    branch
-        Sign of the root of the conjugacy equation.
-    center
-        Rotation at the mean point [rad]; roots are counted within half a turn of it.
-    """
+    """Two members turning at a constant ratio, and one pinion flank."""
 
     surface: GeneratingSurface
     assembly: Assembly
-    pinion_sense: float
-    branch: float = 1.0
-    center: float = 0.0
+    pinion_sense: float  # of drive rotation, +1 or -1; the gear turns in the opposite sense about its own axis
+    branch: float = 1.0  # sign of the root of the conjugacy equation
+    center: float = 0.0  # rotation at the mean point [rad]; roots within half a turn of it
 
     @property
     def pinion_axis(self) -> Array:
@@ -128,20 +114,10 @@ class ConjugateMotion:
         return self.in_gear(action, rotation), rotation
 
     def closing_and_place(self, points: SurfacePoints, rotation: Array) -> tuple[Array, Array]:
-        """What decides where pinion points are in contact, at any rotation of the pinion, and its derivatives.
+        """``closing_velocity`` and axial and radial place [mm] (3, n), and their derivatives (3, 3, n).
 
-        Parameters
-        ----------
-        points
-            Points of the pinion (n).
-        rotation
-            Pinion rotations (n) [rad].
-
-        Returns
-        -------
-        tuple
-            ``closing_velocity``, and axial and radial coordinate about the gear axis [mm] (3, n), and their derivatives
-            by both surface parameters and the rotation (3, 3, n).
+        At any pinion rotation (n) [rad]; the place is about the gear axis, the derivatives by both surface parameters
+        and the rotation.
         """
         # All is seen from the pinion, about whose z axis the gear turns backwards.
         frame, sense = self.assembly.pinion_frame, self.pinion_sense

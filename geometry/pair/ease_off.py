@@ -35,75 +35,30 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class EaseOff:
-    """Ease-off of a pair at the nodes of the gear flank; all arrays (n) unless said.
-
-    Parameters
-    ----------
-    motion
-        The conjugate motion it was computed with.
-    pinion_section
-        Blank of the pinion.
-    pinion_parameters
-        Parameters (2, n) of the pinion point conjugate to each node.
-    pinion_passing
-        Parameters (2, 2, n) of the pinion points that face the node ``SKEW_STEP`` before and after that rotation.
-    pinion_position, pinion_normal
-        That point [mm] and its outward normal (3, n) in the pinion's frame.
-    action_position, action_normal
-        Where it makes conjugate contact [mm], and the pinion's outward normal there (3, n), in the global frame.
-    roll_angle
-        Pinion rotation at which the node is in conjugate contact [rad], zero at the mean point of the pinion.
-    angle
-        Ease-off as a gear rotation [rad], growing with the gap: how far the gear turns against the drive sense from its
-        stored position until the node meets the conjugate surface. Only differences matter.
-    lever_arm
-        Arm of the normal force about the gear axis [mm].
-    separation_curvature
-        Second derivative of the gap (a gear angle) by the pinion rotation at a fixed gear point [1/rad].
-    separation_skew
-        Third derivative of the gap by the pinion rotation at a fixed gear point [1/rad^2].
-    pinion_lengthwise, pinion_profile
-        Fractions of the conjugate point on the pinion flank.
-    blade_distance
-        Distance along the blade from the end of its edge radius [mm], the smaller one of gear and pinion; negative
-        where no flank is cut.
-    status
-        ``NodeStatus`` of the node and of its conjugate point.
-    part
-        Which of the pinion surface's ``flank_parts`` the conjugate point belongs to.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> surface = geometry.exact
-    >>> surface.angle.shape == surface.status.shape == geometry.members.gear.status.shape
-    True
-    """
+    """Ease-off of a pair at the nodes (n) of the gear flank, with the conjugate point of each on the pinion."""
 
     motion: ConjugateMotion
     pinion_section: BlankSection
-    pinion_parameters: Array
-    pinion_passing: Array
+    pinion_parameters: Array  # (2, n) of the conjugate point of each node
+    pinion_passing: Array  # (2, 2, n) of the points that face the node SKEW_STEP before and after
     pinion_position: Array
     pinion_normal: Array
-    action_position: Array
-    action_normal: Array
-    roll_angle: Array
-    angle: Array
-    lever_arm: Array
-    separation_curvature: Array
-    separation_skew: Array
-    pinion_lengthwise: Array
+    action_position: Array  # of conjugate contact (3, n) [mm], in the global frame
+    action_normal: Array  # outward from the pinion (3, n)
+    roll_angle: Array  # pinion rotation [rad], zero at the pinion's mean point
+    angle: Array  # gear rotation [rad] against the drive sense to contact, growing with the gap, up to a constant
+    lever_arm: Array  # of the normal force about the gear axis [mm]
+    separation_curvature: Array  # second derivative of the gap by the pinion rotation at a fixed gear point [1/rad]
+    separation_skew: Array  # third derivative [1/rad^2]
+    pinion_lengthwise: Array  # fraction of the conjugate point on the pinion flank
     pinion_profile: Array
-    blade_distance: Array
-    status: NDArray[np.int8]
-    part: NDArray[np.int8]
+    blade_distance: Array  # along the blade to its edge radius [mm], the smaller of both; negative without a flank
+    status: NDArray[np.int8]  # NodeStatus of the node and its conjugate point
+    part: NDArray[np.int8]  # of the pinion surface's flank_parts
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Where gear node and conjugate pinion point both lie on their flanks (n)."""
+        """True where gear node and conjugate pinion point both lie on their flanks (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
 
 
@@ -112,19 +67,7 @@ def conjugate_motion(
 ) -> ConjugateMotion:
     """Conjugate motion of a pinion flank: sense of drive rotation, and root branch from the pinion's mean point.
 
-    Parameters
-    ----------
-    surface, section
-        The pinion flank and blank.
-    assembly
-        The pair.
-    gear_middle
-        Axial and radial coordinate (2) [mm] of the middle of the gear flank: the root that meets it is the right one.
-
-    Raises
-    ------
-    GeometryError
-        If the mean point has no conjugate position.
+    The right root meets ``gear_middle``: axial and radial coordinate (2) [mm] of the middle of the gear flank.
     """
     # Of the designed flank: a deviation does not move the zero of the roll angle.
     designed = surface.designed
@@ -167,17 +110,9 @@ def _separation(motion: ConjugateMotion, points: SurfacePoints, rotation: Array)
 
 
 def _gap_curvature(slopes: Array) -> tuple[Array, Array]:
-    """Second derivative (n) of the gap by the pinion rotation at a fixed point of the gear, at any rotation.
+    """Second derivative (n) of the gap by the pinion rotation at a fixed gear point, at any rotation.
 
-    Parameters
-    ----------
-    slopes
-        From ``ConjugateMotion.closing_and_place``.
-
-    Returns
-    -------
-    tuple
-        The derivative, and how both pinion parameters follow the rotation while that point stays fixed (2, n).
+    Also how both pinion parameters follow the rotation while that point stays fixed (2, n).
     """
     following = -cramers_rule(slopes[0, 1:], slopes[1, 1:], slopes[2, 1:])
     return np.asarray(-(slopes[2, 0] + slopes[0, 0] * following[0] + slopes[1, 0] * following[1])), following
@@ -189,36 +124,9 @@ def exact_ease_off(
     pinion_section: BlankSection,
     assembly: Assembly,
 ) -> EaseOff:
-    """Ease-off and roll angle of a pair at the nodes of the gear flank.
+    """Ease-off and roll angle of a pair, with its misalignment, at the nodes (n) of the gear flank.
 
-    Parameters
-    ----------
-    gear
-        Gear flank on its nodes (n).
-    pinion_surface, pinion_section
-        The pinion flank and blank.
-    assembly
-        The pair, with its misalignment.
-
-    Returns
-    -------
-    EaseOff
-        Nodes without a conjugate point carry NaN and a status.
-
-    Raises
-    ------
-    GeometryError
-        If no node of the gear has a conjugate point on the pinion.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> pair = geometry.pair
-    >>> surface = exact_ease_off(geometry.members.gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    >>> bool((surface.roll_angle == geometry.exact.roll_angle).all())
-    True
+    Nodes without a conjugate point carry NaN and a status; GeometryError if none has one.
     """
     target, usable = _targets(gear)
     if not np.any(usable):
@@ -245,25 +153,10 @@ def exact_ease_off(
 
 
 def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float, gear: Flank) -> tuple[Array, Array]:
-    """Ease-off alone, for settings near others whose solution is known: no search for the tooth.
+    """Ease-off as a gear rotation (n) [rad], up to a constant, near a known solution, and the parameters (2, n).
 
-    Parameters
-    ----------
-    motion
-        The conjugate motion, with the pinion flank of the new settings.
-    start
-        Pinion parameters (2, n) of the known solution.
-    side
-        Orientation sign of the valid side of the pinion's surface.
-    sheet
-        Sign of ``sheet_area`` of the valid sheet of the conjugate gear.
-    gear
-        Gear flank on its nodes (n).
-
-    Returns
-    -------
-    tuple
-        Ease-off as a gear rotation (n) [rad], up to a constant and NaN where there is none, and the parameters.
+    NaN where there is none. ``side`` is the orientation sign of the valid side of the pinion, ``sheet`` the sign of
+    ``sheet_area`` of the valid sheet of the conjugate gear.
     """
     target, usable = _targets(gear)
     with np.errstate(all="ignore"):
@@ -314,8 +207,7 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
 def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple[SurfacePoints, float]:
     """First guess of the pinion points (n) for each target, and the sheet of the conjugate gear to stay on.
 
-    The conjugate gear surface folds back on itself, at some distance from the flank or on it; seeds beyond the fold are
-    left out.
+    That surface folds back on itself, some way off the flank or on it; seeds beyond the fold are left out.
     """
     with np.errstate(all="ignore"):
         coordinates, slopes = motion.conjugate_place(seeds.points)
@@ -325,15 +217,7 @@ def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple
 
 
 def sheet_area(motion: ConjugateMotion, parameters: Array) -> Array:
-    """Area of the conjugate gear's axial section per pinion parameters (n), with a sign that changes at a fold.
-
-    Parameters
-    ----------
-    motion
-        The conjugate motion.
-    parameters
-        Pinion parameters (2, n).
-    """
+    """Area of the conjugate gear's axial section per pinion parameters (n), with a sign that changes at a fold."""
     with np.errstate(all="ignore"):
         _, (first, second) = motion.conjugate_place(SurfacePoints.of(motion.surface, parameters))
         return determinant(first, second)
@@ -400,18 +284,10 @@ def classified(
 
 @dataclass(frozen=True)
 class Rolling:
-    """Motion of the flanks past the contact line, at the nodes of an ease-off (n).
+    """Motion of the flanks past the contact line, at the nodes of an ease-off (n) [mm/rad]."""
 
-    Parameters
-    ----------
-    sliding
-        Speed of the pinion flank relative to the gear flank [mm/rad].
-    pinion_speed, gear_speed
-        Speed of the contact line across either flank, at right angles to the line [mm/rad].
-    """
-
-    sliding: Array
-    pinion_speed: Array
+    sliding: Array  # of the pinion relative to the gear
+    pinion_speed: Array  # of the contact line across the pinion flank
     gear_speed: Array
 
 
@@ -426,11 +302,6 @@ def rolling(ease_off: EaseOff) -> Rolling:
     """Sliding and rolling at the nodes of an ease-off.
 
     The speed of the line across a flank is one over the slope of the roll angle on that flank.
-
-    Parameters
-    ----------
-    ease_off
-        From ``ease_off.exact_ease_off``.
     """
 
     def on_part(surface: GeneratingSurface, parameters: Array) -> Array:
@@ -460,33 +331,17 @@ def _across(tangents: Array, slopes: Array) -> Array:
 @frozen_arrays
 @dataclass(frozen=True)
 class Drift:
-    """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n).
+    """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n)."""
 
-    Parameters
-    ----------
-    axial, radial
-        Coordinates of the pinion point there [mm/rad].
-    lengthwise, profile
-        First and second derivative of that point's fractions on the pinion flank (2, n) [1/rad, 1/rad^2].
-    lever_arm
-        Arm about the gear axis of a force along its normal [mm/rad].
-    """
-
-    axial: Array
+    axial: Array  # [mm/rad]
     radial: Array
-    lengthwise: Array
+    lengthwise: Array  # first and second derivative of the fraction (2, n) [1/rad, 1/rad^2]
     profile: Array
-    lever_arm: Array
+    lever_arm: Array  # of a force along its normal about the gear axis [mm/rad]
 
 
 def drift(ease_off: EaseOff) -> Drift:
-    """Drift of the pinion points opposite the nodes of the gear flank, by central differences as the separation skew.
-
-    Parameters
-    ----------
-    ease_off
-        From ``ease_off.exact_ease_off``.
-    """
+    """Drift of the pinion points opposite the gear's nodes, by central differences as the separation skew."""
     # Before and after that rotation, in one call.
     rotation = ease_off.roll_angle + ease_off.motion.center
     rotations = np.concatenate([rotation - SKEW_STEP, rotation + SKEW_STEP])

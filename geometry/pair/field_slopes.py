@@ -43,43 +43,10 @@ ZERO_STEP = 1e-9  # [rad], of the ease-off: its zero is that of the same node on
 
 
 def field_slopes(geometry: PairGeometry, settings: Sequence[PairSetting]) -> dict[str, Array]:
-    """Derivatives of the fields on the gear flank.
+    """Derivatives (nt, nh, ..., j) of the fields on the gear flank, by name, per mm, rad, or unit of the setting.
 
-    The tooth bodies are held: they say where a force's normal meets the middle of a tooth, which a setting that moves
-    the flank by micrometres changes by as much.
-
-    Parameters
-    ----------
-    geometry
-        The pair. An ease-off that was modified keeps its addition along the normal.
-    settings
-        By what to differentiate (j).
-
-    Returns
-    -------
-    dict
-        By name of the field its derivatives (nt, nh, ..., j) per mm, rad, or unit of the setting: ``ease_off_angle``,
-        ``roll_angle`` [rad], ``lever_arm`` [mm], ``separation_curvature``, ``separation_skew``,
-        ``pinion_lengthwise``, ``pinion_profile``, ``blade_distance`` [mm], ``position`` of the gear flank [mm],
-        ``depth_pinion``, ``depth_gear`` [mm], and how the pinion passes a point of the gear: ``pinion_lengthwise_rate``
-        and ``..._acceleration`` [1/rad, 1/rad^2], the same for the profile; ``action_position`` [mm] and
-        ``action_normal`` (nt, nh, 3, j), where a node makes conjugate contact. NaN at nodes without a conjugate point.
-        Beside these ``put_in`` of what is added to the gap of the flanks: a modification, less the zero of the
-        ease-off [rad].
-
-    Raises
-    ------
-    GeometryError
-        If the middle of the pinion flank has no conjugate point.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> slopes = field_slopes(geometry, [PairSetting("pinion", "radial_distance"), PairSetting("gear", "cradle_angle")])
-    >>> slopes["roll_angle"].shape, bool((slopes["roll_angle"][..., 1] == 0.0).all())
-    ((9, 7, 2), True)
+    A modified ease-off keeps its addition along the normal; the tooth bodies are held. ``put_in`` [rad] is added to the
+    gap of the flanks: a modification, less the zero of the ease-off. NaN without a conjugate point.
     """
     known = KnownPair(geometry)
     at_node = _Fields(geometry)
@@ -203,32 +170,10 @@ def pinion_gap_slopes(
     pinion_part: NDArray[np.int8],
     rotation: Array,
 ) -> Array:
-    """Derivatives of the gap of the flanks by how the pinion stands to the gear, as a gear rotation (n, j) [rad].
+    """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad]; zero for other settings.
 
-    Parameters
-    ----------
-    geometry
-        The pair.
-    settings
-        By what to differentiate (j): zero for settings of the gear, and for a modification.
-    pinion_parameters, pinion_part
-        Pinion points (2, n), on parts of the pinion flank (n).
-    rotation
-        Of the pinion (n) [rad], counted as the roll angle; its zero follows the pinion's mean point.
-
-    Examples
-    --------
-    At the nodes, in conjugate contact, that is the derivative of the ease-off but for its zero:
-
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> from easeoff.geometry.pair.field_slopes import field_slopes
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> by_roll, exact = [PairSetting("pinion", "ratio_of_roll")], geometry.exact
-    >>> closed = pinion_gap_slopes(geometry, by_roll, exact.pinion_parameters, exact.part, exact.roll_angle).ravel()
-    >>> full = field_slopes(geometry, by_roll)["ease_off_angle"].ravel()
-    >>> bool(np.ptp(closed - full) < 1e-8 * np.ptp(full))
-    True
+    Pinion points (2, n) on parts (n), at rotations (n) [rad] counted as the roll angle; their zero follows the pinion's
+    mean point.
     """
     known = KnownPair(geometry)
     slopes = np.zeros((*rotation.shape, len(settings)))
@@ -241,26 +186,7 @@ def pinion_gap_slopes(
 
 
 def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gear: Flank) -> Array:
-    """Derivatives of the gap of the flanks by what moves the gear's, as a gear rotation (n, j) [rad].
-
-    Parameters
-    ----------
-    geometry
-        The pair.
-    settings
-        By what to differentiate (j): zero for all but those of the gear.
-    gear
-        Points of the gear flank (n).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> settings = [PairSetting("gear", "radial_distance"), PairSetting("pinion", "radial_distance")]
-    >>> np.any(gear_gap_slopes(geometry, settings, geometry.members.gear), axis=0)
-    array([ True, False])
-    """
+    """Derivatives of the gap by the gear flank, as a gear rotation (n, j) [rad]; zero for all but its settings."""
     known = KnownPair(geometry)
     slopes = np.zeros((gear.part.size, len(settings)))
     for number, setting in enumerate(settings):
@@ -278,18 +204,9 @@ def held_point_slopes(
     pinion_part: NDArray[np.int8],
     rotation: Array,
 ) -> tuple[Array, Array]:
-    """Derivatives of where pinion points of held parameters (n) stand.
+    """Derivatives of the place of pinion points of held parameters (n).
 
-    Parameters
-    ----------
-    geometry, settings, pinion_parameters, pinion_part, rotation
-        As of ``pinion_gap_slopes``.
-
-    Returns
-    -------
-    tuple
-        Derivatives of axial and radial coordinate along the gear axis (2, n, j) [mm], and of lengthwise and profile
-        fraction on the pinion (2, n, j).
+    Of axial and radial coordinate along the gear axis (2, n, j) [mm], and of both fractions on the pinion (2, n, j).
     """
     known = KnownPair(geometry)
     section = geometry.exact.pinion_section

@@ -35,20 +35,7 @@ def _on_grid(values: Array, shape: tuple[int, int]) -> Array:
 
 
 def flank_dataset(lengthwise: Array, profile: Array, flank: Flank) -> xr.Dataset:
-    """One flank on its own grid.
-
-    Parameters
-    ----------
-    lengthwise, profile
-        Grid coordinates (nt), (nh).
-    flank
-        Flank with nt * nh nodes, in lengthwise-major order.
-
-    Returns
-    -------
-    xr.Dataset
-        Variables over (lengthwise, profile).
-    """
+    """One flank of nt * nh nodes, lengthwise-major, on its own grid (lengthwise, profile)."""
     shape = (lengthwise.size, profile.size)
     curvatures = principal_curvatures(flank)
     grid = ("lengthwise", "profile")
@@ -75,9 +62,9 @@ def flanks_dataset(lengthwise: Array, profile: Array, pinion: Flank, gear: Flank
 
 
 def first_contact(angle: Array, inside: Array) -> float:
-    """Smallest value of a field (nt, nh) over its valid nodes, refined by the paraboloid through the nodes around it.
+    """Smallest value of a field (nt, nh) over its valid nodes, refined by the paraboloid through those around it.
 
-    The refinement makes the zero of the ease-off independent of where the nodes happen to lie.
+    So the zero of the ease-off does not depend on where the nodes lie.
     """
     row, column = np.unravel_index(np.argmin(np.where(inside, angle, np.inf)), angle.shape)
     smallest = float(angle[row, column])
@@ -95,23 +82,10 @@ def first_contact(angle: Array, inside: Array) -> float:
 
 
 def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift: Drift) -> xr.Dataset:
-    """Ease-off and roll angle on the gear's grid.
+    """Ease-off and roll angle on the gear's grid (lengthwise, profile); the ease-off is zero at first contact.
 
-    Parameters
-    ----------
-    lengthwise, profile
-        Grid coordinates (nt), (nh).
-    ease_off
-        Ease-off at the nt * nh nodes.
-    drift
-        Velocity and acceleration of the conjugate points of the pinion past the nodes.
-
-    Returns
-    -------
-    xr.Dataset
-        Variables over (lengthwise, profile); the ease-off is zero at first contact, the gear rotation to it is the
-        attribute ``first_contact_rad``. Other attributes are the axes, oriented so that the drive rotation is positive,
-        a point on each, and the ratio: with them the points of action tell the surface velocities.
+    The attribute ``first_contact_rad`` is the gear rotation to it; others are the ratio and the axes, with a point on
+    each, oriented so that the drive rotation is positive.
     """
     shape = (lengthwise.size, profile.size)
     grid = ("lengthwise", "profile")
@@ -160,22 +134,7 @@ def teeth_dataset(
     bodies: tuple[ToothBody, ToothBody],
     coordinates: tuple[ShellCoordinates, ShellCoordinates],
 ) -> xr.Dataset:
-    """Both teeth as plates, and where the contact forces meet them.
-
-    Parameters
-    ----------
-    lengthwise, profile
-        Grid coordinates (nt), (nh) on the gear.
-    bodies
-        Teeth of pinion and gear.
-    coordinates
-        Feet of the contact normals at the nt * nh nodes, for pinion and gear.
-
-    Returns
-    -------
-    xr.Dataset
-        Variables over (member, lengthwise, profile), and the dimensions of the plates over (member).
-    """
+    """Both teeth as plates, and the feet of the contact normals, over (member, lengthwise, profile)."""
     shape = (lengthwise.size, profile.size)
     grid = ("member", "lengthwise", "profile")
     values = {
@@ -244,7 +203,7 @@ class Member:
 
     @property
     def one_set_up(self) -> bool:
-        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot.
+        """True if both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot.
 
         Not so for face hobbing: there the slot comes from the timing of the blades within their group.
         """
@@ -307,13 +266,7 @@ class GearPair:
 
 
 def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
-    """Even fractions along the face and up the profile.
-
-    Raises
-    ------
-    InputError
-        If there are too few nodes for a smooth surface.
-    """
+    """Even fractions along the face and up the profile; too few nodes for a smooth surface are refused."""
     along, up = two_whole("nodes", nodes, 5)
     return np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, up)
 
@@ -321,20 +274,10 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
 @frozen_arrays
 @dataclass(frozen=True)
 class MemberGeometry:
-    """What the geometry of a pair has of each member alone: no assembly error changes it.
+    """Geometry of each member alone: no assembly error changes it."""
 
-    Parameters
-    ----------
-    lengthwise, profile
-        Fractions of the grid, the same on both flanks (nt), (nh).
-    pinion, gear
-        Loaded flanks on that grid, each on its own blank.
-    bodies
-        Teeth of pinion and gear.
-    """
-
-    lengthwise: Array
-    profile: Array
+    lengthwise: Array  # (nt), the same on both flanks
+    profile: Array  # (nh)
     pinion: Flank
     gear: Flank
     bodies: tuple[ToothBody, ToothBody]
@@ -346,7 +289,7 @@ class MemberGeometry:
 
     @cached_property
     def gear_feet(self) -> ShellCoordinates:
-        """Where the normals of the gear flank meet the middle surface of the gear's tooth."""
+        """Feet of the normals of the gear flank on the middle surface of the gear's tooth."""
         return self.bodies[1].shell_coordinates(self.gear.position, self.gear.normal)
 
 
@@ -515,14 +458,8 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
 def tooth_angles(pair: GearPair) -> tuple[float, float]:
     """Angular thickness of the teeth of pinion and gear in the middle of the flank [rad].
 
-    The gear's is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
-    pinion's is the one given, or else that of the gear's slot in the middle of the gear's flank: thicker than the slot
-    admits where the middles do not meet, see ``backlash``.
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of its blank.
+    The gear's is given, else left by its cutter in one set-up, else half the pitch. The pinion's is given, else that of
+    the gear's slot: thicker than it admits where the middles do not meet, see ``backlash``.
     """
     gear, pinion = pair.gear, pair.pinion
     gear_angle = _given(gear) or (_left_by_cutter(gear) if gear.one_set_up else np.pi / gear.teeth)
@@ -532,10 +469,7 @@ def tooth_angles(pair: GearPair) -> tuple[float, float]:
 def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
     """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says.
 
-    Raises
-    ------
-    GeometryError
-        If the flanks of a member leave no tooth.
+    GeometryError if the flanks of a member leave no tooth.
     """
     pinion_angle, gear_angle = tooth_angles(pair)
     return _body(pair.pinion, pinion_angle), _body(pair.gear, gear_angle)

@@ -27,18 +27,7 @@ NAMED_TERM_POWERS = {
 
 
 def terms(order: int) -> tuple[str, ...]:
-    """Names of the terms t^a h^b of the total order a + b = 1 ... ``order``.
-
-    Raises
-    ------
-    InputError
-        If the order is not offered.
-
-    Examples
-    --------
-    >>> terms(3)[5:]
-    ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
-    """
+    """Names of the terms t^a h^b of the total order a + b = 1 ... ``order``."""
     whole("order", order, min(TERM_ORDERS), max(TERM_ORDERS))
     higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
     return (*NAMED_TERM_POWERS, *higher)
@@ -55,20 +44,10 @@ TERM_POWERS: Mapping[str, tuple[int, int]] = NAMED_TERM_POWERS | {
 
 
 def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
-    """Values of every term with the coefficient one.
+    """Values (..., p) of terms with the coefficient one, at fractions (...) of the gear flank.
 
-    Parameters
-    ----------
-    names
-        Terms (p).
-    lengthwise, profile
-        Fractions (...) on the gear flank.
-
-    Returns
-    -------
-    Array
-        Values (..., p). With t and h from -1 to 1 lengthwise and up the profile a term is t^a h^b; the bias is -t h,
-        so that it is positive where ``EaseOffTarget.bias`` is.
+    With t and h from -1 to 1 lengthwise and up the profile a term is t^a h^b; the bias is -t h, so that it is positive
+    where ``EaseOffTarget.bias`` is.
     """
     t, h = 2.0 * np.asarray(lengthwise) - 1.0, 2.0 * np.asarray(profile) - 1.0
     powers = [(-1.0 if name == "bias" else 1.0, *TERM_POWERS[name]) for name in names]
@@ -115,30 +94,9 @@ class Modification:
 
 
 def modified_ease_off(ease_off: xr.Dataset, modification: Modification) -> xr.Dataset:
-    """The ease-off with a modification added, zero again at first contact.
+    """The ease-off with a modification along the normal added, zero again at first contact.
 
-    Parameters
-    ----------
-    ease_off
-        From ``ease_off`` or ``pair_geometry``.
-    modification
-        Addition along the normal; it acts on the angle through the lever arm.
-
-    Returns
-    -------
-    xr.Dataset
-        The same with other ``ease_off`` and ``ease_off_angle``. The surface of roll angle and the contact lines stay:
-        a few micrometres change them in the second order only.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import ease_off
-    >>> designed = ease_off(gear_pair(read_case("fm-11x41")), (7, 5))
-    >>> crowned = modified_ease_off(designed, Modification({"lengthwise_crowning": 10.0}))
-    >>> added = (crowned["ease_off"] - designed["ease_off"]).sel(profile=0.5)  # [um], but for the zero at first contact
-    >>> [round(float(v), 1) for v in added - added.sel(lengthwise=0.5)]
-    [10.0, 4.4, 1.1, 0.0, 1.1, 4.4, 10.0]
+    Roll angle and contact lines stay: a few micrometres change them in the second order only.
     """
     added = 1e-3 * modification(*np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
     grid = ("lengthwise", "profile")

@@ -37,33 +37,10 @@ Origin = Literal["pinion", "gear", "assembly", "modification"]
 
 @dataclass(frozen=True)
 class PairSetting:
-    """One number of a pair that can change.
-
-    Parameters
-    ----------
-    of
-        ``pinion`` or ``gear``: a setting of the loaded flank; ``assembly``: an assembly error; ``modification``: a term
-        added to the ease-off, as a deviation of either flank.
-    name
-        Of the setting, see ``cutting.named_settings``; of the error, see ``Misalignment``; of the term, see
-        ``Modification``.
-
-    Raises
-    ------
-    InputError
-        If there is no such setting.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> setting = PairSetting("pinion", "radial_distance")
-    >>> round(setting.value(setting.moved(pair, 0.5)) - setting.value(pair), 12)
-    0.5
-    """
+    """One number of a pair that can change: setting of a loaded flank, assembly error, or term of the ease-off."""
 
     of: Origin
-    name: str
+    name: str  # as in named_settings, Misalignment or Modification
 
     def __post_init__(self) -> None:
         one_of("of", self.of, get_args(Origin))
@@ -97,7 +74,7 @@ class PairSetting:
         return replace(pair, pinion=changed) if self.of == "pinion" else replace(pair, gear=changed)
 
     def acts_on(self, pair: GearPair) -> bool:
-        """Whether the pair has it: a Formate flank has no roll and no motions, a face-milled one no rake and hook."""
+        """True if the pair has it: a Formate flank has no roll and motions, a face-milled one no rake and hook."""
         if self.of not in ("pinion", "gear"):
             return True
         surface = _designed(pair, self.of)
@@ -114,7 +91,7 @@ def _designed(pair: GearPair, of: str) -> GeneratingSurface:
 
 
 def is_angle(setting: PairSetting) -> bool:
-    """Whether the number is an angle, or the derivative of one by the cradle increment [rad]."""
+    """True if the number is an angle, or the derivative of one by the cradle increment [rad]."""
     base = setting.name.rsplit("_motion_", 1)[0]
     return base.endswith(("_angle", "cutter_tilt", "cutter_swivel"))
 
@@ -127,40 +104,21 @@ ROUNDED_CHANGE = 1e-6  # over a step, by the value; of less, rounding could be t
 
 
 def rate(values: Sequence[Array], step: float) -> Array:
-    """Derivative from values at the ``PLACES``, in steps; zero to the bit where nothing changes.
-
-    Examples
-    --------
-    >>> round(float(rate([np.exp(0.01 * place) for place in PLACES], 0.01)), 8)
-    1.0
-    """
+    """Derivative from values at the ``PLACES``, in steps; zero to the bit where nothing changes."""
     far_behind, behind, ahead, far_ahead = values
     return np.asarray((8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step))
 
 
 def at_places(setting: PairSetting, pair: GearPair, step: float) -> list[GearPair]:
-    """The pair with a setting moved by a step to each of the ``PLACES``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair, setting = gear_pair(read_case("nasa-12x36")), PairSetting("gear", "radial_distance")
-    >>> [round(setting.value(moved) - setting.value(pair), 9) for moved in at_places(setting, pair, 0.5)]
-    [-1.0, -0.5, 0.5, 1.0]
-    """
+    """The pair with a setting moved by a step to each of the ``PLACES``."""
     return [setting.moved(pair, step * place) for place in PLACES]
 
 
 def uneven(values: Sequence[Array]) -> float:
-    """How much two differences of second order depart from each other, over the derivative; NaN does not count.
+    """Departure of two differences of second order from each other, over the derivative; NaN does not count.
 
-    Over the ``PLACES`` one reaches twice as far as the other, so that it departs by about three times the error of the
-    nearer one. The error of ``rate`` is of the order of the square. Values that hardly change count as even.
-
-    Examples
-    --------
-    >>> round(uneven([np.exp(0.1 * np.array([place])) for place in PLACES]), 4)
-    0.005
+    Over the ``PLACES`` it is some three times the error of the nearer one, and the error of ``rate`` of the order of
+    its square. Values that hardly change count as even.
     """
     far_behind, behind, ahead, far_ahead = values
     near, far = 0.5 * (ahead - behind), 0.25 * (far_ahead - far_behind)
@@ -171,18 +129,10 @@ def uneven(values: Sequence[Array]) -> float:
 
 @dataclass(frozen=True)
 class NearPair:
-    """A pair's flanks at the nodes of the gear flank.
-
-    Parameters
-    ----------
-    gear
-        Gear flank at the nodes (n).
-    exact
-        Ease-off there; its ``status`` and ``part``, and whose ``blade_distance`` it has, are those of the known pair.
-    """
+    """Flanks of a pair at the nodes of the gear flank."""
 
     gear: Flank
-    exact: EaseOff
+    exact: EaseOff  # status, part and whose blade_distance it has are those of the known pair
 
 
 @lru_cache(maxsize=256)
@@ -194,24 +144,7 @@ def _mean_near(surface: GeneratingSurface, known: GeneratingSurface, section: Bl
 
 @dataclass(frozen=True)
 class KnownPair:
-    """A pair whose solution is known, from which others near it follow.
-
-    Parameters
-    ----------
-    geometry
-        Its geometry.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import Misalignment, pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> pairs = [geometry.pair.misaligned(Misalignment(offset=1e-3 * place)) for place in PLACES]
-    >>> near = KnownPair(geometry).along(pairs, 1e-3)
-    >>> anew = geometry.misaligned(Misalignment(offset=2e-3)).exact
-    >>> bool(np.allclose(near[-1].exact.angle, anew.angle, rtol=0.0, atol=1e-8))
-    True
-    """
+    """Pair whose solution is known, from which others near it follow."""
 
     geometry: PairGeometry
 
@@ -227,7 +160,7 @@ class KnownPair:
 
     @cached_property
     def _pinion_ends(self) -> NDArray[np.bool_]:
-        """Where the pinion's blade ends nearer to the conjugate point than the gear's to the node (n)."""
+        """True where the pinion's blade ends nearer to the conjugate point than the gear's to the node (n)."""
         exact = self.exact
         parts = exact.motion.surface.flank_parts
         distance = on_parts(parts, exact.part, exact.pinion_parameters, lambda s, p: s.evaluate(p)[2])
@@ -266,15 +199,7 @@ class KnownPair:
         return on_parts(self.gear.surface.flank_parts, self.gear.part, self.gear.parameters, slopes)
 
     def along(self, pairs: Sequence[GearPair], step: float) -> list[NearPair]:
-        """Other pairs on the same blanks.
-
-        Parameters
-        ----------
-        pairs
-            The pair with one number changed by so many steps as the ``PLACES`` say.
-        step
-            The step.
-        """
+        """Pairs on the same blanks, one number changed by so many steps as the ``PLACES`` say."""
         known, first = self.geometry.pair, pairs[0]
         exact, gear = [self.exact] * len(pairs), [self.gear] * len(pairs)
         if first.pinion != known.pinion or first.assembly != known.assembly:

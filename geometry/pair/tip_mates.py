@@ -20,32 +20,10 @@ NOT_CUT = (NodeStatus.NO_SOLUTION, NodeStatus.UNDERCUT, NodeStatus.BEYOND_BLADE_
 
 
 def unmet_tips(pair: GearPair) -> tuple[float, float]:
-    """Shares of the tips of pinion and gear whose mates the other member's cutter has not cut.
+    """Shares of the tips of pinion and gear, within the mate's face, that meet no flank which its cutter has cut.
 
-    A generated flank ends above the root cone, where the blade's tip leaves it. That does no harm while the mate's tip
-    does not come so far; where the flank is undercut, or its fillet is too high, that tip finds no flank.
-
-    Parameters
-    ----------
-    pair
-        The pair, with its misalignment.
-
-    Returns
-    -------
-    tuple
-        Share of the pinion's tip that meets no flank of the gear, and of the gear's that meets none of the pinion: of
-        those parts of the tips that run within the mate's face.
-
-    Raises
-    ------
-    GeometryError
-        If the flanks do not meet, or a cutter meets no tooth of its blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> unmet_tips(gear_pair(read_case("nasa-12x36")))
-    (0.0, 0.0)
+    A generated flank ends above the root cone, where the blade's tip leaves it, harmless as long as the mate's tip does
+    not come so far; it does where the flank is undercut or its fillet too high.
     """
     # With the middle of the gear's flank, which meets the pinion; its tip need not.
     t, half_way_and_tip = np.linspace(0.0, 1.0, TIP_NODES), np.array([0.5, 1.0])

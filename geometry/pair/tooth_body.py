@@ -32,71 +32,31 @@ LEGENDRE_ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those
 @frozen_arrays
 @dataclass(frozen=True)
 class ShellCoordinates:
-    """Where contact forces meet the middle of a tooth; n forces.
+    """Feet of n contact forces on the middle surface of a tooth."""
 
-    Parameters
-    ----------
-    height
-        Height of the foot above the root cone (n) [mm].
-    arc
-        Distance of the foot from the toe along the tooth trace (n) [mm].
-    depth
-        Distance from the flank to the foot along the normal (n) [mm].
-    direction
-        Unit vector of the force on the tooth (3, n): along the height, along the trace, away from the trace's centre.
-    """
-
-    height: Array
-    arc: Array
-    depth: Array
-    direction: Array
+    height: Array  # of the foot above the root cone (n) [mm]
+    arc: Array  # from the toe along the tooth trace (n) [mm]
+    depth: Array  # from the flank along the normal (n) [mm]
+    direction: Array  # of the force (3, n): along the height, along the trace, away from its centre
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothBody:
-    """One tooth of a member between its two flanks.
-
-    Parameters
-    ----------
-    section
-        Axial section of the blank.
-    half_angle
-        Coefficients of half the angular thickness [rad] as a Legendre series in the two fractions.
-    middle_normal
-        Coefficients of the unit normal of the middle surface, towards the loaded flank (3 series).
-    turn
-        Sense of rotation about the member's axis from the loaded flank into the tooth, +1 or -1.
-    trace_arc
-        Arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
-    trace_radius
-        Radius of normal curvature of the middle surface along the trace at mid face [mm].
-    convex
-        Whether the loaded flank is on the side away from the trace's centre.
-    height
-        Tooth height above the root cone at toe and heel (2) [mm].
-    thickness
-        Normal thickness at (toe/heel, root cone/tip) (2, 2) [mm] of the evenly varying plate that fits best.
-    fitted_thickness
-        The same of the plate that fits best with a bulge.
-    bulge
-        What that plate is thicker at mid height than an even taper, at toe and heel (2) [mm].
-    fanning
-        How much longer the trace becomes per height, over its length at mid height [1/mm].
-    """
+    """One tooth of a member between its two flanks, as a plate along the tooth trace."""
 
     section: BlankSection
-    half_angle: Array
-    middle_normal: Array
-    turn: float
-    trace_arc: Array
-    trace_radius: float
-    convex: bool
-    height: Array
-    thickness: Array
-    fitted_thickness: Array
-    bulge: Array
-    fanning: float
+    half_angle: Array  # half the angular thickness [rad], Legendre series in both fractions
+    middle_normal: Array  # of the middle surface, towards the loaded flank (3 series)
+    turn: float  # sense about the axis from the loaded flank into the tooth, +1 or -1
+    trace_arc: Array  # at mid height [mm], Legendre series in the lengthwise fraction
+    trace_radius: float  # of normal curvature of the middle surface at mid face [mm]
+    convex: bool  # loaded flank on the side away from the trace's centre
+    height: Array  # above the root cone at toe and heel (2) [mm]
+    thickness: Array  # normal, (toe/heel, root cone/tip) (2, 2) [mm], of the evenly varying plate that fits best
+    fitted_thickness: Array  # the same of the plate that fits best with a bulge
+    bulge: Array  # excess at mid height over an even taper, at toe and heel (2) [mm]
+    fanning: float  # growth of the trace per height, over its length at mid height [1/mm]
 
     @property
     def trace_length(self) -> float:
@@ -105,13 +65,7 @@ class ToothBody:
         return float(ends[1] - ends[0])
 
     def shell_coordinates(self, position: Array, normal: Array) -> ShellCoordinates:
-        """Foot, direction and depth of contact forces.
-
-        Parameters
-        ----------
-        position, normal
-            Points (3, n) [mm] and outward normals (3, n) of the loaded flank, in the member's frame.
-        """
+        """Foot, direction and depth of contact forces at points [mm] with outward normals (3, n) of the flank."""
         t, h = self.section.fractions(position[2], np.hypot(position[0], position[1]))
         half = self.turn * legendre.legval2d(2 * t - 1, 2 * h - 1, self.half_angle)
         middle = rotate(Z_AXIS, half, position)
@@ -142,25 +96,9 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
 
 
 def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
-    """Angle between the middles of two flanks as their machines cut them.
+    """Sense (+1 or -1) about the axis from the loaded flank into its tooth, and angle in it to the other flank [rad].
 
-    Parameters
-    ----------
-    section
-        Axial section of the blank.
-    loaded, opposite
-        Generating surfaces of the loaded flank and of the other one.
-
-    Returns
-    -------
-    tuple
-        Sense of rotation about the member's axis from the loaded flank into its tooth, +1 or -1, and the angle in this
-        sense to the other flank [rad].
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of the blank.
+    The flanks are as their machines cut them; the angle is between their middles.
     """
     axial, radial = section.points(np.array([0.5]), np.array([0.5]))
     front, back = (solve_flank(surface, section, axial, radial) for surface in (loaded, opposite))
@@ -174,21 +112,9 @@ def tooth_body(
     opposite: GeneratingSurface,
     mean_angle: float,
 ) -> ToothBody:
-    """Tooth between two generated flanks.
+    """Tooth between two flanks, of angular thickness ``mean_angle`` [rad] in the middle of the flank.
 
-    Parameters
-    ----------
-    section
-        Axial section of the blank.
-    loaded, opposite
-        Generating surfaces of the loaded flank and of the other one.
-    mean_angle
-        Angular thickness of the tooth in the middle of the flank [rad].
-
-    Raises
-    ------
-    GeometryError
-        If the two flanks leave no tooth between them.
+    GeometryError if they leave no tooth between them.
     """
     t, h = np.meshgrid(np.linspace(0, 1, COMPARISON_NODES[0]), np.linspace(0, 1, COMPARISON_NODES[1]), indexing="ij")
     axial, radial = section.points(t.ravel(), h.ravel())

@@ -31,25 +31,9 @@ STEP_COUNT = 30  # of Newton's method: five do, from the plane of the axes
 
 
 def mean_cone_distances(pair: GearPair, *, must_touch: bool = False) -> tuple[float, float]:
-    """Cone distances of pinion and gear [mm] at the mean point: mid face of the gear, and where the pitch cones touch.
+    """Cone distances of pinion and gear [mm] at the mean point: mid face of the gear, and where pitch cones touch.
 
-    Parameters
-    ----------
-    pair
-        The pair; its misalignment is not used.
-    must_touch
-        Whether cones that do not touch are refused; the pinion's mean point is mid face, too, if they are not.
-
-    Raises
-    ------
-    GeometryError
-        If the pitch cones must touch and do not.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> [round(distance, 1) for distance in mean_cone_distances(gear_pair(read_case("fm-11x41")))]
-    [95.4, 93.7]
+    Misalignment is not used. Cones that do not touch are refused if ``must_touch``; else the pinion's is mid face, too.
     """
     distances, apart = _mean_point(pair)
     if must_touch and not abs(apart) < TOUCH_TOLERANCE * distances[1]:
@@ -66,7 +50,7 @@ def _mean_point(pair: GearPair) -> tuple[tuple[float, float], float]:
 
 
 def _nearest(pair: GearPair) -> tuple[float, float]:
-    """Where the pinion's pitch cone is nearest to the gear's mid face: cone distance, and how far it is [mm]."""
+    """Cone distance at which the pinion's pitch cone is nearest to the gear's mid face, and the gap there [mm]."""
     pinion, gear = pair.pinion.section, pair.gear.section
     nominal = replace(pair.assembly, misalignment=Misalignment())
     axial, radial = gear.on_pitch_cone(gear.middle_distance)
@@ -92,20 +76,9 @@ def _nearest(pair: GearPair) -> tuple[float, float]:
 
 
 def contradictions(pair: GearPair) -> list[str]:
-    """What pitch cones, axes, tooth numbers and flanks of a pair contradict each other in, a sentence each.
+    """Contradictions of pitch cones, axes, tooth numbers and flanks of a pair, a sentence each.
 
-    Pitch cones touch at the mean point, and teeth that mesh there have one normal module.
-
-    Parameters
-    ----------
-    pair
-        The pair; its misalignment is not used.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> contradictions(gear_pair(read_case("fm-11x41")))
-    []
+    Pitch cones touch at the mean point, and teeth that mesh there have one normal module. Misalignment is not used.
     """
     found = []
     assembly = pair.assembly
@@ -133,29 +106,9 @@ def contradictions(pair: GearPair) -> list[str]:
 
 
 def mid_flank_thickness(member: Member, mean_normal_thickness: float, distance: float) -> float:
-    """Normal circular thickness in the middle of the flank [mm] of a tooth that has the given one at the mean point.
+    """Normal circular thickness [mm] in the middle of the flank of a tooth that has the given one at the mean point.
 
-    Parameters
-    ----------
-    member
-        The member; its own thickness is not used.
-    mean_normal_thickness
-        Normal circular thickness on the pitch cone at the mean point [mm], s_mn of ISO 23509:2016.
-    distance
-        Cone distance of the mean point [mm].
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of the blank in either place.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> gear = gear_pair(read_case("nasa-12x36")).gear
-    >>> middle = mid_flank_thickness(gear, 5.0, 81.0)
-    >>> middle > 5.5, abs(mean_normal_thickness(gear, middle, 81.0) - 5.0) < 1e-12
-    (True, True)
+    That is s_mn of ISO 23509:2016 on the pitch cone, at the cone distance [mm]; the member's own is not used.
     """
     per_angle, thicker = _at_mean_point(member, distance)
     return (mean_normal_thickness / per_angle - thicker) * thickness_per_angle(member)
@@ -194,46 +147,13 @@ def _normal_arc(member: Member, flanks: list[Flank]) -> float:
 
 
 def mean_thicknesses(pair: GearPair) -> Array:
-    """Normal circular thickness (2) of the teeth of pinion and gear in the middle of the flank [mm].
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of its blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> mean_thicknesses(gear_pair(read_case("nasa-12x36"))).round(2).tolist()
-    [5.27, 5.87]
-    """
+    """Normal circular thickness (2) of the teeth of pinion and gear in the middle of the flank [mm]."""
     per_angle = [thickness_per_angle(member) for member in (pair.pinion, pair.gear)]
     return np.array(tooth_angles(pair)) * per_angle
 
 
 def thickness_slopes(pair: GearPair, settings: Sequence[PairSetting]) -> Array:
-    """Derivatives (2, j) [mm] of the thicknesses of pinion and gear, by mm, rad or the unit of the setting.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    settings
-        By what to differentiate (j).
-
-    Raises
-    ------
-    GeometryError
-        As ``mean_thicknesses``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> by_radius = [PairSetting("gear", "point_radius"), PairSetting("pinion", "point_radius")]
-    >>> slopes = thickness_slopes(gear_pair(read_case("nasa-12x36")), by_radius)
-    >>> bool(slopes[1, 0] > 0.5), bool(abs(slopes[1, 1]) < 1e-9)
-    (True, True)
-    """
+    """Derivatives (2, j) [mm] of the thicknesses of pinion and gear, by mm, rad or the unit of the setting."""
     slopes = np.zeros((2, len(settings)))
     for number, setting in enumerate(settings):
         if setting.of in ("pinion", "gear"):

@@ -33,21 +33,11 @@ def side(surface: GeneratingSurface) -> Side:
 
 @dataclass(frozen=True)
 class PlacedFlank:
-    """A flank turned about the member's axis.
-
-    Parameters
-    ----------
-    section
-        Axial section of the blank.
-    surface
-        Generating surface of the flank.
-    rotation
-        Angle about z from where the machine cuts it to its tooth [rad].
-    """
+    """A flank turned about the member's axis."""
 
     section: BlankSection
     surface: GeneratingSurface
-    rotation: float = 0.0
+    rotation: float = 0.0  # about z, from where the machine cuts it to its tooth [rad]
 
     def at(self, axial: Array, radial: Array) -> Flank:
         """The flank at axial and radial coordinates (n) [mm], turned to its tooth, in the member's frame."""
@@ -59,19 +49,9 @@ class PlacedFlank:
 
 
 def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]:
-    """Both flanks of one tooth of a member.
+    """Both flanks of one tooth, of angular thickness ``tooth_angle`` [rad] in the middle of the flank.
 
-    Parameters
-    ----------
-    member
-        The member; where it does not know its other flank, the other blade in the same machine is assumed.
-    tooth_angle
-        Angular thickness of the tooth in the middle of the flank [rad], see ``tooth_angle``.
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of the blank.
+    An unknown other flank is that of the other blade in the same machine.
     """
     loaded = PlacedFlank(member.section, member.loaded)
     opposite = PlacedFlank(member.section, member.opposite or opposite_surface(member.loaded))
@@ -81,20 +61,7 @@ def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]
 
 
 def named_member(pair: GearPair, name: str) -> Member:
-    """The pinion or the gear of a pair.
-
-    Raises
-    ------
-    InputError
-        If it is called anything else.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> named_member(pair, "gear") is pair.gear
-    True
-    """
+    """The pinion or the gear of a pair."""
     instance("pair", pair, GearPair)
     one_of("member", name, MEMBERS)
     return pair.pinion if name == "pinion" else pair.gear

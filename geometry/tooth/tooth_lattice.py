@@ -242,27 +242,11 @@ def with_middles(ends: Array) -> Array:
 @frozen_arrays
 @dataclass(frozen=True)
 class LatticeSpacing:
-    """Ends and middles of the bricks of a tooth, from 0 to 1: an odd number of increasing fractions each.
-
-    Parameters
-    ----------
-    lengthwise
-        Lengthwise fractions.
-    upward
-        Of the length of a side from the middle of the fillet to the tip.
-    through
-        Of the thickness, from the loaded side.
-
-    Examples
-    --------
-    >>> from easeoff.geometry import LatticeSize
-    >>> LatticeSpacing.of_size(LatticeSize(lengthwise=2)).lengthwise
-    array([0.  , 0.25, 0.5 , 0.75, 1.  ])
-    """
+    """Ends and middles of the bricks of a tooth: an odd number of increasing fractions from 0 to 1 each."""
 
     lengthwise: Array
-    upward: Array
-    through: Array
+    upward: Array  # of a side from the middle of the fillet to the tip
+    through: Array  # of the thickness, from the loaded side
 
     @classmethod
     def of_size(cls, size: LatticeSize) -> LatticeSpacing:
@@ -290,24 +274,10 @@ DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
 
 @dataclass(frozen=True)
 class Web:
-    """Web that carries the rim below the teeth, from its toe end inwards along the root cone to a bore.
+    """Web that carries the rim below the teeth, from its toe end inwards along the root cone to a bore."""
 
-    Parameters
-    ----------
-    bore_diameter
-        Where the web ends [mm].
-    thickness
-        Of the web [mm], at right angles to the root cone, flush with the bottom of the rim; ``None`` for that of the
-        rim.
-
-    Examples
-    --------
-    >>> Web(bore_diameter=80.0).thickness is None
-    True
-    """
-
-    bore_diameter: float
-    thickness: float | None = None
+    bore_diameter: float  # where the web ends [mm]
+    thickness: float | None = None  # [mm] across the root cone, flush with the rim's bottom; that of the rim if None
 
     def __post_init__(self) -> None:
         positive("bore_diameter", self.bore_diameter, "mm")
@@ -348,9 +318,9 @@ class LatticeSections:
 
 
 def usual_depth(blank: BlankSection) -> float:
-    """Default depth of the body [mm]: 1.2 times the tooth's height at mid face.
+    """Default depth of the body [mm]: 1.2 times the tooth's height at mid face, about 2.5 normal modules.
 
-    That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
+    That is the rim of the finite elements that the root springs were compared with.
     """
     root, tip = (np.array(blank.points(np.array(0.5), np.array(h))) for h in (0.0, 1.0))
     return DEPTH_PER_HEIGHT * (float(np.linalg.norm(tip - root)) + blank.clearance)

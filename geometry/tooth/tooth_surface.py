@@ -49,23 +49,11 @@ STRIDE_HALVINGS = 3  # of a stride along the fillet that leads to no point
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothSide:
-    """Fillet and flank of one side of a tooth, in the member's frame.
+    """Fillet and flank of one side of a tooth, in the member's frame."""
 
-    Parameters
-    ----------
-    fillet
-        Points (3, nt, nf) [mm] from the root land to the end of the flank.
-    fillet_normal
-        Their outward unit normals (3, nt, nf).
-    flank
-        Points (3, nt, nh) [mm] from the end of the fillet to the tip; the first ones are the last of the fillet.
-    flank_normal
-        Their outward unit normals (3, nt, nh).
-    """
-
-    fillet: Array
+    fillet: Array  # (3, nt, nf) [mm] from the root land to the end of the flank
     fillet_normal: Array
-    flank: Array
+    flank: Array  # (3, nt, nh) [mm] to the tip; the first ones are the last of the fillet
     flank_normal: Array
 
     def turned(self, angle: float) -> ToothSide:
@@ -84,23 +72,9 @@ def tooth_side(
     flank_nodes: int,
     fillet_nodes: int = FILLET_NODES,
 ) -> ToothSide:
-    """Fillet and flank that one blade cuts.
+    """Fillet and flank that one blade cuts, at lengthwise fractions (nt) from toe to heel.
 
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    section
-        The blank.
-    fractions
-        Lengthwise fractions from toe to heel (nt).
-    flank_nodes, fillet_nodes
-        Nodes up the flank and up the fillet.
-
-    Raises
-    ------
-    GeometryError
-        If the cutter meets no tooth of the blank, or flank or fillet are undercut or missing somewhere.
+    GeometryError if flank or fillet are undercut or missing somewhere.
     """
     lengthwise = np.array(fractions)
     fillet, fillet_normal = _fillet(surface, section, lengthwise, np.linspace(-1.0, 0.0, fillet_nodes))
@@ -178,11 +152,10 @@ def _followed(
 def _at_coordinate(
     surface: GeneratingSurface, section: BlankSection, lengthwise: Array, coordinate: float, start: Array
 ) -> tuple[Array, Array, Array]:
-    """Parameters (2, nt) of the points that one blade coordinate cuts, at given lengthwise fractions; points; normals.
+    """Parameters (2, nt), points and normals that one blade coordinate cuts, at given lengthwise fractions.
 
-    Where the contact line runs along the blade all its points have the same parameters, and a node next to such a place
-    may not be found by them. It is found by the equation of meshing for the given point of the blade, near where its
-    neighbours lead.
+    Where the contact line runs along the blade the parameters do not tell a node; it is found by the equation of
+    meshing for that point of the blade, from its neighbours.
     """
 
     def fraction_and_coordinate(parameters: Array) -> Array:
@@ -237,25 +210,13 @@ def _neighbours(nodes: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], 
 
 @dataclass(frozen=True)
 class ToothSurface:
-    """A whole tooth of a member, in the member's frame.
-
-    Parameters
-    ----------
-    loaded, opposite
-        Its two sides.
-    names
-        Which of them is ``concave`` and which ``convex``, the loaded one first.
-    top_land
-        Points (3, nt, nw) [mm] from the tip of the loaded side to that of the opposite one.
-    root_lands
-        Points (3, nt, nw) [mm] from the middle of the slot to the fillet, on the loaded and on the opposite side.
-    """
+    """A whole tooth of a member, in the member's frame."""
 
     loaded: ToothSide
     opposite: ToothSide
-    names: tuple[Side, ...]
-    top_land: Array
-    root_lands: tuple[Array, Array]
+    names: tuple[Side, ...]  # concave or convex, the loaded one first
+    top_land: Array  # (3, nt, nw) [mm] from the loaded tip to the opposite one
+    root_lands: tuple[Array, Array]  # (3, nt, nw) [mm] from mid slot to fillet, loaded and opposite
 
 
 def tooth_surface(
@@ -265,27 +226,9 @@ def tooth_surface(
     fillet_nodes: int = FILLET_NODES,
     lengthwise: Array | None = None,
 ) -> ToothSurface:
-    """The real tooth of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
+    """The real tooth of one member, as thick as in ``gear_pair.bodies``; nodes lengthwise and up the flank.
 
-    Parameters
-    ----------
-    pair
-        The gear pair.
-    member
-        ``"pinion"`` or ``"gear"``.
-    nodes
-        Nodes lengthwise and up the flank.
-    fillet_nodes
-        Nodes up the fillet.
-    lengthwise
-        Fractions of the nodes lengthwise; even ones if left out.
-
-    Raises
-    ------
-    GeometryError
-        As ``tooth_side``; if the fillets of a slot overlap; if the tooth is pointed below its tip.
-    InputError
-        If the member has another name, or there are too few nodes.
+    GeometryError if a flank is undercut or missing, fillets of a slot overlap, or the tooth is pointed below its tip.
     """
     which = named_member(pair, member)
     along, upward = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
@@ -391,20 +334,6 @@ def tip_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
     """Height of a blade's tip above the root cone at toe, middle and heel (3) [mm].
 
     Negative where it cuts deeper, NaN where the flank is undercut or missing.
-
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    section
-        The blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> gear = gear_pair(read_case("nasa-12x36")).gear
-    >>> bool(np.all(np.abs(tip_gap(gear.loaded, gear.section)) < 1e-3))
-    True
     """
     try:
         side = tooth_side(surface.designed, section, tuple(TOE_MIDDLE_HEEL.tolist()), SIDE_NODES, FILLET_NODES)
@@ -418,28 +347,10 @@ PROFILE_NODES = 21
 
 
 def contact_heights(pair: GearPair, lengthwise: Array) -> tuple[Array, Array]:
-    """Least heights of contact above the root cones of pinion and gear, and where along the face.
+    """Least heights of contact above the root cones of pinion and gear (2, n) [mm], and their places (2, n).
 
-    Parameters
-    ----------
-    pair
-        The gear pair, seen from the side in contact.
-    lengthwise
-        Fractions of the gear from toe to heel (n).
-
-    Returns
-    -------
-    tuple
-        Heights (2, n) [mm], on the pinion where the gear's tip touches, on the gear where the pinion's does; NaN where
-        the tip finds no flank of its mate, or the pinion's tip none within that of the gear. Lengthwise fractions of
-        these places on pinion and gear (2, n).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> heights, _ = contact_heights(gear_pair(read_case("nasa-12x36")), np.array([0.5]))
-    >>> bool(np.all(heights > 0.0))
-    True
+    The pinion's is where the gear's tip touches and vice versa; NaN where a tip finds no flank of its mate. Places are
+    lengthwise fractions on pinion and gear.
     """
     profile = np.linspace(0.0, 1.0, PROFILE_NODES)
     gear, section = pair.gear.flank(lengthwise, profile), pair.pinion.section
@@ -466,35 +377,14 @@ def _at_tip(fraction: Array, height: Array) -> float:
 
 @dataclass(frozen=True)
 class EndFace:
-    """One end of a tooth.
+    """One end of a tooth."""
 
-    Parameters
-    ----------
-    slant
-        Angle of the face against the normal of the flank [rad], positive where the tooth is a sharp wedge.
-    height
-        From root to tip [mm].
-    """
-
-    slant: float
-    height: float
+    slant: float  # against the normal of the flank [rad], positive where the tooth is a sharp wedge
+    height: float  # root to tip [mm]
 
 
 def end_faces(member: Member) -> tuple[EndFace, EndFace]:
-    """Toe and heel; the slants are those in the middle of the height.
-
-    Parameters
-    ----------
-    member
-        The member.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> [(round(float(np.degrees(end.slant))), round(end.height, 1)) for end in end_faces(pair.pinion)]
-    [(-30, 5.7), (39, 8.2)]
-    """
+    """Toe and heel; the slants are those in the middle of the height."""
     corners = member.section.corners
     found = member.flank(np.array([0.0, 1.0]), np.array([0.5]))
     up = corners[:, 1] - corners[:, 0]
@@ -516,50 +406,15 @@ LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is
 @frozen_arrays
 @dataclass(frozen=True)
 class LandWidths:
-    """Lands of one member (n) [mm]; NaN where a flank is undercut or missing.
+    """Lands of one member (n) [mm]; NaN where a flank is undercut or missing."""
 
-    Parameters
-    ----------
-    top_land
-        Width on the face cone at right angles to the tooth line; negative if the tooth ends in an edge below it.
-    slot
-        Width at the bottom of the slot, between the tips of the blades as if they had no edge radius.
-    root_line
-        Height of the tips' paths above the root cone on the loaded and on the other side (2, n); negative where they
-        cut deeper.
-    """
-
-    top_land: Array
-    slot: Array
-    root_line: Array
+    top_land: Array  # on the face cone across the tooth; negative if it ends in an edge below
+    slot: Array  # at the bottom, between the blade tips as if without edge radius
+    root_line: Array  # tips above the root cone, loaded and other side (2, n)
 
 
 def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
-    """Top land and slot of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
-
-    Parameters
-    ----------
-    pair
-        The gear pair.
-    member
-        ``"pinion"`` or ``"gear"``.
-    lengthwise
-        Fractions from toe to heel (n).
-
-    Raises
-    ------
-    InputError
-        If the member has another name.
-    GeometryError
-        If a cutter meets no tooth of the blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> widths = land_widths(gear_pair(read_case("nasa-12x36")), "gear", np.array([0.0, 0.5, 1.0]))
-    >>> widths.top_land.shape, widths.root_line.shape
-    ((3,), (2, 3))
-    """
+    """Top land and slot of one member at lengthwise fractions (n), as thick as in ``gear_pair.bodies``."""
     which = named_member(pair, member)
     front, back = placed_flanks(which, tooth_angle(pair, member)).values()
     section = which.section
@@ -579,9 +434,8 @@ def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
 def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
     """Points (3, 3 n) [mm] that the tip of a blade cuts, and how far from its corner along the tip (n) [mm].
 
-    The tip is that of a blade without edge radius. Where this one, longer along the flank, cuts no whole flank, it is
-    the deepest point of the edge radius, beside the corner, which gives the slot to a tenth of that radius; NaN where
-    that cuts none either.
+    The blade is without edge radius. Where it cuts no whole flank, the deepest point of the edge radius, beside the
+    corner, gives the slot to a tenth of that radius; NaN where that cuts none either.
     """
     blade, places = side.surface.blade, fractions.reshape(3, -1)
     points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])
