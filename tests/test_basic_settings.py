@@ -208,6 +208,8 @@ def test_edge_of_the_hobbing_blade_passes_its_reference_point() -> None:
     along = -6.0 / edge_z
     assert math.hypot(tip_r + along * edge_r, tip_t + along * edge_t) == pytest.approx(88.0)
     assert edge_z == pytest.approx(-math.cos(0.3))
+    assert 86.0 < blade.point_radius < 88.0
+    assert blade.rake_angle == pytest.approx(0.255, abs=5e-4)
 
 
 def test_a_slot_too_narrow_for_a_cutter_is_refused() -> None:

@@ -19,7 +19,8 @@ from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
 from easeoff.geometry import Misalignment, pair_geometry, tooth_angle
 from easeoff.geometry.design.blank import angles_of_normal
-from easeoff.geometry.pair.tooth_thickness import mean_cone_distances
+from easeoff.geometry.pair.backlash import filling_thickness
+from easeoff.geometry.pair.tooth_thickness import mean_cone_distances, mean_thicknesses
 from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 
 NASA = case_text("nasa-12x36")
@@ -46,6 +47,13 @@ def test_a_thickness_means_what_iso_23509_means() -> None:
         angle = abs(math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi))
         thickness = radius * angle * math.cos(sum(spirals) / 2.0)
         assert thickness == pytest.approx(case.gear.mean_normal_circular_thickness, abs=1e-12)
+
+
+def test_thicknesses_and_cone_distances_of_shipped_pairs_stay() -> None:
+    assert mean_thicknesses(gear_pair(read_case("nasa-12x36"))) == pytest.approx([5.27, 5.87], abs=5e-3)
+    pair = gear_pair(read_case("fm-11x41"))
+    assert filling_thickness(pair) == pytest.approx(6.34, abs=5e-3)
+    assert mean_cone_distances(pair) == pytest.approx((95.4, 93.7), abs=0.05)
 
 
 def test_version_1_of_a_case_has_the_thickness_in_the_middle_of_the_flank(tmp_path: Path) -> None:

@@ -11,11 +11,15 @@ import pytest
 from runs import in_copies
 
 from easeoff import InputError
-from easeoff.core.checkpoint import DAMAGED, Checkpoint
+from easeoff.core.checkpoint import DAMAGED, Checkpoint, digest
 
 
 def squares(path: Path, study: str = "table of squares", *, fresh: bool = False) -> Checkpoint[int]:
     return Checkpoint(path, study, encode=int, decode=int, fresh=fresh)
+
+
+def test_a_digest_does_not_depend_on_the_order_of_the_inputs() -> None:
+    assert digest(torque=50.0, solver="native") == digest(solver="native", torque=50.0)
 
 
 def test_records_are_on_disk_as_soon_as_they_are_added(tmp_path: Path) -> None:

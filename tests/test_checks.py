@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from easeoff.cases import (
     write_case,
     write_rexs,
 )
-from easeoff.core import checks
+from easeoff.core import checks, errors
 from easeoff.friction import ehl
 from easeoff.geometry import ease_off, formats, pair_geometry, tooth_angle
 from easeoff.study.analysis.setting_derivatives import chosen_settings
@@ -32,6 +32,11 @@ from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.plot.drawn_result import require_result
 from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques, panels
 from easeoff.study.sweep import percentiles
+
+
+@dataclass(frozen=True)
+class Line:
+    position: np.ndarray[Any, Any]
 
 
 @pytest.mark.parametrize("value", [None, "1", True, [1.0], 1 + 0j, math.nan, math.inf, -1.0])
@@ -76,7 +81,15 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
         (lambda: checks.array("x", [1.0, math.nan]), "^x = nan: must be a finite number$"),
         (lambda: checks.distinct("x", [[1.0, 2.0]]), "must be a number, or numbers in a row$"),
         (lambda: checks.distinct("x", "fast", "1/min"), r"^x = 'fast': must be finite numbers \[1/min\], 1 or more$"),
+        (
+            lambda: checks.distinct("x", [500, 500], "1/min"),
+            r"^x = \[500, 500\]: must .* differ; 500 comes twice$",
+        ),
+        (lambda: checks.number("x", 2.5, least=-2.0, most=2.0), "^x = 2.5: must be a number from -2 to 2$"),
         (lambda: checks.whole("x", 1.0, 0, 5), r"^x = 1.0: must be a whole number from 0 to 5$"),
+        (lambda: checks.two_whole("x", 9, 5), "^x = 9: must be two whole numbers of 5 or more$"),
+        (lambda: checks.instance("x", 500, dict), "^x = 500: must be a dict$"),
+        (lambda: checks.words("x", "alone"), "^x = 'alone': must be a list of texts$"),
         (lambda: checks.file_path("x", 5), "^x = 5: must be a path, as text, bytes or a Path$"),
         (lambda: read_case(5), "^case = 5: must be the name of a shipped case, or a path, as text, bytes or a Path$"),  # type: ignore[arg-type]
         (lambda: checks.two("x", (1, 2, 3), "numbers"), r"^x = \(1, 2, 3\): must be two numbers$"),
@@ -91,6 +104,32 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
 def test_messages_name_argument_value_and_what_is_allowed(check: Callable[[], object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check()
+
+
+@pytest.mark.parametrize(
+    ("made", "text"),
+    [
+        (checks.shown(0.1 + 0.2), "0.3"),
+        (errors.shortened("0123456789" * 3, 15), "01234 ... 56789"),
+        (errors.printable_lines("title\r\nPAINT \x1b[2J"), "title?\nPAINT ?[2J"),
+        (errors.suggestion("radial_distanse", ["radial_distance"]), "; did you mean 'radial_distance'?"),
+        (errors.suggestion("x", ["radial_distance"]), ""),
+        (errors.memory_in_words(2.16e9), "2.2 GB"),
+        (errors.memory_in_words(10.0), "1 MB"),
+        (errors.time_in_words(42.4), "about 42 s"),
+        (errors.time_in_words(1e5), "about 28 h"),
+        (errors.time_in_words(4e9), "about 130 years"),
+        (errors.time_in_words(1e300), "over a million years"),
+    ],
+)
+def test_messages_put_values_sizes_and_times_in_short_words(made: str, text: str) -> None:
+    assert made == text
+
+
+def test_a_record_keeps_a_read_only_copy_of_a_given_array() -> None:
+    given = np.zeros(2)
+    kept = checks.frozen_arrays(Line)(given).position
+    assert (kept.flags.writeable, given.flags.writeable) == (False, True)
 
 
 def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape() -> None:

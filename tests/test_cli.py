@@ -24,6 +24,7 @@ from easeoff.cases import case_text, design_text, shipped_cases, shipped_designs
 from easeoff.contact import read_problems
 from easeoff.contact.problem.exchange.problem_file import read_labels
 from easeoff.core.forked_process import in_forked_process
+from easeoff.core.process_settings import without_garbage_collection
 from easeoff.friction import available_lubricants
 from easeoff.study import shipped_deviations
 from easeoff.study.analysis.contact_analysis import case_torques
@@ -381,6 +382,12 @@ def test_uncertified_results_are_reported_with_exit_code_1(
     loaded_pictures = [name for name in PICTURES if name != "ease_off"]
     drawn = write_pictures(tree, tmp_path / "p", names=loaded_pictures)
     assert [path.name for path in drawn] == [f"small-drive-{name}.png" for name in loaded_pictures]
+
+
+def test_the_search_for_garbage_waits_for_the_end_of_the_context() -> None:
+    with without_garbage_collection():
+        assert not gc.isenabled()
+    assert gc.isenabled()
 
 
 def test_only_a_process_that_ends_with_a_command_is_never_searched_for_garbage() -> None:

@@ -30,8 +30,10 @@ from easeoff.geometry.cutting.named_settings import (
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
     get_setting,
+    nearest_multiple,
     scale_of,
     setting_step,
+    step_count,
     with_settings,
 )
 from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
@@ -430,6 +432,13 @@ def test_a_setting_is_written_as_it_is_set(name: str, value: float, text: str, r
     assert resolution.text(value) == text
     assert resolution.rounded(value) == pytest.approx(rounded, rel=1e-12)
     assert resolution.rounded(resolution.rounded(value)) == resolution.rounded(value)
+
+
+def test_multiples_of_a_step_stay_between_their_bounds() -> None:
+    assert nearest_multiple(70.08634, 0.001) == 70.086
+    assert nearest_multiple(70.08634, 0.001, high=70.0859) == 70.085
+    assert (step_count(0.019, 0.01, high=0.019), step_count(0.019, 0.01, 0.015, 0.019)) == (1, None)
+    assert setting_step("sliding_base_motion_1").unit == "mm/rad^1"
 
 
 def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> None:

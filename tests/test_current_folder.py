@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ from runs import text_file
 
 import easeoff
 from easeoff.contact import ContactProblem, write_problems
-from easeoff.core.process_settings import child_environment
+from easeoff.core.process_settings import child_environment, children_without_interrupts
 
 #: Modules that a command may look for: of Python, of what the package needs, and solvers that are not installed.
 LIBRARIES = (
@@ -83,6 +84,13 @@ def test_a_process_of_a_solver_starts_without_the_current_folder(trap: Path) -> 
         subprocess.run([sys.executable, "-c", "import multiprocessing, quadprog"], capture_output=True, check=False)
     assert executed(trap) == ""
     assert "PYTHONSAFEPATH" not in os.environ
+
+
+def test_processes_may_be_started_to_ignore_an_interrupt() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with children_without_interrupts():
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 @pytest.mark.thorough

@@ -179,6 +179,7 @@ def test_derivatives_of_the_fit_are_those_of_its_residuals(name: str, side: Any)
 
 def test_a_fit_far_off_on_the_whole_flank_is_refused() -> None:
     target = EaseOffTarget(lengthwise_crowning=0.05)
+    assert residual_limits(target) == pytest.approx((0.005, 0.025))
     require_usable("drive", 0.024, target)
     for residual in (0.026, math.nan):
         with pytest.raises(GeometryError, match=r"drive: no pinion near the target"):

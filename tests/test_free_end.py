@@ -143,6 +143,11 @@ def test_slants_are_those_of_the_bricks() -> None:
         assert np.degrees([end.slant for end in end_faces(one)]) == pytest.approx(np.degrees(found), abs=2.0)
 
 
+def test_ends_of_a_spiral_tooth_are_a_blunt_toe_and_a_sharp_heel() -> None:
+    found = [(math.degrees(end.slant), end.height) for end in end_faces(gear_pair(read_case("nasa-12x36")).pinion)]
+    assert np.allclose(found, [(-30.0, 5.7), (39.0, 8.2)], rtol=0.0, atol=[0.5, 0.05])
+
+
 def test_distances_from_both_ends_are_at_right_angles_to_them() -> None:
     geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 11))
     fields = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5).segments.fields

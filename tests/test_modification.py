@@ -32,6 +32,10 @@ def test_second_order_terms_are_those_of_a_target() -> None:
         np.testing.assert_allclose(ours, 1e3 * EaseOffTarget(**{name: 7e-3})(T, H), rtol=0, atol=1e-12)
 
 
+def test_terms_are_named_by_their_powers() -> None:
+    assert terms(3)[5:] == ("lengthwise_3", "lengthwise_2_profile_1", "lengthwise_1_profile_2", "profile_3")
+
+
 @pytest.mark.parametrize("order", TERM_ORDERS)
 def test_terms_span_all_surfaces_of_their_order_but_the_constant(order: int) -> None:
     columns = basis(terms(order), T.ravel(), H.ravel())

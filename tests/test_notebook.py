@@ -23,7 +23,7 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import Case, LoadCase, case_toml, parse_case, read_case
 from easeoff.contact.evaluation.pressure_map import LineEnd
-from easeoff.core.import_hooks import show_figures_in_notebooks
+from easeoff.core.import_hooks import after_import, show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers
 from easeoff.study.notebook.result_accessor import html_text
@@ -312,6 +312,12 @@ def test_a_notebook_shows_figures_unless_it_does_already(
     show_figures_in_notebooks()
     assert list(formatter.known) == ["matplotlib.figure.Figure"]
     assert (formatter.known["matplotlib.figure.Figure"] is None) == bool(known)
+
+
+def test_a_package_that_is_loaded_counts_as_imported() -> None:
+    told: list[str] = []
+    after_import("sys", lambda: told.append("loaded already"))
+    assert told == ["loaded already"]
 
 
 def test_without_a_notebook_figures_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ from runs import output_of, refusal_of, small
 
 from easeoff import InputError, analyze, modify, write_result
 from easeoff.cases import LoadCase
-from easeoff.core.attributes import ordered
+from easeoff.core.attributes import labelled, ordered, units_of, variable_attributes
 from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report import report_file
 from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, report_page
@@ -512,3 +512,11 @@ def test_what_is_alike_in_all_results_is_told_once(browser: Browser) -> None:
     assert not any(name and f"{name} " in alike.split(": ", 1)[1].split("; ") for name in names)
     dashed = "[...document.querySelectorAll('#comparison .series path')].map(p => p.hasAttribute('stroke-dasharray'))"
     assert set(browser.run(dashed)) == {True, False}
+
+
+def test_variables_have_units_and_tell_of_which_contact_they_are() -> None:
+    force = labelled(xr.Dataset({"force": (("segment", "torque"), [[1.0], [2.0]])}))
+    assert force["force"].attrs["units"] == "N"
+    assert ordered(force, "force", "torque", "segment").tolist() == [[1.0, 2.0]]
+    assert (units_of("light_load_max_pressure"), units_of("member")) == ("MPa", None)
+    assert variable_attributes("unloaded_contact_ratio")["long_name"] == "without load: contact ratio"

@@ -160,6 +160,9 @@ def test_limits_take_settings_out_of_use() -> None:
     free = shared_settings("completing", SettingLimits(cutter_tilt=0.0, helical_motion=0.0), 80.0)
     assert not {"cutter_tilt", "cutter_swivel", "sliding_base_motion_1"} & set(free)
     assert "modified_roll_24e" in shared_settings("modified_roll", SettingLimits(modified_roll_24e=3.0), 80.0)
+    assert "modified_roll_6d" not in shared_settings("modified_roll", SettingLimits(modified_roll_6d=0.0), 95.0)
+    assert SettingLimits(cutter_tilt=0.3).allowed("cutter_tilt", 0.27, 95.0) == (-0.3, 0.3)
+    assert SettingLimits().allowed("sliding_base", 0.27, 80.0) == (-40.0, 40.0)
     with pytest.raises(InputError, match="cutter_tilt"):
         SettingLimits(cutter_tilt=-0.1)
     with pytest.raises(InputError, match="blade_pressure_angle"):
@@ -272,6 +275,11 @@ def test_at_limit_knows_both_ends() -> None:
 
 
 STEPS = StandardSteps(math.radians(0.5), 0.1, 0.05)
+
+
+def test_an_edge_radius_is_rounded_down_and_an_angle_to_its_step() -> None:
+    assert STEPS.edge(0.93) == pytest.approx(0.9, abs=1e-9)
+    assert math.degrees(STEPS.angle(math.radians(18.83))) == pytest.approx(19.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("make", [formate_gear, generated_gear])

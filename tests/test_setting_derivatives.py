@@ -48,7 +48,7 @@ from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS
 from easeoff.geometry.pair.field_slopes import field_slopes, gear_gap_slopes, pinion_gap_slopes
 from easeoff.geometry.pair.gear_pair import FlankName, GearPair, PairGeometry, tooth_angles
 from easeoff.geometry.pair.modification import TERM_POWERS, Modification, modified_ease_off
-from easeoff.geometry.pair.near_pair import ERROR_STEPS, PLACES, PairSetting, rate
+from easeoff.geometry.pair.near_pair import ERROR_STEPS, PLACES, PairSetting, rate, uneven
 from easeoff.geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
 from easeoff.study import CaseInMesh, derivatives
 from easeoff.study.analysis.setting_derivatives import loss_slopes, loss_values
@@ -232,6 +232,10 @@ def beside_a_border(cycle: MeshCycle) -> MeshCycle:
     nearest = np.argmin(np.abs(beyond(first)))
     found = root_scalar(lambda rotation: beyond(rotation)[nearest] - 5e-7, x0=first, x1=second, xtol=1e-12)
     return cycle.at_rotations(np.array([found.root, second]))
+
+
+def test_differences_depart_by_three_times_the_error_of_the_nearer_one() -> None:
+    assert uneven([np.exp(0.1 * np.array([place])) for place in PLACES]) == pytest.approx(3.0 * 0.1**2 / 6.0, rel=2e-2)
 
 
 @pytest.mark.quick(1)
