@@ -501,7 +501,7 @@ STATES: Mapping[str, str] = {"unloaded_": "without load", "light_load_": "at lig
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with ``units``, ``long_name`` and ``comment`` on every variable; those that are there are kept."""
+    """A copy with ``units``, ``long_name`` and ``comment`` on every variable; those that are there are kept."""
     result = dataset.copy()
     for name, variable in result.variables.items():
         variable.attrs = {**variable_attributes(str(name)), **variable.attrs}
@@ -509,10 +509,7 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def variable_attributes(name: str) -> dict[str, Any]:
-    """``long_name`` of a variable, and ``units`` and ``comment`` where it has them.
-
-    ``unloaded_`` and ``light_load_`` before a name say of which contact.
-    """
+    """``long_name``, ``units`` and ``comment`` of a variable; ``unloaded_`` or ``light_load_`` tells the contact."""
     for state, words in STATES.items():
         if name not in VARIABLES and name.startswith(state):
             of_any = variable_attributes(name.removeprefix(state))

@@ -28,7 +28,7 @@ _PRINTABLE_ASCII = re.compile(r"[ -~]*")
 
 
 def printable(text: str) -> str:
-    r"""A foreign text in one line, with ``?`` for controls and code points that are no characters."""
+    """A foreign text in one line, with ``?`` for controls and code points that are no characters."""
     if _PRINTABLE_ASCII.fullmatch(text):
         return text
     return "".join(
@@ -38,7 +38,7 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    r"""Text as by ``printable``, with the line feeds kept."""
+    """Text as by ``printable``, with the line feeds kept."""
     return "\n".join(map(printable, text.split("\n")))
 
 
@@ -51,7 +51,7 @@ def shortened(text: str, limit: int = VALUE_LENGTH_LIMIT) -> str:
 
 
 def message(text: str) -> str:
-    r"""A message as it is shown: printable, its lines shortened, and of very many the first."""
+    """A message as it is shown: printable, its lines shortened, and of very many the first."""
     lines = text.split("\n", LINE_COUNT_LIMIT)
     if len(lines) > LINE_COUNT_LIMIT:
         lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
@@ -132,10 +132,7 @@ class MissingPackageError(EaseoffError, ImportError):
 
 
 def how_to_install(requirement: str) -> str:
-    """Command that installs a requirement such as ``easeoff[cad]`` in this environment, activated or not.
-
-    An environment made without pip is served by the pip of the Python that made it.
-    """
+    """Command that installs a requirement such as ``easeoff[cad]`` in this environment, activated or not."""
     root = Path(__file__).resolve().parents[1]
     checkout = requirement.startswith("easeoff[") and (root / "pyproject.toml").is_file()
     what = ["-e", f"{root}{requirement.removeprefix('easeoff')}"] if checkout else [requirement]

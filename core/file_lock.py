@@ -27,10 +27,7 @@ def try_lock(descriptor: int) -> bool:
 
 
 def wait_for_lock(descriptor: int) -> None:
-    """Lock an open file as soon as no other holds the lock; without effect where the file system has no locks.
-
-    Without effect on Windows, too, where a lock is on bytes of a file and not on the file.
-    """
+    """Lock an open file once no other holds the lock; without effect on Windows or a file system without locks."""
     if sys.platform != "win32":
         with contextlib.suppress(OSError):
             fcntl.flock(descriptor, fcntl.LOCK_EX)

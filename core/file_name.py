@@ -16,7 +16,7 @@ TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
 
 
 def check_name(path: str | os.PathLike[str]) -> None:
-    r"""Refuse a name of a file to write that has control characters or turns the direction of writing."""
+    """Refuse a name of a file to write that has control characters or turns the direction of writing."""
     name = os.fspath(path)
     check_text(name)
     if any(unicodedata.category(c) in CONTROLS or unicodedata.bidirectional(c) in TURNS for c in name):
@@ -24,7 +24,7 @@ def check_name(path: str | os.PathLike[str]) -> None:
 
 
 def check_text(word: str) -> None:
-    r"""Refuse a word with bytes that are no characters, which the netCDF library and messages cannot take."""
+    """Refuse a word with bytes that are no characters, which the netCDF library and messages cannot take."""
     encoding = sys.getfilesystemencoding()
     try:
         word.encode(encoding)

@@ -28,10 +28,7 @@ def layout_fault(attributes: Mapping[Any, Any], name: str, known: int) -> list[s
 def unreadable(
     path: str | os.PathLike[str], attributes: Mapping[Any, Any], faults: Sequence[str], remedy: str
 ) -> InputError:
-    """Error of a file with faults: damaged, or written by another version, which is named as what reads it.
-
-    The attribute ``easeoff_version`` tells; ``remedy`` is the command that makes the file anew.
-    """
+    """Error of a file with faults: damaged, or written by another version, which is named; ``remedy`` makes it anew."""
     more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
     what = f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}"
     wrote, own = str(attributes.get("easeoff_version", "")), version("easeoff")

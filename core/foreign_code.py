@@ -99,7 +99,7 @@ class foreign_code:  # noqa: N801  # a context, called like a function
 
 
 def reason_of(error: BaseException) -> str:
-    r"""Kind and text of an exception in a line of bounded length, also where its text cannot be had."""
+    """Kind and text of an exception in a line of bounded length, also where its text cannot be had."""
     kind, text = type(error), _text(error)  # not even to ask whether it is an instance is safe
     if issubclass(kind, SystemExit):
         return f"it ended with code {text or 0}"

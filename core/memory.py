@@ -13,10 +13,7 @@ UNLIMITED = 2**60  # [byte]; limits above this are none
 
 
 def require_memory(size: str, needed: float, what: str) -> None:
-    """Refuse work that needs more memory [byte] than is free; nothing is refused where that is unknown.
-
-    ``size`` names the numbers to lower, with their values.
-    """
+    """Refuse work that needs more memory [byte] than is free, if that is known; ``size`` names the numbers to lower."""
     free = available_memory()
     if free is None or needed <= free:
         return
@@ -57,10 +54,7 @@ def _machine() -> float | None:
 
 
 def _container(root: Path) -> float | None:
-    """Least memory that the control groups of this process leave [byte], ``None`` without a limit.
-
-    ``proc`` and ``sys`` are in the folder ``root``.
-    """
+    """Least memory that the control groups of this process, below ``root``, leave [byte]; ``None`` without a limit."""
     left = []
     try:
         lines = (root / "proc/self/cgroup").read_text(encoding="utf-8").splitlines()

@@ -32,10 +32,7 @@ MEMBER_COUNT_LIMIT = 20_000  # groups and variables of a file
 
 
 def check_links(path: str | os.PathLike[str]) -> None:
-    """Refuse an HDF5 file with data in other files, links to names, a group in itself, or too many members.
-
-    An older format of netCDF, which has no links, passes.
-    """
+    """Refuse an HDF5 file with data in other files, links to names, a group in itself, or too many members."""
     import h5py
 
     if not h5py.is_hdf5(os.fspath(path)):
@@ -90,10 +87,7 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset:
-    """The outermost group of a netCDF file, in memory; the file is closed again.
-
-    With ``square`` a variable may have one dimension twice, as a square matrix of another program.
-    """
+    """Outermost group of a netCDF file, in memory; with ``square`` a variable may have one dimension twice."""
     return _read(path, xr.open_dataset, square=square)
 
 
@@ -111,7 +105,7 @@ def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.Da
 
 
 def in_memory(content: Content) -> Content:
-    """A copy of a tree or dataset with all values in memory, also those in a file or of work to be done.
+    """The tree or dataset with all values in memory, wherever xarray keeps them; the given one stays as it is.
 
     Values in memory are not copied; those whose file was closed, changed or removed are refused.
     """

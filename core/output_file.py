@@ -61,10 +61,7 @@ ATTEMPT_COUNT = 20
 
 @contextlib.contextmanager
 def private_folder(parent: Path) -> Iterator[Path]:
-    """A private folder in another, removed with its content on leaving; its file ``lock`` is taken.
-
-    Private folders that processes left which were ended are removed first.
-    """
+    """A private folder in another, cleared of remains first, removed on leaving; its file ``lock`` is taken."""
     clear_remains(parent)
     folder, lock = _made(parent)
     try:

@@ -106,10 +106,7 @@ TRIM_THRESHOLD, KEPT_MEMORY = -1, 2**28
 
 
 def keep_freed_memory() -> None:
-    """Let this process keep 256 MB that it has freed, with glibc: saves a twentieth of the time of an analysis.
-
-    Otherwise arrays above 128 kB go back to the system, with a page fault for every four kilobytes of the next ones.
-    """
+    """Let this process keep 256 MB that it has freed, if it has glibc: page faults cost a twentieth of an analysis."""
     if os.name != "posix":
         return
     import ctypes

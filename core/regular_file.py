@@ -49,10 +49,7 @@ def leads_outside(folder: str | os.PathLike[str], path: str | os.PathLike[str]) 
 
 @contextlib.contextmanager
 def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
-    """Context in which libraries read a file: whatever a damaged one makes them raise becomes one InputError.
-
-    ``kind`` is the expected kind of file, with its article.
-    """
+    """Context in which libraries read a file: whatever a damaged one of its kind makes them raise is one InputError."""
     try:
         yield
     except InputError:

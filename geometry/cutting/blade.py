@@ -24,13 +24,13 @@ SectionName = Literal["edge", "toprem", "profile", "flankrem"]
 
 @dataclass(frozen=True)
 class Relief:
-    """Toprem or flankrem: relief at one end of the blade's profile; a positive kink removes metal at root or tip.
+    """Toprem or flankrem [mm, rad]: relief at one end of the blade's profile; a positive angle removes metal.
 
-    It makes a toprem's pressure angle smaller, a flankrem's larger.
+    It kinks the profile: a toprem's pressure angle is smaller by it, a flankrem's larger.
     """
 
     height: float  # of its beginning above the tip plane [mm]
-    angle: float = 0.0  # kink at the beginning [rad]
+    angle: float = 0.0
     radius: float | None = None  # of an arc [mm] with the centre in the metal; straight if None
 
     def __post_init__(self) -> None:
@@ -177,7 +177,7 @@ def _cut(part: BladeSection, start: float, begin: float, end: float) -> BladeSec
 
 
 def _edge_joint(part: BladeSection, radius: float) -> float:
-    """Coordinate on the lowest part where an edge radius touches it; the arc also touches the tip plane.
+    """Coordinate on the lowest part where an edge radius that touches the tip plane touches it.
 
     At the joint the height is ``radius (1 - sin angle)``.
     """

@@ -353,7 +353,7 @@ LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its
 class SurfacePoints:
     """Points of a generating surface (n) in the member's frame."""
 
-    parameters: Array  # (2, n)
+    parameters: Array
     values: Array  # (7, n) position [mm], outward normal, blade coordinate [mm]
     slopes: Array  # (2, 7, n) by both parameters
 

@@ -147,19 +147,16 @@ class MachinePose:
     frame: tuple[Array, Array, Array]  # axes of the cutter, x and y before it turns, z towards the blank
     center: Array  # of the blade tip plane [mm]
     axis: Array
-    origin: Array  # crossing point [mm]
+    origin: Array
     spin: Array  # velocity of a blade point p relative to the work, by the cradle: spin x p + shift
     shift: Array
     cradle: Array
-    work: Array  # rotation by the roll [rad]
-    cradle_turn: tuple[Array, Array]  # cosine and sine of the angle of the cradle
+    work: Array
+    cradle_turn: tuple[Array, Array]
     root_turn: tuple[Array, Array]
 
     def to_member(self, vector: Array, indexing: Array, *, point: bool) -> Array:
-        """Position [mm] or direction (3, n) in the frame of the member, from that of the cradle.
-
-        ``indexing`` is the rotation of the work beyond the roll (n) [rad].
-        """
+        """Position [mm] or direction (3, n) from the cradle's frame into the member's, ``indexing`` beyond the roll."""
         return self._to_member(vector - self.origin if point else vector, cos_sin(-self.work - indexing))
 
     def both_to_member(self, position: Array, direction: Array, indexing: Array) -> tuple[Array, Array]:

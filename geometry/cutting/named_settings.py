@@ -169,7 +169,7 @@ class MachineResolution:
 class SettingStep:
     """Unit and smallest step of one setting."""
 
-    unit: str  # in which it is set and written
+    unit: str
     step: float
     factor: float = 1.0  # units per mm, rad or per radian
     reciprocal: bool = False  # one over it is set and written, as a profile's radius

@@ -63,9 +63,9 @@ SMALL_MODULE, SMALL_SHARE = 1.0, 0.1  # [mm]; below it the steps are a tenth
 
 @dataclass(frozen=True)
 class StandardSteps:
-    """Steps of the cutters; zero leaves a value as it was computed."""
+    """Steps of the cutters [rad, mm]; zero leaves a value as it was computed."""
 
-    blade_angle: float = 0.0  # [rad]
+    blade_angle: float = 0.0
     point_width: float = 0.0  # [mm]; the radius of a blade's tip has half of it
     edge_radius: float = 0.0  # [mm], rounded down
 
@@ -99,10 +99,7 @@ class StandardSteps:
         with_radius: bool,
         allowed: Callable[[str], tuple[float, float]] = lambda _: (-math.inf, math.inf),
     ) -> dict[str, float]:
-        """Settings of a flank's blade at their steps, by name; empty where nothing has one.
-
-        A setting without a step between the two values of ``allowed`` stays as it is.
-        """
+        """Settings of a flank's blade at their steps, by name; one without a step within ``allowed`` stays as it is."""
         found = {}
         if self.blade_angle:
             angle = get_setting(surface, "pressure_angle")

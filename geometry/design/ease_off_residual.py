@@ -29,15 +29,15 @@ ROOT_WEIGHT = 50.0  # [um/mm]
 class EaseOffResidual:
     """Residuals of a fit of one pinion flank, which starts from where the flanks last met."""
 
-    pair: GearPair  # with the pinion flank to start from
+    pair: GearPair
     gear: Flank
     wanted: Array  # ease-off at the nodes (n) [mm]
     free: Sequence[str]
-    known: EaseOff  # ease-off of the start
+    known: EaseOff
     root_line: RootLine | None
     fold_margin: float
     wanted_root: Array | None = None  # blade's tip above the root cone (3) [mm]; zero if None
-    tie: Tie | None = None  # settings that follow from the moving ones
+    tie: Tie | None = None
 
     def __post_init__(self) -> None:
         self.start = self.pair.pinion.loaded

@@ -55,10 +55,7 @@ def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
 def fitting_edge_radius(
     pair: GearPair, member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
 ) -> float:
-    """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does.
-
-    The flanks do not depend on it.
-    """
+    """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does."""
     for share in REDUCTIONS:
         try:
             require(_rounded(pair, member, steps.edge(share * usual)), member)

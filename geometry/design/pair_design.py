@@ -43,7 +43,7 @@ class PairDesign:
 
     blank: BlankDimensions
     assembly: Assembly
-    gear: Flanks  # convex, concave
+    gear: Flanks
     pinion: Mapping[FlankName, Synthesis]
     gear_thickness: float | None  # normal circular, mid-flank [mm]; None where the cutter fixes it
     #: [mm] left by a completing face-milling cutter, else with the blank's backlash

@@ -40,10 +40,10 @@ SLIDING_BASE_SHARE = 0.5  # of the cutter radius: limit of sliding base and heli
 
 @dataclass(frozen=True)
 class SettingLimits:
-    """Limits of the settings of a pinion; a limit of zero takes the setting out of use."""
+    """Limits of the settings of a pinion [mm, rad]; a limit of zero takes the setting out of use."""
 
-    cutter_tilt: float = math.radians(30.0)  # [rad]
-    cutter_swivel: float = math.pi  # [rad] to either side
+    cutter_tilt: float = math.radians(30.0)
+    cutter_swivel: float = math.pi
     machine_root_angle: float = math.radians(30.0)  # [rad] off the blank's root angle; none without tilt
     sliding_base: float | None = None  # [mm], half the cutter radius if None; without tilt it follows
     modified_roll_2c: float = 0.5
@@ -52,7 +52,7 @@ class SettingLimits:
     modified_roll_120f: float = 0.0
     helical_motion: float | None = None  # [mm/rad], of the sliding base; half the cutter radius if None
     blade_point_radius: float = 0.2  # off the mean cutter radius, as a share of it
-    blade_pressure_angle: tuple[float, float] = (math.radians(5.0), math.radians(40.0))  # least and largest [rad]
+    blade_pressure_angle: tuple[float, float] = (math.radians(5.0), math.radians(40.0))
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -29,7 +29,7 @@ class RootLine:
 
     section: BlankSection
     parameters: Array  # (2, 3) of the nodes, a start for other settings
-    profile: float = PROFILE_FRACTIONS[0]  # fraction of the nodes from root to tip
+    profile: float = PROFILE_FRACTIONS[0]
 
     @classmethod
     def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
@@ -55,7 +55,7 @@ class RootLine:
         return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
 
     def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
-        """Change of the gap (3) [mm] from one flank to another, both near the known one, in one step of Newton."""
+        """Change of the gap (3) [mm] from one near flank to another, to first order: one step of Newton's method."""
         here, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
 
         def above_tip(near: GeneratingSurface) -> Array:

@@ -46,7 +46,7 @@ Array = NDArray[Any]
 class MeanSlot:
     """The mean point on both flanks, and the width that the blank wants between them."""
 
-    point: Array  # axial and radial coordinates (2, 1) [mm]
+    point: Array
     width_per_angle: float  # normal width per angle about the axis [mm/rad]
     wanted: float  # normal width [mm]
     parameters: tuple[Array, Array]  # (2, 1) on concave and convex flank
@@ -145,7 +145,7 @@ class SetUpResidual:
     parts: Sequence[EaseOffResidual]
     shared: int  # number of machine settings that move, their steps first
     own: int  # number of settings of each blade
-    slot: MeanSlot | None  # left by one cutter between both flanks
+    slot: MeanSlot | None
 
     @property
     def size(self) -> int:
@@ -333,10 +333,7 @@ def set_up_residual(
     blank: BlankDimensions,
     own: tuple[str, ...] = BLADE_SETTINGS,
 ) -> SetUpResidual:
-    """Residuals of a set-up that cuts the given sides; each begins from the same machine settings.
-
-    GeometryError if the flanks do not meet on enough of the gear flank.
-    """
+    """Residuals of a set-up that cuts the given sides; each begins from the same machine settings."""
     names, tie = (*shared, *own), root_tie(blank, shared)
     parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]
     slot = None

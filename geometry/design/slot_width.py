@@ -330,10 +330,7 @@ class EdgeRadiusLimits:
 
     @cached_property
     def by_mutilation(self) -> Array:
-        """Largest edge radii with which one blade spares the fillet of the other (2, 2) [mm] (152 to 161).
-
-        NaN where the blade point is too wide for any.
-        """
+        """Largest edge radii that spare the other's fillet (2, 2) [mm] (152 to 161); NaN if the point is too wide."""
         p, lean = self.proportions, self._lean
         past = np.multiply.outer(self.slots.least - self.slots.finishing_blade_point, lean)
         depth = p.fillet_mutilation

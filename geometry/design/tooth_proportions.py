@@ -41,7 +41,7 @@ class ToothProportions:
     dedendum_angle: Two
     mean_addendum: Two
     mean_dedendum: Two
-    mean_normal_thickness: Two  # s_mn
+    mean_normal_thickness: Two
     clearance: float
     drive_pressure_angle: float  # of the pinion's concave flank (alpha_cv1)
     coast_pressure_angle: float  # of its convex flank, positive (-alpha_cx1)
@@ -53,8 +53,8 @@ class ToothProportions:
     #: k_E: 0 spread blade, 1 face-hobbed, 1.3 with a roughing blade; by the process if None
     gear_rotation_factor: float | None = None
     stock_allowance: Two = (0.0, 0.0)  # S_A, by the roughing cutter; 0 if completing
-    fillet_mutilation: float = FILLET_MUTILATION  # permitted (y)
-    blade_flat: float = BLADE_FLAT  # width at the tip (Delta_f)
+    fillet_mutilation: float = FILLET_MUTILATION
+    blade_flat: float = BLADE_FLAT
 
     def __post_init__(self) -> None:
         for name, value in (
@@ -128,10 +128,7 @@ class ToothProportions:
 
 
 def measured_proportions(pair: GearPair) -> ToothProportions:
-    """Tooth proportions at the middle of the gear's face, where the pitch cones touch.
-
-    The pair is seen from its drive side and has both flanks of both members. GeometryError if the cones do not touch.
-    """
+    """Tooth proportions of a pair with all four flanks, seen from its drive side, in the middle of the gear's face."""
     members, sections = (pair.pinion, pair.gear), (pair.pinion.section, pair.gear.section)
     distance = mean_cone_distances(pair, must_touch=True)
     thickness = [

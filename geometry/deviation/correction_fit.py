@@ -42,15 +42,12 @@ REFIT_SHARE = 0.1  # of the greatest effect, from which on rounding is made up f
 class LooseCombination:
     """Combination of free settings that hardly changes the flanks."""
 
-    settings: tuple[str, ...]  # those with most part in it
+    settings: tuple[str, ...]
     effect: float  # root mean square on the flanks of a usual step [mm]
 
 
 def rotations(flanks: Sequence[RecutFlank], values: Sequence[Array], one_rotation: bool = False) -> tuple[float, ...]:
-    """Rotation of each tooth flank [rad] that is nearest to its deviations (n) [mm]; NaN points are left out.
-
-    With ``one_rotation`` it is the same for all flanks.
-    """
+    """Rotation of each flank [rad], or one of all, nearest to its deviations (n) [mm]; NaN points are left out."""
     levers = [np.where(np.isfinite(v), flank.lever, 0.0) for flank, v in zip(flanks, values, strict=True)]
     moments = np.array([lever @ np.nan_to_num(v) for lever, v in zip(levers, values, strict=True)])
     sizes = np.array([lever @ lever for lever in levers])
@@ -66,7 +63,7 @@ class SetUpFit:
 
     flanks: tuple[RecutFlank, ...]
     names: tuple[str, ...]
-    one_rotation: bool = False  # both flanks may only be turned together
+    one_rotation: bool = False
     position: tuple[float, ...] = ()  # rotation in which each flank was measured [rad]
 
     @cached_property

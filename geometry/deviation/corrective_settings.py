@@ -42,8 +42,8 @@ class CorrectedFlank:
     Points that the flank with the errors found does not have are NaN after the correction, and left out of the fit.
     """
 
-    member: Member  # as designed, seen from this flank
-    surface: GeneratingSurface  # with the corrected settings
+    member: Member
+    surface: GeneratingSurface
     deviation: Deviation
     before: Array  # deviation (columns, rows) [mm]
     linear: Array  # left by first derivatives
@@ -111,7 +111,7 @@ class Correction:
 
     @property
     def nothing(self) -> bool:
-        """True if no setting changes: the deviation is below the effect of one step of the resolution."""
+        """True if no setting changes: the deviation is less than the effect of steps of the resolution."""
         return not any(self.changes.values())
 
     @property

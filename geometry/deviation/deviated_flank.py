@@ -104,7 +104,7 @@ class RecutFlank:
     surface: GeneratingSurface
     section: BlankSection
     target: Array  # axial and radial coordinates (2, n) [mm]
-    flank: Flank  # designed flank there
+    flank: Flank
 
     @classmethod
     def of(cls, member: Member, axial: Array, radial: Array) -> RecutFlank:
@@ -245,8 +245,8 @@ def deviated_ease_off(
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
-    Of first order, but for the pinion's deviation, divided by the lever arm of the gear's normal so that both members
-    count alike. Also deviations, ``ease_off_change`` [um], and ``extrapolated``: beyond the outermost nodes.
+    Of first order, but the pinion's deviation goes by the lever arm of the gear's normal: both members count alike.
+    Also ``ease_off_change`` [um], both deviations, and ``extrapolated``, 1 beyond the outermost nodes.
     """
     ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}

@@ -76,7 +76,7 @@ class GlobalErrorFit:
     errors: GlobalErrors
     residual: Array  # at the nodes (columns, rows) [um]
     rms_before: float  # of the deviation, its mean removed [um]
-    rms: float  # of the residual [um]
+    rms: float
 
 
 def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:

@@ -87,10 +87,7 @@ STRAY_LIMIT = 6.0  # [seeds]; a solution further from its seed is not the one th
 
 @lru_cache(maxsize=64)
 def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
-    """Parameters (2, 1) of the flank's mean point, on the blade's profile, searched over all cutter positions.
-
-    GeometryError if the cutter meets no tooth of this blank.
-    """
+    """Parameters (2, 1) of the flank's mean point, on the blade's profile, searched over all cutter positions."""
     surface = surface.on("profile")
     target = section.points(np.array([0.5]), np.array([0.5]))
     depth = float(np.linalg.norm(section.corners[0, 1] - section.corners[0, 0]))
@@ -142,8 +139,8 @@ class SeedLattice:
 
     points: SurfacePoints  # the seeds (m), m = SEEDS^2
     side: NDArray[np.bool_]  # on the same side of the surface as the mean point (m)
-    orientation: float  # sign of that side
-    step: Array  # between neighbours, in each parameter (2)
+    orientation: float
+    step: Array
 
     def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> SurfacePoints:
         """Usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n); NaN if none is usable.
@@ -262,10 +259,7 @@ class Flank:
 
 
 def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> Flank:
-    """Flank at axial and radial coordinates (n) [mm], by Newton on all nodes at once.
-
-    Nodes that cannot be used carry NaN and a status; GeometryError if the cutter meets no tooth of this blank.
-    """
+    """Flank at axial and radial coordinates (n) [mm], by Newton on all nodes; NaN and a status where unusable."""
     parts, flanks = surface.flank_parts, solve_parts(surface, section, axial, radial)
     if len(flanks) == 1:
         return flanks[0]

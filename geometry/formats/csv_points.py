@@ -107,10 +107,7 @@ def require_size(rows: int, columns: int, source: str) -> None:
 
 
 def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:
-    """Dataset of points by (flank, row, column): position, normal, and deviation or measured position if any.
-
-    A grid with a missing point is refused.
-    """
+    """Dataset of a whole grid by (flank, row, column): position, normal, and deviation or measured position if any."""
     flanks = sorted({key[0] for key in points})
     rows, columns = max(key[1] for key in points), max(key[2] for key in points)
     require_size(rows, columns, source)

@@ -42,7 +42,7 @@ class DeviationTable:
     deviation: NDArray[np.float64]  # (root to tip, toe to heel) [um]
     flank: str
     margins: EdgeMargins
-    source: str  # file name for messages
+    source: str
 
     def points(self, member: Member) -> xr.Dataset:
         """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
@@ -63,7 +63,7 @@ class DeviationTable:
 
 
 def is_table(content: str) -> bool:
-    r"""True if the first line that is no comment holds numbers, and is neither a point nor column names."""
+    """True if the first line that is no comment holds numbers, and is neither a point nor column names."""
     lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
     first = cells(lines[0], separator(lines[0])) if lines else []
     return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)

@@ -55,10 +55,7 @@ def excerpt(line: str) -> str:
 
 
 def parted(content: str, source: str) -> tuple[Attributes, Lines]:
-    """Comments of a text by key, and its other lines with their numbers, without empty ones.
-
-    A comment of another form, or that contradicts one above, is refused.
-    """
+    """Comments of a text by key, and its other lines with their numbers; comments that contradict are refused."""
     attributes: Attributes = {}
     lines: Lines = []
     for number, line in enumerate(content.splitlines(), start=1):

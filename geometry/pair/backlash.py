@@ -30,10 +30,7 @@ def circular_backlash(pair: GearPair) -> float:
 
 
 def filling_thickness(pair: GearPair) -> float:
-    """Normal circular thickness of the pinion's tooth in the middle of its flank [mm] without backlash.
-
-    Both members need both flanks; the pinion's own thickness is not used.
-    """
+    """Normal circular thickness of the pinion's tooth in the middle of its flank [mm] that leaves no backlash."""
     return _filling_angle(pair, tooth_angles(pair)[1]) * thickness_per_angle(pair.pinion)
 
 

@@ -39,22 +39,22 @@ class EaseOff:
 
     motion: ConjugateMotion
     pinion_section: BlankSection
-    pinion_parameters: Array  # (2, n) of the conjugate point of each node
+    pinion_parameters: Array
     pinion_passing: Array  # (2, 2, n) of the points that face the node SKEW_STEP before and after
     pinion_position: Array
     pinion_normal: Array
     action_position: Array  # of conjugate contact (3, n) [mm], in the global frame
-    action_normal: Array  # outward from the pinion (3, n)
+    action_normal: Array
     roll_angle: Array  # pinion rotation [rad], zero at the pinion's mean point
     angle: Array  # gear rotation [rad] against the drive sense to contact, growing with the gap, up to a constant
-    lever_arm: Array  # of the normal force about the gear axis [mm]
+    lever_arm: Array
     separation_curvature: Array  # second derivative of the gap by the pinion rotation at a fixed gear point [1/rad]
     separation_skew: Array  # third derivative [1/rad^2]
-    pinion_lengthwise: Array  # fraction of the conjugate point on the pinion flank
+    pinion_lengthwise: Array
     pinion_profile: Array
     blade_distance: Array  # along the blade to its edge radius [mm], the smaller of both; negative without a flank
-    status: NDArray[np.int8]  # NodeStatus of the node and its conjugate point
-    part: NDArray[np.int8]  # of the pinion surface's flank_parts
+    status: NDArray[np.int8]
+    part: NDArray[np.int8]
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -124,10 +124,7 @@ def exact_ease_off(
     pinion_section: BlankSection,
     assembly: Assembly,
 ) -> EaseOff:
-    """Ease-off and roll angle of a pair, with its misalignment, at the nodes (n) of the gear flank.
-
-    Nodes without a conjugate point carry NaN and a status; GeometryError if none has one.
-    """
+    """Ease-off and roll angle of a pair at the gear's nodes (n); NaN and a status without a conjugate point."""
     target, usable = _targets(gear)
     if not np.any(usable):
         raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
@@ -286,7 +283,7 @@ def classified(
 class Rolling:
     """Motion of the flanks past the contact line, at the nodes of an ease-off (n) [mm/rad]."""
 
-    sliding: Array  # of the pinion relative to the gear
+    sliding: Array
     pinion_speed: Array  # of the contact line across the pinion flank
     gear_speed: Array
 
@@ -331,13 +328,13 @@ def _across(tangents: Array, slopes: Array) -> Array:
 @frozen_arrays
 @dataclass(frozen=True)
 class Drift:
-    """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n)."""
+    """Rates, by the pinion rotation, of the pinion point opposite a fixed gear point, at the nodes (n) [mm/rad]."""
 
-    axial: Array  # [mm/rad]
+    axial: Array
     radial: Array
     lengthwise: Array  # first and second derivative of the fraction (2, n) [1/rad, 1/rad^2]
     profile: Array
-    lever_arm: Array  # of a force along its normal about the gear axis [mm/rad]
+    lever_arm: Array
 
 
 def drift(ease_off: EaseOff) -> Drift:

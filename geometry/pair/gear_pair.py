@@ -62,10 +62,7 @@ def flanks_dataset(lengthwise: Array, profile: Array, pinion: Flank, gear: Flank
 
 
 def first_contact(angle: Array, inside: Array) -> float:
-    """Smallest value of a field (nt, nh) over its valid nodes, refined by the paraboloid through those around it.
-
-    So the zero of the ease-off does not depend on where the nodes lie.
-    """
+    """Smallest value of a field (nt, nh) over its valid nodes, refined by the paraboloid through those around it."""
     row, column = np.unravel_index(np.argmin(np.where(inside, angle, np.inf)), angle.shape)
     smallest = float(angle[row, column])
     patch = angle[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
@@ -274,10 +271,10 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
 @frozen_arrays
 @dataclass(frozen=True)
 class MemberGeometry:
-    """Geometry of each member alone: no assembly error changes it."""
+    """Geometry of each member alone on one grid (nt), (nh) of fractions: no assembly error changes it."""
 
-    lengthwise: Array  # (nt), the same on both flanks
-    profile: Array  # (nh)
+    lengthwise: Array
+    profile: Array
     pinion: Flank
     gear: Flank
     bodies: tuple[ToothBody, ToothBody]
@@ -467,10 +464,7 @@ def tooth_angles(pair: GearPair) -> tuple[float, float]:
 
 
 def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
-    """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says.
-
-    GeometryError if the flanks of a member leave no tooth.
-    """
+    """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says."""
     pinion_angle, gear_angle = tooth_angles(pair)
     return _body(pair.pinion, pinion_angle), _body(pair.gear, gear_angle)
 

@@ -20,10 +20,10 @@ NOT_CUT = (NodeStatus.NO_SOLUTION, NodeStatus.UNDERCUT, NodeStatus.BEYOND_BLADE_
 
 
 def unmet_tips(pair: GearPair) -> tuple[float, float]:
-    """Shares of the tips of pinion and gear, within the mate's face, that meet no flank which its cutter has cut.
+    """Shares of the tips of pinion and gear, within the mate's face, that meet no flank cut by the mate's cutter.
 
-    A generated flank ends above the root cone, where the blade's tip leaves it, harmless as long as the mate's tip does
-    not come so far; it does where the flank is undercut or its fillet too high.
+    A generated flank ends above the root cone, where the blade's tip leaves it: harmless unless the mate's tip comes so
+    far, as where the flank is undercut or its fillet too high.
     """
     # With the middle of the gear's flank, which meets the pinion; its tip need not.
     t, half_way_and_tip = np.linspace(0.0, 1.0, TIP_NODES), np.array([0.5, 1.0])

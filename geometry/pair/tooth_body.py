@@ -32,9 +32,9 @@ LEGENDRE_ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those
 @frozen_arrays
 @dataclass(frozen=True)
 class ShellCoordinates:
-    """Feet of n contact forces on the middle surface of a tooth."""
+    """Feet of n contact forces on the middle surface of a tooth [mm]."""
 
-    height: Array  # of the foot above the root cone (n) [mm]
+    height: Array
     arc: Array  # from the toe along the tooth trace (n) [mm]
     depth: Array  # from the flank along the normal (n) [mm]
     direction: Array  # of the force (3, n): along the height, along the trace, away from its centre
@@ -50,11 +50,11 @@ class ToothBody:
     middle_normal: Array  # of the middle surface, towards the loaded flank (3 series)
     turn: float  # sense about the axis from the loaded flank into the tooth, +1 or -1
     trace_arc: Array  # at mid height [mm], Legendre series in the lengthwise fraction
-    trace_radius: float  # of normal curvature of the middle surface at mid face [mm]
+    trace_radius: float
     convex: bool  # loaded flank on the side away from the trace's centre
-    height: Array  # above the root cone at toe and heel (2) [mm]
+    height: Array
     thickness: Array  # normal, (toe/heel, root cone/tip) (2, 2) [mm], of the evenly varying plate that fits best
-    fitted_thickness: Array  # the same of the plate that fits best with a bulge
+    fitted_thickness: Array
     bulge: Array  # excess at mid height over an even taper, at toe and heel (2) [mm]
     fanning: float  # growth of the trace per height, over its length at mid height [1/mm]
 
@@ -112,10 +112,7 @@ def tooth_body(
     opposite: GeneratingSurface,
     mean_angle: float,
 ) -> ToothBody:
-    """Tooth between two flanks, of angular thickness ``mean_angle`` [rad] in the middle of the flank.
-
-    GeometryError if they leave no tooth between them.
-    """
+    """Tooth between two flanks, of angular thickness ``mean_angle`` [rad] in the middle of the flank."""
     t, h = np.meshgrid(np.linspace(0, 1, COMPARISON_NODES[0]), np.linspace(0, 1, COMPARISON_NODES[1]), indexing="ij")
     axial, radial = section.points(t.ravel(), h.ravel())
     flanks = [solve_flank(surface, section, axial, radial) for surface in (loaded, opposite)]

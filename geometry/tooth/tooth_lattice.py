@@ -276,7 +276,7 @@ DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
 class Web:
     """Web that carries the rim below the teeth, from its toe end inwards along the root cone to a bore."""
 
-    bore_diameter: float  # where the web ends [mm]
+    bore_diameter: float
     thickness: float | None = None  # [mm] across the root cone, flush with the rim's bottom; that of the rim if None
 
     def __post_init__(self) -> None:
@@ -349,10 +349,7 @@ def body_nodes(sections: LatticeSections, top: Array, corner: int, through: Arra
 
 
 def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web: Web | None = None) -> Array:
-    """Nodes (n, columns rows, 3) of the body beyond one end of the tooth, at distances (n) [mm] along the root.
-
-    With a web, more follow from there to its bore.
-    """
+    """Nodes (n, columns rows, 3) of the body beyond an end of the tooth, at distances (n) [mm], and of a web."""
     if away.size == 0:
         return np.empty((0, body[0, 0].size, 3))
     roots = np.asarray(sections.blank.points(np.array([0.0, 1.0]), np.zeros(2)))

@@ -72,10 +72,7 @@ def tooth_side(
     flank_nodes: int,
     fillet_nodes: int = FILLET_NODES,
 ) -> ToothSide:
-    """Fillet and flank that one blade cuts, at lengthwise fractions (nt) from toe to heel.
-
-    GeometryError if flank or fillet are undercut or missing somewhere.
-    """
+    """Fillet and flank that one blade cuts, at lengthwise fractions (nt); GeometryError where they are missing."""
     lengthwise = np.array(fractions)
     fillet, fillet_normal = _fillet(surface, section, lengthwise, np.linspace(-1.0, 0.0, fillet_nodes))
     joint = fillet[:, :, -1]
@@ -215,7 +212,7 @@ class ToothSurface:
     loaded: ToothSide
     opposite: ToothSide
     names: tuple[Side, ...]  # concave or convex, the loaded one first
-    top_land: Array  # (3, nt, nw) [mm] from the loaded tip to the opposite one
+    top_land: Array
     root_lands: tuple[Array, Array]  # (3, nt, nw) [mm] from mid slot to fillet, loaded and opposite
 
 
@@ -331,10 +328,7 @@ TOE_MIDDLE_HEEL = np.array([0.0, 0.5, 1.0])
 
 
 def tip_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
-    """Height of a blade's tip above the root cone at toe, middle and heel (3) [mm].
-
-    Negative where it cuts deeper, NaN where the flank is undercut or missing.
-    """
+    """Height of the blade tip above the root cone at toe, middle, heel (3) [mm]; negative deeper, NaN undercut."""
     try:
         side = tooth_side(surface.designed, section, tuple(TOE_MIDDLE_HEEL.tolist()), SIDE_NODES, FILLET_NODES)
     except GeometryError:
@@ -380,7 +374,7 @@ class EndFace:
     """One end of a tooth."""
 
     slant: float  # against the normal of the flank [rad], positive where the tooth is a sharp wedge
-    height: float  # root to tip [mm]
+    height: float
 
 
 def end_faces(member: Member) -> tuple[EndFace, EndFace]:

@@ -28,10 +28,10 @@ class MemberBlank:
     """
 
     number_of_teeth: int
-    pitch_angle: float  # delta
+    pitch_angle: float
     face_angle: float
     root_angle: float
-    addendum_angle: float  # theta_a
+    addendum_angle: float
     dedendum_angle: float
     pitch_apex: float  # t_z; face t_zF, root t_zR
     face_apex: float
@@ -45,7 +45,7 @@ class MemberBlank:
     face_width: float
     outer_face_width: float  # b_e, mean point to heel
     inner_face_width: float  # b_i, toe to mean point
-    outer_spiral_angle: float  # beta_e, on the pitch cone
+    outer_spiral_angle: float
     mean_spiral_angle: float
     inner_spiral_angle: float
     outer_pitch_diameter: float
@@ -63,12 +63,12 @@ class MemberBlank:
     inner_dedendum: float
     outer_whole_depth: float
     inner_whole_depth: float
-    thickness_modification_coefficient: float  # x_sm
+    thickness_modification_coefficient: float
     mean_normal_thickness: float  # s_mn, circular, with backlash
     mean_transverse_thickness: float
     mean_normal_diameter: float  # d_mn, of the virtual cylinder in the normal section
-    mean_normal_chordal_thickness: float  # s_mnc
-    mean_chordal_addendum: float  # h_amc
+    mean_normal_chordal_thickness: float
+    mean_chordal_addendum: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,10 +194,7 @@ class MemberFrame:
 
 
 def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float) -> MemberBlank:
-    """Dimensions of one member [mm, rad] (ISO 23509:2016, 195 to 200, 206, 211 to 225).
-
-    GeometryError if the teeth have no depth or no thickness left.
-    """
+    """Dimensions of one member [mm, rad] (ISO 23509:2016, 195 to 200, 206, 211 to 225)."""
     sine, cosine = math.sin(frame.pitch_angle), math.cos(frame.pitch_angle)
     above, below = frame.face_angle - frame.pitch_angle, frame.pitch_angle - frame.root_angle
     outer_addendum = frame.addendum + frame.outer_width * math.tan(above)
@@ -288,10 +285,7 @@ def constant_slot_width_sum_of_dedendum_angles(
     gear_mean_spiral_angle: float,
     cutter_radius: float,
 ) -> float:
-    """Sum of both dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5).
-
-    GeometryError if the cutter is so small that the teeth would have to be deeper at the toe.
-    """
+    """Sum of both dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5)."""
     opening = 1.0 - gear_mean_cone_distance * math.sin(gear_mean_spiral_angle) / cutter_radius
     if opening < 0.0:
         raise GeometryError(
@@ -316,10 +310,7 @@ def gear_taper_angles(
     gear_mean_spiral_angle: float,
     cutter_radius: float,
 ) -> tuple[float, float]:
-    """Addendum and dedendum angle of the gear [rad] for a kind of taper (ISO 23509:2016, C.6 to C.11).
-
-    GeometryError if the cutter is too small for the taper.
-    """
+    """Addendum and dedendum angle of the gear [rad] for a kind of taper (ISO 23509:2016, C.6 to C.11)."""
     if taper == "uniform":
         return 0.0, 0.0
     standard = standard_sum_of_dedendum_angles(pinion_mean_dedendum, gear_mean_dedendum, gear_mean_cone_distance)

@@ -37,10 +37,10 @@ class PitchCones:
     """Pitch cones that touch at the mean point [mm, rad]."""
 
     shaft_angle: float
-    hypoid_offset: float  # a
+    hypoid_offset: float
     pinion_pitch_angle: float
     gear_pitch_angle: float
-    pinion_mean_cone_distance: float  # apex to mean point (Rm1)
+    pinion_mean_cone_distance: float
     gear_mean_cone_distance: float
     pinion_mean_spiral_angle: float
     gear_mean_spiral_angle: float
@@ -119,27 +119,21 @@ class CutterAndTeeth(Protocol):
 
 @dataclass(frozen=True)
 class CrownGear:
-    """Tooth line on the gear's developed pitch cone."""
+    """Tooth line on the gear's developed pitch cone [mm, rad]."""
 
-    cutter_radius: float  # of the tracing point [mm]
+    cutter_radius: float
     cutter_lead_angle: float  # its radius to the normal of the tooth line (nu) [rad]; 0 face-milled
     centre_distance: float  # to the centre of the cutter (rho_P0) [mm]
     base_radius: float  # rho_b [mm]; the centre distance when face-milled
-    mean_radius_of_curvature: float  # rho_m_beta [mm]
+    mean_radius_of_curvature: float
 
     def spiral_angle(self, cone_distance: float) -> float:
-        """Spiral angle [rad] at a distance from the apex [mm] along the cone (ISO 23509:2016, 179 to 184).
-
-        GeometryError if the cutter does not reach that far.
-        """
+        """Spiral angle [rad] at a distance from the apex [mm] along the cone (ISO 23509:2016, 179 to 184)."""
         angle = self.generating_angle(cone_distance)
         return math.atan2(cone_distance - self.base_radius * math.cos(angle), self.base_radius * math.sin(angle))
 
     def generating_angle(self, cone_distance: float) -> float:
-        """Angle at the centre between a point of the tooth line and the cutter's centre (q) [rad].
-
-        GeometryError if the cutter does not reach that far.
-        """
+        """Angle at the centre between a point of the tooth line and the cutter's centre (q) [rad]."""
         centre, cutter = self.centre_distance, self.cutter_radius
         cosine = (cone_distance**2 + centre**2 - cutter**2) / (2.0 * cone_distance * centre)
         if not abs(cosine) < 1.0:
@@ -163,10 +157,7 @@ class CrownGear:
 def crown_gear(
     design: CutterAndTeeth, gear_pitch_angle: float, gear_mean_cone_distance: float, gear_mean_spiral_angle: float
 ) -> CrownGear:
-    """Crown gear from the mean point of the gear [mm, rad] (ISO 23509:2016, 34 to 40 and 176 to 178).
-
-    GeometryError if the face-hobbing cutter is too small for its number of blade groups.
-    """
+    """Crown gear from the mean point of the gear [mm, rad] (ISO 23509:2016, 34 to 40 and 176 to 178)."""
     cutter = design.cutter_radius
     distance, spiral = gear_mean_cone_distance, gear_mean_spiral_angle
     groups = design.number_of_blade_groups or 0
@@ -196,11 +187,7 @@ ROOT_MISMATCH = 1e-6
 
 
 def pitch_cones(design: BlankDesign) -> PitchCones:
-    """Pitch cones by the method of the design.
-
-    InputError for an offset beyond the gear's mean radius or internal teeth, GeometryError if no cones meet the
-    condition.
-    """
+    """Pitch cones by the method of the design; GeometryError if no pair of cones meets its condition."""
     if not _bevel_gear_angle(design) < math.pi / 2:
         raise InputError(
             f"shaft_angle = {math.degrees(design.shaft_angle):g} deg: too large for number_of_teeth = "

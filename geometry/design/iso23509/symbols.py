@@ -152,11 +152,7 @@ def dimensions_by_symbol(dimensions: BlankDimensions, *, degrees: bool = False) 
 
 
 def blank_design_from_symbols(values: Mapping[str, Any], *, degrees: bool = False) -> BlankDesign:
-    """Basic data from the symbols of the standard, angles [rad or degrees].
-
-    Takes ``z1``, ``z2``, ``ISO_INPUT_SYMBOLS``, and any field of ``BlankDesign`` under its own name, such as
-    ``method``.
-    """
+    """Basic data from ``z1``, ``z2``, ``ISO_INPUT_SYMBOLS`` [mm, rad or degrees], fields of ``BlankDesign``."""
     fields: dict[str, Any] = {}
     if "z1" not in values or "z2" not in values:
         raise InputError("z1, z2: both numbers of teeth are needed")

@@ -186,7 +186,7 @@ def thickness_modification(
 ) -> tuple[float, float]:
     """Coefficients x_sm1, x_sm2, half the backlash taken off each member (formulas 202 to 210).
 
-    ``theoretical`` is that without backlash (x_smn); spiral angles [rad] and cone distances [mm] of the gear are (mean,
+    ``theoretical`` is x_smn, without backlash; spiral angles [rad] and cone distances [mm] are the gear's (mean,
     outer).
     """
     mean_spiral, outer_spiral = spiral_angles
