@@ -112,7 +112,7 @@ def solve_by(
 ) -> NewtonResult:
     """As ``solve``, of a function that gives values (2, k) and derivatives (2, 2, k) at parameters (2, k) itself.
 
-    Its other argument are the numbers (k) of the columns: all first, then those that have not converged.
+    Its second argument holds the numbers (k) of the columns: all first, then those that have not converged.
     """
     parameters = np.array(start, dtype=float)
     count = parameters.shape[1]

@@ -82,8 +82,8 @@ def circular_edge(
 ) -> Array:
     """Turn (n) [rad] of a circular edge's direction from its middle (3, n) [mm] to the touched point.
 
-    Closed for a face-milling cutter; in face hobbing that starts Newton. Radius positive with the centre in the metal,
-    or zero; the plane is (outward, to the shank); of two solutions the one nearest to the middle's angle [rad].
+    In closed form for face milling, by Newton from there for face hobbing. The radius is positive with the centre in
+    the metal, or zero; the plane is (outward, to the shank); the solution is the one nearest to the middle.
     """
 
     def real(values: Array) -> Array:

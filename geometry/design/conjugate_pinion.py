@@ -142,10 +142,10 @@ TILT_ROUNDING = 1e-9  # [rad]; a smaller tilt is none
 def crown_gear_pinion(
     gear: GeneratingSurface, assembly: Assembly, blade_height: float, pitch_point_azimuth: float = 0.0
 ) -> GeneratingSurface:
-    """Pinion flank cut by the crown gear that generates a gear flank; the two have no ease-off on one pitch cone.
+    """Pinion flank cut by the crown gear that generates a gear flank: a spiral bevel pair of both has no ease-off.
 
-    The misalignment is not used; ``blade_height`` [mm], between the tips of both cutters along their axis, is where the
-    pinion's root is to be. GeometryError for Formate.
+    The crown gear has to roll on the pitch cone for that. The misalignment is not used; ``blade_height`` [mm], between
+    the tips of both cutters along their axis, is where the pinion's root is to be.
     """
     settings = gear.settings
     if settings.ratio_of_roll is None:

@@ -215,8 +215,8 @@ def best_set_up(
 ) -> dict[FlankName, Synthesis]:
     """Set-up fitted to the wanted ease-off of both sides: the first good fit, else the best of all.
 
-    ``upright`` comes from ``along_the_root``; ``further`` starts come before it where the cutter may be tilted.
-    Completing, blades have no steps, and a face-milling cutter also leaves the slot of the blank at the mean point.
+    ``upright`` is from ``along_the_root``; ``further`` starts come before it where the cutter may be tilted. With
+    ``completing`` blades have no steps, and a face-milling cutter also leaves the blank's slot at the mean point.
     """
     shared = shared_settings(method, limits, cutter_radius)
     on_root = {side: root_gap(pair.pinion.loaded, pair.pinion.section) for side, pair in upright.items()}

@@ -330,7 +330,7 @@ class EdgeRadiusLimits:
 
     @cached_property
     def by_mutilation(self) -> Array:
-        """Largest edge radii that spare the other's fillet (2, 2) [mm] (152 to 161); NaN if the point is too wide."""
+        """Largest edge radii that spare the other blade's fillet (2, 2) [mm] (152 to 161); NaN for too wide a point."""
         p, lean = self.proportions, self._lean
         past = np.multiply.outer(self.slots.least - self.slots.finishing_blade_point, lean)
         depth = p.fillet_mutilation

@@ -170,10 +170,10 @@ def pinion_gap_slopes(
     pinion_part: NDArray[np.int8],
     rotation: Array,
 ) -> Array:
-    """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad]; zero for other settings.
+    """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad].
 
-    Pinion points (2, n) on parts (n), at rotations (n) [rad] counted as the roll angle; their zero follows the pinion's
-    mean point.
+    Zero for settings of the gear and a modification. Pinion points (2, n) on parts (n), at rotations (n) [rad] counted
+    as the roll angle; their zero follows the pinion's mean point.
     """
     known = KnownPair(geometry)
     slopes = np.zeros((*rotation.shape, len(settings)))

@@ -132,7 +132,7 @@ class NearPair:
     """Flanks of a pair at the nodes of the gear flank."""
 
     gear: Flank
-    exact: EaseOff  # status, part and whose blade_distance it has are those of the known pair
+    exact: EaseOff  # status, part and the member of blade_distance are those of the known pair
 
 
 @lru_cache(maxsize=256)

@@ -404,7 +404,7 @@ class LandWidths:
 
     top_land: Array  # on the face cone across the tooth; negative if it ends in an edge below
     slot: Array  # at the bottom, between the blade tips as if without edge radius
-    root_line: Array  # tips above the root cone, loaded and other side (2, n)
+    root_line: Array  # tips above the root cone, loaded and other side (2, n); negative if deeper
 
 
 def land_widths(pair: GearPair, member: str, lengthwise: Array) -> LandWidths:
