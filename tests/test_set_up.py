@@ -375,5 +375,6 @@ def test_settings_of_files_and_of_surfaces_have_one_step() -> None:
     fine = MachineResolution(blade_angle=0.25)
     assert step_of("pressure_angle", fine) == step_of("offset_angle", fine) == 0.25
     assert step_of("horizontal_distance", fine) == step_of("radial_distance", fine) == 0.001
+    assert (step_of("work_offset_motion_1", fine), step_of("toprem_depth", fine)) == (0.001, None)
     assert step_of("sliding_base_motion_2", fine) == fine.motion
     assert gear_pair(read_case("fm-11x41")).pinion.loaded.blade.edge_radius == 0.8
