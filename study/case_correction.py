@@ -38,28 +38,8 @@ def measured_flanks(
 ) -> dict[MemberName, tuple[MeasuredFlank, ...]]:
     """Measured flanks by member: the member seen from the flank, and its deviation.
 
-    Parameters
-    ----------
-    pair
-        The pair, seen from the drive or the coast flanks.
-    sources
-        By member: one source as of ``flank_deviations``, or one for each flank. A file may hold both flanks.
-    flank
-        ``drive`` or ``coast``: these flanks only.
-    interpolation
-        Between the nodes, as in ``Deviation``.
-
-    Raises
-    ------
-    InputError
-        If a source cannot be used, a flank comes twice, or none of the wanted ones is there.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> [side(member.loaded) for member, _ in measured_flanks(pair, {"gear": "fm-11x41-worn-gear"})["gear"]]
-    ['convex']
+    A member has one source, as of ``flank_deviations``, or one for each flank; a file may hold both flanks. With
+    ``flank`` only those in contact on that side of the pair, of which one must be there.
     """
     instance("deviations", sources, Mapping)
     if flank is not None:

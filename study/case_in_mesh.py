@@ -64,14 +64,7 @@ def _own_version() -> str:
 
 
 def case_attributes(case: Case, what: str) -> dict[str, Any]:
-    """Attributes of every file: conventions, title, names of case and supports, version, computation, and the case.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case_attributes(read_case("nasa-12x36"), "analyze")["Conventions"]
-    'CF-1.11'
-    """
+    """Attributes of every file: conventions, title, names of case and supports, version, computation, and the case."""
     now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), _own_version()
     names = {"case_name": case.name, "supports_name": case.supports_name}
     return {
@@ -85,14 +78,7 @@ def case_attributes(case: Case, what: str) -> dict[str, Any]:
 
 
 def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource | None) -> GearPair:
-    """The gear pair of a case without torque, with its own misalignment or another.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> prepared_pair(read_case("nasa-12x36"), "coast", Misalignment(offset=0.1)).assembly.misalignment.offset
-    0.1
-    """
+    """The gear pair of a case without torque, with its own misalignment or another."""
     if misalignment is None:
         return gear_pair(case, flank)
     own = misalignment_at(misalignment_of(misalignment), 0.0, flank)
@@ -103,14 +89,7 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
 def deflection_attributes(
     misalignment: Misalignment | Deflections, flank: FlankName, torques: Sequence[float] | NDArray[Any]
 ) -> dict[str, Any]:
-    """Attributes of a file: first and last torque of the table of deflections, and which torques [N m] are beyond.
-
-    Examples
-    --------
-    >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
-    >>> deflection_attributes(axle, "drive", [200.0, 400.0])["deflections"]
-    'table from 100 to 300 N m, extrapolated to 400 N m'
-    """
+    """Attributes of a file: torques [N m] from which to which deflections are tabulated, and which are beyond."""
     if isinstance(misalignment, Misalignment):
         return {}
     first, last = misalignment.torque_range(flank)

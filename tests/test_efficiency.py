@@ -676,6 +676,9 @@ def test_report_and_pictures_name_unusual_models(tree: xr.DataTree, result: xr.D
 
 def test_conditions_need_a_speed() -> None:
     assert operation_of(None, speed=None, oil=None) is None
+    found = operation_of(None, speed=1000.0, temperature=None)
+    assert found is not None
+    assert found.temperature == 90.0
     with pytest.raises(InputError, match="oil and roughness without a speed"):
         operation_of(None, speed=None, oil="75w90", roughness=0.4, temperature=None)
     with pytest.raises(InputError, match="speed = None: must be given"):

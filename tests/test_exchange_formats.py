@@ -33,6 +33,7 @@ from easeoff.contact import (
 from easeoff.contact.problem.exchange.fclib_file import read_fclib, write_fclib
 from easeoff.contact.problem.exchange.matlab_file import read_mat, write_mat
 from easeoff.contact.problem.exchange.programme_file import qps_programme, read_qps, write_qps
+from easeoff.study.compare.problem_export import write_problem_set
 from easeoff.study.compare.test_set import write_test_set
 from easeoff.study.library import Entry, entries, generate, reference_answers
 from easeoff.verification import problems
@@ -426,7 +427,7 @@ def test_exports_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     for output, format, form, words in (
         ("many.qps", None, None, "must be a folder, and the format qps be given"),
         ("many.txt", None, None, "must be a file whose name ends in .nc"),
-        ("many.nc", "mat", None, "must be a file whose name ends in .mat"),
+        ("many.nc", "mat", None, "must be a file whose name ends in .mat, which holds all problems"),
         ("many.nc", None, "dense", "form = 'dense': must be left out"),
         ("many", "qps", "dual", "form = 'dual'"),
         ("many", "csv", None, "format = 'csv'"),
@@ -440,6 +441,12 @@ def test_exports_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="must be dense for a single dense matrix"):
         write_qps(springs(), tmp_path / "one.qps", form="lifted")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_writing_tells_the_number_of_problems_and_if_each_has_a_file(tmp_path: Path) -> None:
+    one = ProblemSet([springs()])
+    assert write_problem_set(one, tmp_path / "one.mat", None, None).endswith("one.mat: 1 contact problem")
+    assert write_problem_set(one, tmp_path / "folder", "qps", None).endswith("folder: 1 contact problem, a file each")
 
 
 @pytest.mark.parametrize("format", ["mat", "npz", "qps", "hdf5", "qpbenchmark"])

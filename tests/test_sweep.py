@@ -31,6 +31,7 @@ from easeoff.cases.writing import changed_case, numeric_keys
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import Modification
 from easeoff.study import key_numbers
+from easeoff.study.analysis.swept_quantity import swept_quantity
 from easeoff.study.plot import page, written_pictures
 from easeoff.study.plot.page import small_print
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, worst_points
@@ -134,6 +135,11 @@ def test_grid_point_off_the_design_is_its_analysis() -> None:
     found = sweep(CASE, {"torque": [200.0, 100.0], "G": [0.03], "E": [-0.04]}, workers=1)
     tree = easeoff.analyze(CASE, torques=[200.0, 100.0], misalignment=Misalignment(-0.04, gear_axial=0.03))
     assert_is_analysis(found.isel(G=0, E=0), tree)
+
+
+def test_swept_quantities_have_the_units_of_the_case_file() -> None:
+    units = {"Sigma": "degree", "pinion.concave.cutter.blade_point_radius": "mm"}
+    assert {name: swept_quantity(name).units for name in units} == units
 
 
 def test_failures_are_rows_with_a_reason() -> None:

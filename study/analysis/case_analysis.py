@@ -55,19 +55,7 @@ def with_friction(
     progress: Callable[[], None] | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> Analysis:
-    """An analysis with the group ``friction`` added to it.
-
-    Parameters
-    ----------
-    found
-        The analysis.
-    operation
-        Operating conditions.
-    model
-        Models of friction coefficient, film and rolling; the dissertation's if left out.
-    feedback, solver, progress, stage
-        As ``friction_feedback`` and so on of ``analyze``.
-    """
+    """An analysis with the group ``friction`` added; without a model with that of the dissertation."""
     if stage is not None:
         stage("friction")
     if not found.parts:
@@ -104,18 +92,9 @@ def _losses(
 def friction_settings(
     case: Case, operation: Operation | None, model: FrictionModel | None, feedback: bool | None
 ) -> tuple[FrictionModel | None, bool]:
-    """Friction models and whether friction is fed back: what is given, or else the case's own.
+    """Friction models and True for friction fed back: as given, or else the case's own.
 
-    Raises
-    ------
-    InputError
-        If they are given without operating conditions, the model is none, or the oil has no data for a temperature.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> friction_settings(read_case("nasa-12x36"), None, None, None)
-    (None, False)
+    InputError if they are given without operating conditions, or the oil has no data for a temperature.
     """
     if case.friction is not None:
         model = case.friction.model() if model is None else model
@@ -133,24 +112,9 @@ def friction_settings(
 
 
 def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
-    """Operating conditions from what was given of them and else from a case; ``None`` without a speed in either.
+    """Operating conditions: arguments of ``friction.Operation`` that are not ``None``, else the case's own.
 
-    Parameters
-    ----------
-    table
-        The case's own conditions.
-    **conditions
-        Arguments of ``friction.Operation``; those that are ``None`` count as not given.
-
-    Raises
-    ------
-    InputError
-        If other conditions are given and no speed, or a value is not possible.
-
-    Examples
-    --------
-    >>> operation_of(None, speed=1000.0, temperature=None).temperature
-    90.0
+    ``None`` without a speed in either; InputError if other conditions are given without a speed.
     """
     given = {name: value for name, value in conditions.items() if value is not None}
     if table is not None:
@@ -176,34 +140,9 @@ LIKENESS, LENGTH_MINIMUM = 0.8, 5
 
 
 def require_solver_options(options: Mapping[str, Any], solver: SolverChoice, function: Callable[..., Any]) -> None:
-    """Refuse keywords that no solver can mean.
+    """Refuse keywords that no solver can mean, with the nearest argument of the called function.
 
-    Parameters
-    ----------
-    options
-        The keywords.
-    solver
-        Solver of the analysis. The native one takes ``OPTIONS`` and ``method``; the settings of others are theirs, and
-        only a name that is near an argument is refused.
-    function
-        What was called: its arguments are suggested.
-
-    Raises
-    ------
-    InputError
-        If a keyword is no option, with the nearest argument, or how a key of the case is changed; or a limit is out of
-        range.
-    MissingSolverError
-        If the solver's package is not installed.
-
-    Examples
-    --------
-    >>> from easeoff import analyze
-    >>> try:
-    ...     require_solver_options({"torque": 100.0}, "auto", analyze)
-    ... except InputError as error:
-    ...     print(str(error).partition(";")[0])
-    torque = 100: must be an argument of analyze or an option of its solver
+    The native solver takes ``OPTIONS`` and ``method``; for others only a name near an argument is refused.
     """
     name = require_solver(solver)
     Limits(*(options.get(limit) for limit in OPTIONS[:3]))
@@ -236,7 +175,7 @@ def _settings(name: str) -> tuple[str, ...]:
 
 
 def _is_near(option: str, words: Iterable[str]) -> bool:
-    """Whether a name is a misspelt argument rather than a setting that is not known here."""
+    """True if a name is a misspelt argument rather than a setting that is not known here."""
     near = difflib.get_close_matches(option.lower(), words, n=1, cutoff=LIKENESS)
     return len(option) >= LENGTH_MINIMUM and bool(near)
 

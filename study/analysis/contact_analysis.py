@@ -77,32 +77,10 @@ class Analysis:
 
 
 def joined_analysis(parts: Sequence[tuple[Sequence[int], Analysis]], common: Mapping[str, xr.Dataset]) -> Analysis:
-    """Analyses of several assemblies as one, along the torque.
+    """Analyses of several assemblies, each with the numbers of its torques in the whole, as one along the torque.
 
-    Segments are padded with NaN to the greatest number; tooth pairs that an assembly does not know carry nothing.
-
-    Parameters
-    ----------
-    parts
-        The numbers that the torques of each analysis have in the whole, and the analysis: its groups ``loaded`` and, if
-        it has them, ``misalignment``, ``root_stress`` and ``friction``. All have the same groups, variables and mesh
-        positions. ``case_analysis.with_friction`` needs their ``ease_off``, too.
-    common
-        The groups of the whole that are not over the torque.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> from easeoff.geometry import Misalignment
-    >>> from easeoff.study import CaseInMesh
-    >>> from easeoff.study.analysis.contact_analysis import contact_analysis
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
-    >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
-    >>> light, heavy = contact_analysis(state, 100.0), contact_analysis(state.misaligned(Misalignment(0.05)), 300.0)
-    >>> whole = joined_analysis([((1,), light), ((0,), heavy)], {"ease_off": light.groups["ease_off"]})
-    >>> whole.tree["loaded/torque"].values.tolist()
-    [300.0, 100.0]
+    All have the same groups, variables and mesh positions; ``common`` are groups of the whole that are not over the
+    torque. Segments are padded with NaN; tooth pairs that an assembly does not know carry nothing.
     """
     numbered = tuple((tuple(places), part) for places, part in parts)
     groups = dict(common)
@@ -117,22 +95,7 @@ def joined_analysis(parts: Sequence[tuple[Sequence[int], Analysis]], common: Map
 
 
 def misalignment_group(misalignments: Sequence[Misalignment], torques: Array, mesh_positions: Array) -> xr.Dataset:
-    """The group ``misalignment`` of a result, where it is the same at all mesh positions of a torque.
-
-    Parameters
-    ----------
-    misalignments
-        Of every torque (t).
-    torques
-        At the pinion (t) [N m].
-    mesh_positions
-        Mesh positions (k).
-
-    Examples
-    --------
-    >>> misalignment_group([Misalignment(offset=0.1)], np.array([100.0]), np.array([0.0, 0.5]))["offset"].values
-    array([[0.1, 0.1]])
-    """
+    """The group ``misalignment`` of a result, from that of every torque (t) [N m], alike at all mesh positions (k)."""
     names = ("offset", "pinion_axial", "gear_axial", "shaft_angle")
     shape = (len(misalignments), len(mesh_positions))
     data = {
@@ -200,31 +163,13 @@ def _padded(variable: xr.Variable, segments: int) -> xr.Variable:
 
 @dataclass(frozen=True)
 class LoadedPart:
-    """Loaded contact at some torques, in one assembly.
+    """Loaded contact at some torques, in one assembly, as of ``MeshCycle.loaded``."""
 
-    Parameters
-    ----------
-    places
-        Numbers of the torques.
-    state
-        The pair in mesh.
-    loaded, cases
-        As of ``MeshCycle.loaded``.
-    groups
-        Groups ``misalignment`` and ``supports`` of a pair on supports; empty without supports.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> LoadedPart((0,), CaseInMesh.of(read_case("nasa-12x36")), xr.Dataset(), [], {}).groups
-    {}
-    """
-
-    places: tuple[int, ...]
+    places: tuple[int, ...]  # numbers of the torques among all
     state: CaseInMesh
     loaded: xr.Dataset
     cases: list[LoadedCase]
-    groups: dict[str, xr.Dataset]
+    groups: dict[str, xr.Dataset]  # ``misalignment`` and ``supports``; empty without supports
 
 
 def supported_parts(
@@ -235,30 +180,9 @@ def supported_parts(
     rounds: AssemblyRounds | None = None,
     **options: Any,
 ) -> list[LoadedPart]:
-    """Loaded contact on supports, in the assemblies whose ease-off it was found with.
+    """Loaded contact on supports at torques (t) [N m], in the assemblies whose ease-off it was found with.
 
-    Parameters
-    ----------
-    state
-        The pair in mesh, without load.
-    places
-        Numbers of the torques among all.
-    torques
-        Torques at the pinion (t) [N m].
-    supports, rounds, **options
-        As of ``MeshCycle.supported``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> import numpy as np
-    >>> from easeoff.contact.supports.support import Supports
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
-    >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
-    >>> (part,) = supported_parts(state, [0], np.array([100.0]), Supports.rigid())
-    >>> sorted(part.groups)
-    ['misalignment', 'supports']
+    ``places`` are the numbers of the torques among all.
     """
     states = {state.pair.assembly.misalignment: state}
 
@@ -280,14 +204,7 @@ def supported_parts(
 
 
 def case_rounds(case: Case) -> AssemblyRounds | None:
-    """Rounds as a case on supports has them; ``None`` without supports.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case_rounds(read_case("nasa-12x36")) is None
-    True
-    """
+    """Rounds as a case on supports has them; ``None`` without supports."""
     if case.supports is None:
         return None
     from ...contact.supports.assembly_rounds import AssemblyRounds
@@ -296,14 +213,7 @@ def case_rounds(case: Case) -> AssemblyRounds | None:
 
 
 def case_supports(case: Case) -> LoadedSupports | None:
-    """Supports of a case as ``cases.support_conversion`` makes them; ``None`` if it has none.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case_supports(read_case("nasa-12x36")) is None
-    True
-    """
+    """Supports of a case as ``cases.support_conversion`` makes them; ``None`` if it has none."""
     if case.supports is None:
         return None
     from ...cases.support_conversion import support_system
@@ -312,36 +222,10 @@ def case_supports(case: Case) -> LoadedSupports | None:
 
 
 def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) -> CaseInMesh:
-    """A pair on the supports of its case, in the mean assembly that they give at each of some torques.
+    """A pair on the supports of its case, in the mean assembly at each of some torques [N m]; else as it is.
 
-    For what holds the assembly while something else changes, such as wear. Without supports the pair as it is.
-
-    Parameters
-    ----------
-    state
-        The pair in mesh, without load.
-    torques
-        Torques at the pinion (t) [N m].
-
-    Returns
-    -------
-    CaseInMesh
-        With ``deflections``, exact at the torques, and a case without supports.
-
-    Raises
-    ------
-    GeometryError
-        If the assembly at a torque is not known: the contact has no certified solution, or the rounds do not end.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case, with_supports
-    >>> case = with_supports(read_case("nasa-12x36"), "gearbox-nasa-12x36")
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> found = in_assembly_under_load(CaseInMesh.of(case), [100.0, 200.0])
-    >>> [round(found.deflections.at(torque).pinion_axial, 3) for torque in (0.0, 100.0, 200.0)]
-    [0.0, 0.014, 0.027]
+    Its ``deflections`` are exact at the torques, its case has no supports. GeometryError if an assembly is not known:
+    the contact is not certified, or the rounds do not end.
     """
     case, load = state.case, np.sort(np.asarray(torques, dtype=np.float64))
     held = case_supports(case)
@@ -373,19 +257,7 @@ LIGHT_LOAD_SHARE = 0.01  # of the greatest torque
 
 
 def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> Array:
-    """Torques at the pinion [N m]: the case's own if none are given.
-
-    Raises
-    ------
-    InputError
-        If a torque comes twice, or is not from ``TORQUE_MINIMUM`` to ``TORQUE_LIMIT``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
-    [250.0]
-    """
+    """Torques at the pinion [N m], distinct and within limits: the case's own if none are given."""
     found = distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
     wrong = found[(found < TORQUE_MINIMUM) | (found >= TORQUE_LIMIT)]
     if wrong.size:
@@ -406,31 +278,9 @@ def contact_analysis(
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """Analyse a case's pair in mesh without friction, and keep the contact problems.
+    """Analysis of a case's pair in mesh without friction, with its contact problems; arguments as of ``analyze``.
 
-    Parameters
-    ----------
-    state
-        The pair in mesh. Where its misalignment depends on the torque, every torque is analysed in its assembly.
-    torques, edge_contact, marking, solver, rounds, progress, **options
-        As of ``analyze``.
-    supports
-        Supports of the members; the case's own if left out.
-
-    Raises
-    ------
-    InputError, GeometryError, MissingSolverError
-        As ``analyze``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> analysis = contact_analysis(CaseInMesh.of(case), [100.0])
-    >>> [solved.solution.status.name for solved in analysis.cases]
-    ['CERTIFIED', 'CERTIFIED', 'CERTIFIED']
+    Where the misalignment depends on the torque, every torque is analysed in its assembly.
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
     load = case_torques(case, torques)

@@ -125,18 +125,7 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 
 def number_names(*, friction: bool) -> tuple[str, ...]:
-    """Names of the key numbers that vary from result to result, also of those that not every one has.
-
-    Parameters
-    ----------
-    friction
-        Whether the results have friction.
-
-    Examples
-    --------
-    >>> "efficiency" in number_names(friction=True), "efficiency" in number_names(friction=False)
-    (True, False)
-    """
+    """Names of the key numbers that vary from result to result, also of those that not every one has."""
     return (
         *("common_flank", "max_ease_off", "unloaded_peak_to_peak", "unloaded_rms", "unloaded_harmonic"),
         *(f"unloaded_{name}" for name in UNLOADED),
@@ -197,11 +186,7 @@ def deviations(attributes: Mapping[Any, Any]) -> str:
 
 
 def modification(attributes: Mapping[Any, Any]) -> str:
-    """Modification of the ease-off; empty if there is none.
-
-    >>> modification({"modification_um": '{"bias": -3.0, "lengthwise_crowning": 10.0}'})
-    'lengthwise crowning +10 um, bias -3 um'
-    """
+    """Modification of the ease-off as text; empty if there is none."""
     terms = json.loads(str(attributes.get("modification_um", "{}")))
     largest = sorted(((n, v) for n, v in terms.items() if v), key=lambda term: -abs(term[1]))
     words = [f"{name.replace('_', ' ')} {value:+.3g} um" for name, value in largest[:TERM_COUNT_LIMIT]]
@@ -213,11 +198,7 @@ MODEL_NAMES = {"shell": "shell", "solid_shell": "solid shell", "fe": "finite ele
 
 
 def model_name(attributes: Mapping[Any, Any]) -> str:
-    """Elastic model and whether edges touch; of a result of an older version what it says.
-
-    >>> model_name({"compliance_model": "solid_shell", "edge_contact": 1})
-    'solid shell, edges'
-    """
+    """Elastic model and whether edges touch, as text; of a result of an older version as it is recorded."""
     model = str(attributes.get("compliance_model", ""))
     edges = {1: "edges", 0: "lines only"}.get(int(attributes.get("edge_contact", -1)), "")
     return ", ".join(part for part in (MODEL_NAMES.get(model, model), edges) if part)

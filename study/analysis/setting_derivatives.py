@@ -61,21 +61,11 @@ SIDES = {"drive": {"pinion": "concave", "gear": "convex"}, "coast": {"pinion": "
 
 @dataclass(frozen=True)
 class NamedSetting:
-    """A setting under the name that sweeps have for it.
-
-    Parameters
-    ----------
-    name
-        The name.
-    setting
-        What it is.
-    factor
-        Takes its derivative to the unit of the name.
-    """
+    """A setting under the name that sweeps have for it."""
 
     name: str
     setting: PairSetting
-    factor: float
+    factor: float  # from the derivative by the setting to that in the unit of the name
 
 
 def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]:
@@ -118,17 +108,7 @@ def chosen_settings(
 ) -> tuple[list[NamedSetting], list[str]]:
     """The settings to differentiate by, and the names asked for, in their order.
 
-    Parameters
-    ----------
-    pair, flank
-        The pair in mesh.
-    names
-        Names of ``derivative_settings`` or ``modification.TERM``; all of the former if left out.
-
-    Raises
-    ------
-    InputError
-        If there is no such setting, or one comes twice.
+    Names are of ``derivative_settings``, which are all if none are given, or ``modification.TERM``.
     """
     known = {one.name: one for one in _settings(pair, flank)}
     known |= {
@@ -151,38 +131,13 @@ def chosen_settings(
 
 @dataclass(frozen=True, eq=False)
 class SolvedContact:
-    """Contact problems of a pair in mesh, solved and certified; ``of`` makes it.
-
-    Parameters
-    ----------
-    state
-        The case in mesh.
-    loaded, cases
-        From ``MeshCycle.loaded``.
-    edge_contact
-        Whether tooth edges could touch.
-    operation
-        Operating conditions of friction; ``None`` for no losses.
-    friction_model
-        Models of friction; ``None`` for the dissertation's.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> solved = SolvedContact.of(CaseInMesh.of(case), [100.0])
-    >>> values, changes = solved.differentiated(["E"], unloaded=False)
-    >>> changes["peak_to_peak"].dims, values.equals(solved.values(unloaded=False))
-    (('torque', 'setting'), True)
-    """
+    """Contact problems of a pair in mesh, solved and certified; ``of`` makes it."""
 
     state: CaseInMesh
     loaded: xr.Dataset
     cases: list[LoadedCase]
     edge_contact: bool
-    operation: Operation | None
+    operation: Operation | None  # of friction; without it no losses
     friction_model: FrictionModel | None
 
     @classmethod
@@ -216,7 +171,7 @@ class SolvedContact:
         return cls(state, loaded, cases, edges, operation, model)
 
     def values(self, *, unloaded: bool = True) -> xr.Dataset:
-        """What ``contact_derivatives`` has as ``values``; without load only if asked."""
+        """The ``values`` of ``contact_derivatives``; those without load only if asked."""
         cycle = self.state.cycle
         errors = unloaded_slopes(cycle.geometry, cycle.lines, (), {}) if unloaded else None
         values = cycle_values(cycle, self.loaded, self.cases, self._roots, errors)
@@ -386,31 +341,7 @@ def loss_slopes(
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Power loss, efficiency and mean friction coefficient, and their derivatives by settings, last by the torque.
 
-    Parameters
-    ----------
-    found
-        Derivatives of the mesh cycle.
-    loaded
-        From ``cycle.loaded``.
-    operation
-        Operating conditions.
-    model
-        Models of friction coefficient, film and rolling. What friction takes of the torque is not fed back.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> from easeoff.friction import FrictionModel, Operation
-    >>> from easeoff.geometry.pair.near_pair import PairSetting
-    >>> from easeoff.study import CaseInMesh
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
-    >>> state = CaseInMesh.of(case.model_copy(update={"contact": case.contact.model_copy(update=coarse)}))
-    >>> loaded, cases = state.cycle.loaded([100.0])
-    >>> found = CycleSlopes.of(state.cycle, [PairSetting("assembly", "offset")], cases)
-    >>> values, slopes = loss_slopes(found, loaded, Operation(speed=1500.0), FrictionModel())
-    >>> slopes["mean_power_loss"].dims
-    ('torque', 'speed', 'temperature', 'roughness', 'setting')
+    The torque that friction takes is not fed back.
     """
     from ...friction.efficiency import losses_dataset
 
@@ -448,26 +379,14 @@ def _contacts(cycle: MeshCycle, loaded: xr.Dataset) -> LoadedContacts:
 
 @dataclass(frozen=True)
 class _FrictionInputs:
-    """What friction takes of a mesh cycle, and how it changes with the settings, and last with the torque (j).
-
-    Parameters
-    ----------
-    found
-        Derivatives of the mesh cycle.
-    contacts
-        Loaded contacts (n).
-    point
-        Their places (2, n), as fractions on the gear.
-    force, length, radius, place
-        Derivatives of forces [N], lengths and radii [mm] (n, j), and of the places (2, n, j).
-    """
+    """Inputs of friction from a mesh cycle, with their derivatives by the settings, and last by the torque (j)."""
 
     found: CycleSlopes
     contacts: LoadedContacts
-    point: Array
-    force: Array
-    length: Array
-    radius: Array
+    point: Array  # (2, n), as fractions of the gear flank
+    force: Array  # derivatives (n, j) of forces [N]
+    length: Array  # (n, j) of lengths [mm]
+    radius: Array  # (n, j) of radii [mm]
     place: Array
 
     @classmethod

@@ -14,7 +14,7 @@ from ...geometry.pair.modification import TERM_POWERS
 
 
 class Stage(IntEnum):
-    """What has to be computed anew where a quantity changes, the most first."""
+    """First stage to compute anew where a quantity changes; the lower, the more is computed."""
 
     PAIR = 0
     ASSEMBLY = 1
@@ -26,34 +26,16 @@ class Stage(IntEnum):
 
 @dataclass(frozen=True)
 class SweptQuantity:
-    """A quantity that a sweep can vary.
-
-    Parameters
-    ----------
-    name
-        Name of the coordinate.
-    units, long_name
-        Its attributes in the dataset.
-    stage
-        What has to be computed anew where it changes.
-    words
-        Whether its values are words, such as files, and not numbers.
-    """
+    """A quantity that a sweep can vary."""
 
     name: str
     units: str
     long_name: str
     stage: Stage
-    words: bool = False
+    words: bool = False  # True if values are words, such as files, and not numbers
 
     def checked(self, value: Any) -> float | str:
-        """A value of the quantity.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
+        """A possible value of the quantity, or else InputError."""
         if self.words:
             if not isinstance(value, str) or not value:
                 raise InputError(f"{self.name} = {shown(value)}: must be a word")
@@ -106,18 +88,7 @@ ALIASES = {
 
 
 def swept_quantity(name: str) -> SweptQuantity:
-    """A quantity that a sweep can vary, by its name or the dotted key of a number in the case file.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name; says which are near.
-
-    Examples
-    --------
-    >>> swept_quantity("Sigma").units, swept_quantity("pinion.concave.cutter.blade_point_radius").units
-    ('degree', 'mm')
-    """
+    """A quantity that a sweep can vary, by its name or the dotted key of a number in the case file."""
     if name in _NAMED or name in REMARKS:
         return _NAMED.get(name) or REMARKS[name]
     if name in ALIASES:

@@ -67,29 +67,12 @@ STARTING_SOLVERS = tuple(name for name, entry in SOLVERS.items() if entry.warm_s
 
 @dataclass(frozen=True)
 class Method:
-    """A solver with everything that is chosen for it.
-
-    Attributes
-    ----------
-    solver
-        A name of the table of solvers, or of one's own.
-    settings
-        A name of `SETTINGS`.
-    start
-        ``cold`` or ``warm``.
-    tolerance
-        Tolerance of a sweep; zero for those of the settings.
-
-    Examples
-    --------
-    >>> Method("osqp", "sweep", "cold", 1e-3).keywords(10.0)["eps_abs"]
-    0.001
-    """
+    """A solver with everything that is chosen for it."""
 
     solver: str
     settings: str
     start: str = COLD
-    tolerance: float = 0.0
+    tolerance: float = 0.0  # of a sweep; zero for that of the settings
 
     def keywords(self, time_limit: float) -> dict[str, Any]:
         """Return the keywords that the solver is called with; for ``raw`` a time limit alone, where it takes one."""
@@ -107,12 +90,12 @@ class Method:
 
 
 def has_tolerance(solver: str) -> bool:
-    """Whether a sweep of tolerances changes anything for a solver."""
+    """True if a sweep of tolerances changes anything for a solver."""
     return solver in TOLERANCE_NAMES or solver not in SOLVERS
 
 
 def polishes_itself(solver: str) -> bool:
-    """Whether the table's settings have a solver polish its own answer, whatever its tolerance."""
+    """True if the table's settings have a solver polish its own answer, whatever its tolerance."""
     return solver in SOLVERS and bool(SOLVERS[solver].settings.get("polishing", False))
 
 
@@ -126,31 +109,14 @@ START_CERTIFICATE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class PosedProblem:
-    """A problem of a file and the reference that answers to it are compared with.
-
-    Parameters
-    ----------
-    file
-        Name of the file in the table.
-    number
-        Number of the problem in its file, from 0.
-    problem
-        The problem itself.
-    digest
-        Digest of its data, see ``problem_digest``.
-    reference
-        Solution of the native solver.
-    before
-        Forces (n) [N] of the problem before, for a warm start; ``None`` if that does not fit, or has the same answer.
-    name, kind
-        Labels of the file; empty if it has none.
-    """
+    """A problem of a file and the reference that answers to it are compared with."""
 
     file: str
     number: int
     problem: ContactProblem
     digest: str
     reference: ContactSolution
+    #: forces (n) [N] of the problem before, for a warm start; None if unfit or the same answer
     before: NDArray[np.float64] | None
     name: str = ""
     kind: str = ""
@@ -179,22 +145,7 @@ def multiplied(problem: ContactProblem, factor: float) -> ContactProblem:
 
 
 def load_factor(method: Method, repetition: int, number: int) -> float:
-    """Return the load factor of a call, the same in every comparison, other than those of the calls before and after.
-
-    Parameters
-    ----------
-    method
-        The method.
-    repetition
-        From 1.
-    number
-        Number of the problem in its file, from 0.
-
-    Examples
-    --------
-    >>> load_factor(Method("osqp", "scaled"), 1, 0), load_factor(Method("osqp", "scaled"), 2, 0) > 1.0
-    (1.0, True)
-    """
+    """Load factor of a call, the same in every comparison; it differs from that of the calls before and after."""
     kind = (2 * list(SETTINGS).index(method.settings)) + (method.start == WARM)
     if method.tolerance:
         kind += round(-10.0 * math.log10(method.tolerance))
@@ -203,19 +154,9 @@ def load_factor(method: Method, repetition: int, number: int) -> float:
 
 
 def posed_problems(path: Path, name: str) -> list[PosedProblem]:
-    """Read the problems of a file and solve them for reference.
+    """Problems of a file, solved for reference.
 
-    Parameters
-    ----------
-    path
-        The file.
-    name
-        Its name in the table.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, has no problems, or has one that is not convex: no certificate could prove it.
+    InputError if there are none, or one is not convex: no certificate could prove it.
     """
     problems = read_problems(path)
     if not problems:
@@ -238,7 +179,7 @@ def posed_problems(path: Path, name: str) -> list[PosedProblem]:
 
 
 def _is_start(problem: ContactProblem, force: NDArray[np.float64]) -> bool:
-    """Whether forces (n) [N] can start the solution of a problem: of its size, and not its answer already."""
+    """True if forces (n) [N] can start the solution of a problem: of its size, and not its answer already."""
     if force.size != problem.size:
         return False
     work = float(force @ (problem.deflection(force) + problem.separation_at_first_contact))
@@ -259,29 +200,8 @@ def problem_digest(problem: ContactProblem) -> str:
 def posed_residual(problem: ContactProblem, answer: Answer, *, raw: bool = False) -> float:
     """Largest of primal residual, dual residual and duality gap, each over one plus the size of its terms.
 
-    One plus the size: a solver may hold its tolerance as an absolute or as a relative one.
-
-    Parameters
-    ----------
-    problem
-        As it was given.
-    answer
-        Of the solver, as it left it.
-    raw
-        Whether the solver got the problem in mm and N, not scaled.
-
-    Returns
-    -------
-    float
-        NaN where there is no answer.
-
-    Examples
-    --------
-    >>> from easeoff.contact import ContactProblem, solve
-    >>> problem = ContactProblem(np.zeros(2), np.full(2, 50.0), 2.0e5, np.diag([2e-6, 2e-6]))
-    >>> answer = solve(problem).answer
-    >>> posed_residual(problem, answer) < 1e-15
-    True
+    Of a ``raw`` problem in mm and N, else scaled; NaN without an answer. One plus the size, as a solver may hold its
+    tolerance as an absolute or as a relative one.
     """
     force, rotation = np.asarray(answer.force, dtype=np.float64), answer.elastic_rotation
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
@@ -317,53 +237,20 @@ _LONGEST_MESSAGE = 160
 
 @dataclass(frozen=True)
 class Attempt:
-    """Outcome of one attempt. Times are NaN where they are not known.
+    """Outcome of one attempt; times [s] are NaN where they are not known."""
 
-    Attributes
-    ----------
-    claim
-        Report of the solver: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
-        process ended).
-    message
-        Its own words.
-    run_time, processor_time
-        Wall time and processor time of the whole call [s]: check, scaling, solver, polish, certificate.
-    call_time
-        Wall time of the bare call of the solver, from its data in its form to its answer [s].
-    setup_time, solve_time
-        Its set-up and its solve [s], as it reports them, or else as they were measured around it.
-    time_source
-        Who measured these two: ``solver``, ``interface``, or an empty text.
-    polish_time
-        Wall time of the polish [s].
-    certificate
-        Of the answer, on the problem as it was given; infinite without an answer.
-    posed_residual
-        Of the answer, on the problem as the solver got it, see `posed_residual`; NaN without an answer.
-    elastic_rotation, reference_rotation
-        Rotation beyond first contact [rad], and that of the certified reference; NaN without an answer.
-    iterations
-        -1 if unknown.
-    polished
-        Whether the answer is that of one exact solve on the active set the solver found.
-    exchanges
-        Exchanges of segments made for that.
-    load_factor
-        Factor of separations and torque in this call.
-    """
-
-    claim: str
+    claim: str  # ``solved``, a status of the solver, ``raised`` (an exception) or ``crashed`` (the process ended)
     message: str = ""
-    run_time: float = math.nan
+    run_time: float = math.nan  # wall time of the whole call: check, scaling, solver, polish, certificate
     processor_time: float = math.nan
-    call_time: float = math.nan
+    call_time: float = math.nan  # wall time of the bare solver, from its data in its form to its answer
     setup_time: float = math.nan
     solve_time: float = math.nan
-    time_source: str = ""
+    time_source: str = ""  # set-up and solve as measured by ``solver``, ``interface`` or none
     polish_time: float = math.nan
     certificate: Certificate = NO_CERTIFICATE
-    posed_residual: float = math.nan
-    elastic_rotation: float = math.nan
+    posed_residual: float = math.nan  # on the problem as the solver got it
+    elastic_rotation: float = math.nan  # [rad] beyond first contact; NaN without an answer
     reference_rotation: float = math.nan
     iterations: int = -1
     polished: bool = False
@@ -392,20 +279,7 @@ class Attempt:
 
 
 def load_adapter(solver: str) -> Adapter | Solver | None:
-    """Return the adapter of a solver, or the declaration of one's own; None for the native one, which needs none.
-
-    Parameters
-    ----------
-    solver
-        A name of the table of solvers or of an entry point, or ``module:function``.
-
-    Raises
-    ------
-    InputError
-        The module cannot be imported or has no such function.
-    MissingSolverError
-        The package of a solver of the table cannot be loaded.
-    """
+    """Adapter of a solver by name, or the declaration of one's own (``module:function``); None for the native one."""
     if solver == "native":
         return None
     declared = declared_solver(solver)
@@ -422,20 +296,9 @@ def attempt(
     time_limit: float,
     start: NDArray[np.float64] | None = None,
 ) -> Attempt:
-    """Let a solver try a problem.
+    """Let a solver try a problem, within a time limit [s] that it may ignore; ``start`` are forces (n) [N].
 
-    Parameters
-    ----------
-    problem
-        Rebuilt for every attempt, so that nothing found by an earlier one is reused.
-    method
-        The solver and its settings.
-    adapter
-        The adapter from `load_adapter`.
-    time_limit
-        Time limit passed to the backend [s], which may ignore it.
-    start
-        Forces (n) [N] that solve a neighbouring problem, for a warm start.
+    The problem is rebuilt for every attempt, so that nothing found by an earlier one is reused.
     """
     fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
     begin, processor = perf_counter(), process_time()

@@ -47,31 +47,12 @@ TOLERANCE_COUNT_LIMIT = 20
 
 @dataclass(frozen=True)
 class Choice:
-    """What the user chose to measure.
-
-    Attributes
-    ----------
-    repetitions
-        Attempts at each problem by the same method.
-    time_limit
-        Of an attempt [s].
-    polish, raw
-        Whether the backends also run with polish, and in mm and N at their own settings.
-    tolerances
-        Tolerances of the sweep; empty for none.
-    threads
-        Threads for linear algebra in each process.
-
-    Raises
-    ------
-    InputError
-        A number out of range.
-    """
+    """Measurements that the user chose, checked."""
 
     repetitions: int
     time_limit: float
     polish: bool
-    raw: bool
+    raw: bool  # also measure in mm and N at the backends' own settings
     tolerances: tuple[float, ...]
     threads: int
 
@@ -112,7 +93,7 @@ class Cell:
 
 
 def cells(posed: Sequence[PosedProblem], starting: Mapping[str, bool], choice: Choice) -> Iterator[Cell]:
-    """All measurements of solvers, each with whether it makes use of a start.
+    """All measurements of solvers, each with True if it makes use of a start.
 
     Problems are the outermost loop, so that a disturbance of the machine meets all solvers.
     """
@@ -279,15 +260,7 @@ def _posed(paths: Sequence[str | os.PathLike[str]]) -> list[PosedProblem]:
 
 
 def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
-    """Names of the solvers to compare, each once.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, or a text with a colon is no MODULE:FUNCTION.
-    MissingSolverError
-        If a solver is not installed.
-    """
+    """Names of the solvers to compare, each once, known and installed."""
     if solvers is None:
         return available_solvers()
     solvers = words("solvers", solvers)

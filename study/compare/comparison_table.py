@@ -27,42 +27,18 @@ RESIDUALS = CERTIFICATE_FIELDS
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Row of the table: an attempt with its problem and method.
-
-    Parameters
-    ----------
-    posed
-        The problem.
-    method
-        The method.
-    repetition
-        Number of the attempt among those alike, from 1.
-    attempt
-        Outcome of the attempt.
-    """
+    """Row of the table: an attempt with its problem and method."""
 
     posed: PosedProblem
     method: Method
-    repetition: int
+    repetition: int  # from 1
     attempt: Attempt
 
 
 def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
-    """Table of a comparison as a labelled dataset.
+    """Table of a comparison along the dimension ``attempt``; residuals are NaN without an answer.
 
-    Parameters
-    ----------
-    rows
-        The rows.
-    tolerance
-        Largest violation of a condition in a certified answer.
-    attributes
-        Further attributes of the dataset.
-
-    Returns
-    -------
-    xr.Dataset
-        Variables along the dimension ``attempt``. Residuals are NaN without an answer.
+    ``tolerance`` is the largest violation of a condition in a certified answer.
     """
     posed, methods, attempts = ([getattr(row, name) for row in rows] for name in ("posed", "method", "attempt"))
     columns: dict[str, list[Any]] = {
@@ -104,24 +80,14 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
 
 
 def rotation_error(rotation: float, reference: float) -> float:
-    """Relative error of a rotation beyond first contact; NaN without an answer, a reference, or a load.
-
-    >>> rotation_error(1.5, 1.0), rotation_error(0.0, 0.0)
-    (0.5, nan)
-    """
+    """Relative error of a rotation beyond first contact; NaN without an answer, a reference, or a load."""
     if not (math.isfinite(rotation) and math.isfinite(reference)) or reference == 0.0:
         return math.nan
     return abs(rotation - reference) / abs(reference)
 
 
 def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Write a table as ``results.nc`` and ``results.csv``; returns their paths.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
-    """
+    """Write a table as ``results.nc`` and ``results.csv``; returns their paths."""
     require_comparison(dataset, "dataset")
     paths = [folder / TABLE_FILE, folder / "results.csv"]
     write_netcdf(dataset, paths[0])
@@ -132,31 +98,7 @@ def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def read_table(path: Path) -> xr.Dataset:
-    """Read the table of a comparison.
-
-    Parameters
-    ----------
-    path
-        The file ``results.nc`` of a comparison.
-
-    Returns
-    -------
-    xr.Dataset
-        The table, as ``compare`` returned it.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is not the table of a comparison.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     written = write_table(comparison_table([], 1e-5, {"repetitions": 1}), Path(folder))
-    ...     float(read_table(written[0]).attrs["tolerance"])
-    1e-05
-    """
+    """Table from the file ``results.nc`` of a comparison, as ``compare`` returned it."""
     dataset = read_dataset(path)
     require_comparison(dataset, str(path))
     return dataset

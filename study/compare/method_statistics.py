@@ -27,31 +27,10 @@ Array = NDArray[np.float64]
 
 
 def performance_profile(run_time: Array) -> tuple[Array, Array]:
-    """Share of problems that each method solves within a factor of the fastest.
+    """Factors (m) over the fastest, and share (methods, m) of all problems that each method solves within them.
 
-    Parameters
-    ----------
-    run_time
-        Run times (methods, problems) [s]; infinite where the problem was not solved.
-
-    Returns
-    -------
-    tuple
-        Factors (m) from 1 upwards at which the curves step, and the share (methods, m) of all problems, unsolved ones
-        included, that each method solves within the factor.
-
-    Notes
-    -----
-    Dolan and More 2002, doi 10.1007/s101070100263. The curve of a method tells how far it is from the best, but the
-    order of two methods can change when a third is taken away (Gould and Scott 2016, doi 10.1145/2950048): that of
-    ``pairwise_share`` cannot.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> factor, share = performance_profile(np.array([[1.0, 4.0], [2.0, np.inf]]))
-    >>> factor.tolist(), share.tolist()
-    ([1.0, 2.0], [[1.0, 1.0], [0.0, 0.5]])
+    Run times (methods, problems) [s] are infinite where unsolved. Dolan and More 2002, doi 10.1007/s101070100263. A
+    third method can change the order of two (doi 10.1145/2950048), but not their ``pairwise_share``.
     """
     best = run_time.min(axis=0)
     with np.errstate(invalid="ignore"):
@@ -61,56 +40,20 @@ def performance_profile(run_time: Array) -> tuple[Array, Array]:
 
 
 def data_profile(run_time: Array) -> tuple[Array, Array]:
-    """Share of problems that each method solves within a run time.
+    """Run times (m) [s], and share (methods, m) of all problems that each method solves within them.
 
-    Parameters
-    ----------
-    run_time
-        Run times (methods, problems) [s]; infinite where the problem was not solved.
-
-    Returns
-    -------
-    tuple
-        Run times (m) [s] at which the curves step, and the share (methods, m) of all problems that each method solves
-        within that time. The curve of a method does not depend on the others.
-
-    Notes
-    -----
-    More and Wild 2009, doi 10.1137/080724083, with the run time as the budget.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> budget, share = data_profile(np.array([[1.0, 4.0], [2.0, np.inf]]))
-    >>> budget.tolist(), share.tolist()
-    ([1.0, 2.0, 4.0], [[0.5, 0.5, 1.0], [0.0, 0.5, 0.5]])
+    Run times (methods, problems) are infinite where unsolved. The curve of a method does not depend on the others. More
+    and Wild 2009, doi 10.1137/080724083, with the run time as the budget.
     """
     budget = np.unique(run_time[np.isfinite(run_time)])
     return budget, _shares(run_time, budget)
 
 
 def pairwise_share(first: Array, second: Array, factor: float = 1.0) -> float:
-    """Share of problems that the first of two methods solves within a factor of the time of the second.
+    """Share of all problems that the first of two methods solves within a factor of the time of the second.
 
-    Parameters
-    ----------
-    first, second
-        Run times of the two methods (problems) [s]; infinite where the problem was not solved.
-    factor
-        The factor; at one, the first is at least as fast.
-
-    Returns
-    -------
-    float
-        Share of all problems. What the first alone solves counts for it, whatever the factor. The value at the factor t
-        is that of a performance profile of these two methods, which no third can change.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> first, second = np.array([1.0, 3.0, np.inf, 9.0]), np.array([2.0, 1.0, 1.0, np.inf])
-    >>> pairwise_share(first, second), pairwise_share(second, first), pairwise_share(first, second, 5.0)
-    (0.5, 0.5, 0.75)
+    Run times (problems) [s] are infinite where unsolved; a problem that the first alone solves counts for it. The share
+    is that of a performance profile of these two methods, which no third can change.
     """
     solved = np.isfinite(first)
     with np.errstate(invalid="ignore"):
@@ -118,14 +61,7 @@ def pairwise_share(first: Array, second: Array, factor: float = 1.0) -> float:
 
 
 def pairwise_matrix(run_time: Array, factor: float = 1.0) -> Array:
-    """Pairwise shares (methods, methods), row against column, of run times (methods, problems) [s].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> pairwise_matrix(np.array([[1.0, 4.0], [2.0, np.inf]])).tolist()
-    [[1.0, 1.0], [0.0, 0.5]]
-    """
+    """Pairwise shares (methods, methods), row against column, of run times (methods, problems) [s]."""
     return np.array([[pairwise_share(first, second, factor) for second in run_time] for first in run_time])
 
 
@@ -145,37 +81,14 @@ WAITING_EXCESS = 0.2
 
 
 def shifted_geometric_mean(values: Array, shift: float) -> float:
-    """Geometric mean of shifted values, shifted back; small values do not dominate it.
-
-    Parameters
-    ----------
-    values
-        Values (n), not negative.
-    shift
-        Shift, in the unit of the values.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> round(shifted_geometric_mean(np.array([1.0, 7.0]), 1.0), 12)
-    3.0
-    """
+    """Geometric mean of shifted values, shifted back; small values do not dominate it."""
     return float(np.exp(np.mean(np.log(values + shift))) - shift)
 
 
 def waiting_solvers(dataset: xr.Dataset) -> dict[str, float]:
-    """Solvers whose wall time exceeds their processor time by more than `WAITING_EXCESS`: other work took their turn.
+    """Median of wall over processor time by solver, where above ``1 + WAITING_EXCESS``: other work took its turn.
 
-    Parameters
-    ----------
-    dataset
-        Result of ``compare``.
-
-    Returns
-    -------
-    dict
-        Median of wall over processor time of calls with an answer, by solver; empty where solvers had more than one
-        thread.
+    Of calls with an answer; empty where solvers had more than one thread.
     """
     if int(dataset.attrs.get("threads", 1)) != 1:
         return {}
@@ -190,29 +103,10 @@ def waiting_solvers(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
-    """Fit run_time = factor size^exponent by least squares of the logarithms, over the larger half of the sizes.
+    """Factor and exponent of run_time = factor size^exponent, by least squares of the logarithms; else ``None``.
 
-    Small problems show the cost of the call, not of the method. The larger half is that of the logarithmic scale,
-    from the geometric mean of the smallest and the largest size, but at least three sizes.
-
-    Parameters
-    ----------
-    size
-        Numbers of segments (n).
-    run_time
-        Run times (n) [s]; infinite ones are left out.
-
-    Returns
-    -------
-    tuple or None
-        Factor and exponent; ``None`` if the sizes are too few or too close together.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> factor, exponent = growth(np.array([1.0, 10.0, 20.0, 40.0]), np.array([9.0, 1.0, 4.0, 16.0]))
-    >>> round(factor, 12), round(exponent, 12)
-    (0.01, 2.0)
+    Fitted above the geometric mean of least and greatest size, to three sizes at least, as small problems show the cost
+    of the call; infinite times are left out. ``None`` if sizes are too few or too close.
     """
     known = np.isfinite(run_time)
     if not known.any():
@@ -254,12 +148,10 @@ def time_of(dataset: xr.Dataset) -> str:
 
 
 def attempts_of(dataset: xr.Dataset) -> Any:
-    """Data frame of all attempts, with what they say and what of it holds.
+    """Data frame of all attempts, with their claims and certificates.
 
-    The column ``run_time`` is the time that the comparison goes by, see `TIMES`; ``wall_time`` the wall time.
-
-    Columns beside those of the table: ``exact``, ``claims``, ``uncertified`` and ``denied`` as in ``by_problem``, but
-    of one attempt; ``missed``, it claims to have solved the problem and misses the tolerance of a sweep.
+    ``run_time`` is the time to compare, see `TIMES`, beside ``wall_time``; ``exact``, ``claims``, ``uncertified``,
+    ``denied`` as in ``by_problem``; ``missed``: claimed as solved, but beyond the tolerance of a sweep.
     """
     frame: Any = dataset.to_dataframe()
     certified, solved = frame["certified"] == 1, frame["claim"] == SOLVED
@@ -277,17 +169,10 @@ def attempts_of(dataset: xr.Dataset) -> Any:
 
 
 def by_problem(dataset: xr.Dataset) -> Any:
-    """Data frame with a row a method and problem, all repetitions together; without the sweep of tolerances.
+    """Data frame with a row for each method and problem, repetitions together, without the sweep of tolerances.
 
-    Returns
-    -------
-    DataFrame
-        Columns besides method, problem, ``size`` and ``kind``: ``claims``, every repetition claims to have solved the
-        problem; ``certified`` and ``exact``, every repetition is certified, to the tolerance of the comparison and to
-        ``EXACT_TOLERANCE``; ``uncertified``, some repetition claims so and is not certified; ``denied``, some
-        repetition is certified but does not claim so; ``polished``, every answer is polished; ``run_time``, median over
-        the repetitions [s], infinite unless certified; ``spread``, the longest over the shortest, NaN of one alone;
-        medians of ``iterations`` and of the times in `TIME_COLUMNS` [s].
+    ``claims``, ``certified``, ``exact``, ``polished`` hold for every repetition, ``uncertified`` or ``denied`` (claim
+    or certificate alone) for some; medians, ``run_time`` infinite unless certified; ``spread``: longest over shortest.
     """
     frame = attempts_of(dataset)
     groups = frame[frame["settings"] != SWEEP].groupby([*METHOD_COLUMNS, *PROBLEM_COLUMNS], sort=False)
@@ -315,18 +200,8 @@ def by_problem(dataset: xr.Dataset) -> Any:
 def methods(problems: Any, time_limit: float) -> list[MethodName]:
     """Solver, settings and start of every method of ``by_problem``: by settings and start, then the best first.
 
-    Parameters
-    ----------
-    problems
-        Data frame of ``by_problem``.
-    time_limit
-        Time that counts for a problem without a certified answer [s].
-
-    Returns
-    -------
-    list
-        Within settings and start by the number of certified problems, then by the mean run time. Of those that have
-        none, the ones that claim to have are last.
+    The best certify most problems, then have the least mean run time, a problem without a certified answer counting
+    with the time limit [s]. Of those that certify none, the ones that claim to have solved some are last.
     """
     order = list(SETTINGS)
     found = [tuple(row) for row in problems[METHOD_COLUMNS].drop_duplicates().itertuples(index=False)]
@@ -365,62 +240,31 @@ ACCURACIES = 10.0 ** -np.arange(1.0, 13.0)
 
 @dataclass(frozen=True, eq=False)
 class WorkPrecision:
-    """Work and precision of one solver.
-
-    Attributes
-    ----------
-    solver
-        Its name.
-    accuracy
-        Certificates that are asked for (m).
-    share
-        Share of problems on which some run reaches the accuracy (m).
-    run_time
-        Median over all problems of the time of the fastest such run (m) [s]; infinite where half of them have none.
-    """
+    """Work and precision of one solver."""
 
     solver: str
-    accuracy: Array
-    share: Array
-    run_time: Array
+    accuracy: Array  # certificates that are asked for (m)
+    share: Array  # of problems on which some run reaches it (m)
+    run_time: Array  # median of the fastest such run (m) [s]; infinite if half have none
 
 
 @dataclass(frozen=True)
 class SweepPoint:
-    """Runs of one solver with one tolerance.
-
-    Attributes
-    ----------
-    solver
-        Its name.
-    tolerance
-        Given to the solver; zero for its settings of the headline.
-    problems
-        Number of problems.
-    claimed, missed
-        Problems that it says it solved, and those of them on which it misses the tolerance that it was given, see
-        `MISS_FACTOR`; none where it was given none.
-    median, worst
-        Median and largest certificate; infinite without an answer.
-    posed
-        Largest residual on the problems as it got them; infinite without an answer.
-    run_time
-        Median run time of all runs that ended [s].
-    """
+    """Runs of one solver with one tolerance; certificates and residuals are infinite without an answer."""
 
     solver: str
-    tolerance: float
+    tolerance: float  # zero for the settings of the headline
     problems: int
     claimed: int
-    missed: int
-    median: float
-    worst: float
-    posed: float
+    missed: int  # claimed, but beyond the tolerance given, see `MISS_FACTOR`
+    median: float  # certificate
+    worst: float  # certificate
+    posed: float  # largest residual on the problems as it got them
     run_time: float
 
 
 def has_sweep(dataset: xr.Dataset) -> bool:
-    """Whether a comparison has a sweep of tolerances."""
+    """True if a comparison has a sweep of tolerances."""
     return bool((dataset["settings"].values == SWEEP).any())
 
 

@@ -19,29 +19,9 @@ SUFFIXES = tuple(f".{name}" for name in FORMATS)
 def check_problem_output(
     output: Path, format: str | None, form: str | None, *sources: str | os.PathLike[str], count: int = 1
 ) -> None:
-    """Check, before any work, that contact problems can be written.
+    """Check, before any work, that contact problems can be written, and would overwrite none of the sources.
 
-    Parameters
-    ----------
-    output
-        The file or folder.
-    format, form
-        As in `export_problems`, or the format ``"qpbenchmark"``.
-    *sources
-        Files that must not be overwritten.
-    count
-        Number of problems, as far as it is known.
-
-    Raises
-    ------
-    InputError
-        If they cannot.
-
-    Examples
-    --------
-    >>> check_problem_output(Path("problems.qps"), "mat", None)
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: problems.qps: must be a file whose name ends in .mat, which holds all problems
+    Format and form as in `export_problems`, or the format ``"qpbenchmark"``; InputError if they cannot.
     """
     for source in sources:
         if os.path.isfile(output) and os.path.isfile(source) and os.path.samefile(output, source):
@@ -60,17 +40,7 @@ def check_problem_output(
 
 
 def write_problem_set(problems: ProblemSet, output: Path, format: str | None, form: str | None) -> str:
-    """Write contact problems, and say in one line what was written; parameters as in `check_problem_output`.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.contact import ContactProblem
-    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
-    >>> with TemporaryDirectory() as folder:
-    ...     write_problem_set(ProblemSet([problem]), Path(folder), "qps", None).split(": ")[1]
-    '1 contact problem, a file each'
-    """
+    """Write contact problems and describe in one line what was written; arguments as of `check_problem_output`."""
     count = len(problems.problems)
     said = f"{count} contact problem{'' if count == 1 else 's'}"
     if format == TEST_SET:
@@ -81,22 +51,6 @@ def write_problem_set(problems: ProblemSet, output: Path, format: str | None, fo
 
 
 def convert_problems(source: Path, output: Path, format: str | None, form: str | None) -> str:
-    """Convert a file or folder of contact problems, and say in one line what was written.
-
-    Raises
-    ------
-    InputError
-        If the source cannot be read, or the output not be written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.contact import ContactProblem, write_problems
-    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
-    >>> with TemporaryDirectory() as folder:
-    ...     write_problems([problem], Path(folder, "one.nc"))
-    ...     convert_problems(Path(folder, "one.nc"), Path(folder, "one.mat"), None, None).endswith("1 contact problem")
-    True
-    """
+    """Convert a file or folder of contact problems and describe in one line what was written."""
     check_problem_output(output, format, form, source)
     return write_problem_set(import_problems(source), output, format, form)

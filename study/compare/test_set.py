@@ -91,37 +91,10 @@ if __name__ == "__main__":
 def write_test_set(
     problems: ProblemSet | Sequence[ContactProblem], folder: str | os.PathLike[str], *, time_limit: float = 10.0
 ) -> list[Path]:
-    """Write problems as a test set of qpbenchmark: ``contact_qpbenchmark.py``, ``problems.csv`` and a folder ``data``.
+    """Write a test set of qpbenchmark: ``contact_qpbenchmark.py``, ``problems.csv`` and a folder ``data``; its script.
 
-    Parameters
-    ----------
-    problems
-        At least one problem; labels and reference solutions as a `ProblemSet`. They are written scaled, because the
-        residuals of that program are absolute. The file of a problem, and its name there, is its label ``name``, or
-        ``contact_0000`` and so on.
-    folder
-        Folder for the files; made if it does not exist. Problems of an earlier test set there are removed.
-    time_limit
-        Run time that its tolerances allow [s].
-
-    Returns
-    -------
-    list of Path
-        The script.
-
-    Raises
-    ------
-    InputError
-        If there are no problems, or the folder cannot be written to.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.contact import ContactProblem
-    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
-    >>> with TemporaryDirectory() as folder:
-    ...     write_test_set([problem], folder)[0].name
-    'contact_qpbenchmark.py'
+    Problems are scaled, as residuals there are absolute, and have their label ``name``, else ``contact_0000`` and so
+    on. Those of an earlier test set in the folder are removed. Tolerances there allow the time limit [s].
     """
     given = problems if isinstance(problems, ProblemSet) else ProblemSet(problems)
     if not given.problems:

@@ -47,15 +47,7 @@ class Request:
 
 
 class Worker:
-    """The process of one solver, started at the first request and again after it had to be ended.
-
-    Parameters
-    ----------
-    solver
-        A name of the table of solvers, or ``module:function``.
-    threads
-        Number of threads for linear algebra in the process.
-    """
+    """The process of one solver, started at the first request and again after it had to be ended."""
 
     def __init__(self, solver: str, threads: int = 1) -> None:
         self.solver = solver
@@ -68,7 +60,7 @@ class Worker:
 
     @property
     def running(self) -> bool:
-        """Whether there is a process."""
+        """True if there is a process."""
         return self._process is not None
 
     def launch(self) -> None:
@@ -82,17 +74,9 @@ class Worker:
         theirs.close()
 
     def greet(self) -> Attempt | None:
-        """Wait until the process is ready and says whether its own solver makes use of a start.
+        """Outcome that stands for a failed start; ``None`` once the process is ready.
 
-        Returns
-        -------
-        Attempt | None
-            The outcome that stands for a failed start.
-
-        Raises
-        ------
-        InputError
-            There is no such solver.
+        The process then has reported if its own solver makes use of a start. InputError if there is no such solver.
         """
         greeting = self._receive(START_TIME_LIMIT)
         if isinstance(greeting, str):
