@@ -41,6 +41,7 @@ from easeoff.study.design.optimization.analysed_settings import (
     Workshop,
     blade_tip_gaps,
     blade_tip_slopes,
+    corner_assemblies,
     sampled_assemblies,
     usual_root_line_change,
 )
@@ -439,6 +440,12 @@ def test_samples_are_drawn_about_the_own_assembly_and_repeat() -> None:
     assert first == again != other
     assert {(one.offset, one.pinion_axial, one.gear_axial) for one in first} == {(0.1, 0.2, 0.3)}
     assert max(abs(one.shaft_angle) for one in first) < np.radians(0.5)
+
+
+def test_corners_combine_the_bounds_and_leave_a_normal_error_as_it_is() -> None:
+    spread = {"E": "uniform(-0.02, 0.02)", "P": "uniform(0.0, 0.1)", "G": "normal(0, 0.1)"}
+    found = [(one.offset, one.pinion_axial, one.gear_axial) for one in corner_assemblies(Misalignment(), spread)]
+    assert found == [(-0.02, 0.0, 0.0), (-0.02, 0.1, 0.0), (0.02, 0.0, 0.0), (0.02, 0.1, 0.0)]
 
 
 def test_limits_and_quantities_are_read_as_they_are_written() -> None:

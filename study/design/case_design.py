@@ -162,18 +162,7 @@ class _Wanted:
 
 
 def recorded_modification(tree: xr.DataTree) -> Modification:
-    """Modification of a result of ``modify``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> tree = easeoff.modify(case, torques=[200.0], order=2, programmes=1)
-    >>> sorted(recorded_modification(tree).coefficients)
-    ['bias', 'lengthwise_crowning', 'pressure_angle_error', 'profile_crowning', 'spiral_angle_error']
-    """
+    """Modification of a result of ``modify``."""
     terms = tree["modification"].to_dataset()["coefficient"]
     return Modification({str(k): float(v) for k, v in zip(terms["term"].values, terms.values, strict=True)})
 
@@ -181,38 +170,10 @@ def recorded_modification(tree: xr.DataTree) -> Modification:
 def fit_modification(
     case: Case, modification: Modification, *, flank: FlankName = "drive", free: Sequence[str] | None = None
 ) -> tuple[Case, Synthesis]:
-    """Fit the pinion's settings to the ease-off of a case with a modification.
+    """The case with its pinion fitted to the ease-off with a modification added, and the fit.
 
-    Parameters
-    ----------
-    case
-        A checked case.
-    modification
-        Addition to the ease-off.
-    flank
-        ``drive`` fits the pinion's concave flank, ``coast`` its convex one.
-    free
-        Settings that may move; those of ``fit_pinion`` if left out.
-
-    Returns
-    -------
-    Case
-        The case with the fitted flank of the pinion. A target recorded for this side is dropped.
-    Synthesis
-        The moved settings and the residual.
-
-    Raises
-    ------
-    InputError, GeometryError
-        As ``easeoff.geometry.fit_pinion``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> from easeoff.geometry import Modification
-    >>> fitted, fit = fit_modification(read_case("nasa-12x36"), Modification({"lengthwise_crowning": 5.0}))
-    >>> fit.rms < 1e-3
-    True
+    ``drive`` fits the pinion's concave flank, ``coast`` its convex one; a target recorded for this side is dropped.
+    Settings ``free`` to move and errors are as of ``easeoff.geometry.fit_pinion``.
     """
     pair = gear_pair(case, flank)
     found = fit_pinion(pair, _Wanted(pair, modification), free=free)

@@ -138,26 +138,15 @@ NO_VALUE = "-"
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothSpaces:
-    """Spaces of a pair by the formulas and on the generated teeth; arrays have the pinion first.
-
-    Parameters
-    ----------
-    slots, lands, limits
-        Slot widths, top lands and edge-radius limits by AGMA 929-B22.
-    measured
-        Lands of the generated teeth at toe, mean point and heel, of both members.
-    edge_radius
-        Of the blades, the larger one of each member (2) [mm].
-    fillet_clearance
-        Between the fillets and the path of the mate's tip, the least in the half at the toe: (2, 2) [mm], the side on
-        which the pinion is concave first; NaN where the teeth have no such place.
-    """
+    """Spaces of a pair by the formulas of AGMA 929-B22 and on the generated teeth; arrays have the pinion first."""
 
     slots: SlotWidths
     lands: TopLands
     limits: EdgeRadiusLimits
-    measured: tuple[LandWidths, LandWidths]
-    edge_radius: Array
+    measured: tuple[LandWidths, LandWidths]  # of the generated teeth at toe, mean point and heel
+    edge_radius: Array  # of the blades, the larger one of each member (2) [mm]
+    #: fillets to the path of the mate's tip, least in the toe half (2, 2) [mm], side of the concave pinion first; NaN
+    #: where the teeth have no such place
     fillet_clearance: Array
 
     def rows(self) -> Iterator[tuple[str, ...]]:
@@ -191,15 +180,12 @@ class ToothSpaces:
     def blade_point(self, member: int) -> tuple[float, float]:
         """Least blade point that leaves no fin in the widest slot, and greatest that fits the narrowest [mm].
 
-        Parameters
-        ----------
-        member
-            0 for the pinion, 1 for the gear.
+        Member 0 is the pinion, 1 the gear.
         """
         return float(self.slots.greatest[member]) / 2.0 + BLADE_OVERLAP, float(self.slots.least[member])
 
     def warnings(self) -> Iterator[str]:
-        """What cannot be cut as it is, a sentence each."""
+        """Warnings of teeth that cannot be cut as they are, a sentence each."""
         for k, name in enumerate(MEMBERS):
             least, most = self.blade_point(k)
             if not most > 0.0:
@@ -217,28 +203,9 @@ class ToothSpaces:
 
 
 def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions) -> ToothSpaces:
-    """Spaces of a pair.
+    """Spaces of a pair, seen from both sides, with both flanks of both members.
 
-    Parameters
-    ----------
-    drive, coast
-        The pair seen from both sides, with both flanks of both members.
-    proportions
-        Its tooth proportions.
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of its blank, or does not reach an end of the face.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry.design.tooth_proportions import measured_proportions
-    >>> drive, coast = (gear_pair(read_case("nasa-12x36"), side) for side in ("drive", "coast"))
-    >>> spaces = tooth_spaces(drive, coast, measured_proportions(drive))
-    >>> list(spaces.warnings())
-    []
+    GeometryError if a cutter meets no tooth of its blank, or does not reach an end of the face.
     """
     slots = SlotWidths(ToothLine(proportions))
     members = drive.pinion, drive.gear
@@ -287,25 +254,9 @@ UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
 
 
 def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
-    """Top lands, slots and fillets of a case, and what is doubtful of its teeth, a sentence each.
+    """Top lands, slots and fillets of a case, and warnings of its teeth, a sentence each.
 
-    Parameters
-    ----------
-    case
-        A checked case.
-
-    Returns
-    -------
-    tuple
-        The tooth spaces, ``None`` where they cannot be measured, and the warnings, of which one says why.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case = read_case("fm-11x41")
-    >>> shells = case.compliance.model_copy(update={"model": "shell"})
-    >>> case_warnings(case.model_copy(update={"compliance": shells}))[1]
-    ()
+    The spaces are ``None`` where they cannot be measured; a warning then gives the reason.
     """
     try:
         drive, coast = (gear_pair(case, side) for side in SIDES)
@@ -329,19 +280,8 @@ def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
 def unusual_set_ups(case: Case) -> tuple[str, ...]:
     """Flanks of the pinion in a set-up that no method of a design for the shop makes, in one line or none.
 
-    Fixed setting and modified roll have no tilt, tilt has no modified roll, and completing has both on one machine for
-    both flanks. The closest fit, and settings freed by hand, may give each flank a tilt and a modified roll of its own.
-
-    Parameters
-    ----------
-    case
-        A checked case.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> len(unusual_set_ups(read_case("fm-11x41"))), unusual_set_ups(read_case("nasa-12x36"))
-    (1, ())
+    Fixed setting and modified roll have no tilt, tilt has no modified roll, completing has both on one machine for both
+    flanks. The closest fit and freed settings may give each flank a tilt and a modified roll of its own.
     """
     concave, convex = case.pinion.concave, case.pinion.convex
     if concave is None or convex is None or concave.machine == convex.machine:
@@ -366,13 +306,7 @@ def uncut_share(flank: Flank) -> float:
 
 
 def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
-    """Members whose flank ends before the mate's tip has passed it, each with a warning.
-
-    Parameters
-    ----------
-    unmet
-        Of ``unmet_tips``.
-    """
+    """Members whose flank ends before the mate's tip has passed it, by ``unmet_tips``, each with a warning."""
     for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
         if not share <= UNMET_LIMIT:
             yield (
@@ -383,19 +317,7 @@ def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str
 
 
 def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") -> Iterator[str]:
-    """Warnings of blade tips off the root cone, and of places where no root was found.
-
-    Parameters
-    ----------
-    member
-        Its name.
-    gap
-        Height of the blade tips above the root cone at toe, middle and heel (3) [mm].
-    clearance
-        Of the pair [mm].
-    advice
-        What helps against tips off the cone.
-    """
+    """Warnings of blade tips off the root cone by their gap (3) [mm] at toe, middle and heel, or without a root."""
     found = np.isfinite(gap)
     if np.any(np.abs(gap[found]) > clearance):
         yield (
@@ -408,15 +330,7 @@ def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") ->
 
 
 def narrow_top_lands(pair: GearPair, module: float) -> Iterator[str]:
-    """Warnings of narrow top lands, or of members that have no tooth between their flanks.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    module
-        Mean normal module [mm].
-    """
+    """Warnings of top lands narrow for the mean normal module [mm], or of members with no tooth between flanks."""
     try:
         both = bodies(pair)
     except GeometryError as error:
@@ -429,15 +343,7 @@ def narrow_top_lands(pair: GearPair, module: float) -> Iterator[str]:
 
 
 def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, str]]:
-    """Members without the whole tooth that a model of the elastic teeth needs, each with the reason.
-
-    Parameters
-    ----------
-    pair
-        The pair, with both flanks of both members.
-    model
-        Of the elastic teeth.
-    """
+    """Members without the whole tooth that a model of the elastic teeth needs, each with the reason."""
     for name in BOTH_MEMBERS:
         try:
             if model == "shell":
@@ -468,37 +374,16 @@ COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less le
 
 @dataclass(frozen=True)
 class SideReport:
-    """Fit of one pinion flank to the wanted ease-off.
+    """Fit of one pinion flank to the wanted ease-off."""
 
-    Parameters
-    ----------
-    moved
-        Start and end of every free setting [mm, rad or per rad].
-    residual
-        Ease-off less target (n), up to a rotation of the gear [mm]: at the nodes of the fit or, with a generated gear,
-        on the whole common flank.
-    wanted_range
-        Range of the target over the gear flank [mm].
-    largest_ease_off
-        Largest ease-off over the common flank [mm].
-    common_flank
-        Share of the gear flank that the pinion meets.
-    uncut
-        Share of the flanks of pinion and gear that is undercut or out of the cutter's reach.
-    at_limit
-        Names of the settings that stand at a limit of the machine or the cutter.
-    root_gap
-        Height of the pinion's blade tip above the root cone at toe, middle and heel (3) [mm]; negative where it cuts
-        deeper, NaN where the root is undercut or out of the cutter's reach.
-    """
-
-    moved: Mapping[str, tuple[float, float]]
+    moved: Mapping[str, tuple[float, float]]  # start and end of every free setting [mm, rad or per rad]
+    #: ease-off less target (n) [mm], a gear rotation left out; on the common flank if generated, else at nodes
     residual: Array
     wanted_range: float
     largest_ease_off: float
     common_flank: float
-    uncut: tuple[float, float]
-    root_gap: Array
+    uncut: tuple[float, float]  # share of pinion and gear flank undercut or out of reach
+    root_gap: Array  # blade tip above the root cone at toe, middle, heel (3) [mm]; NaN where undercut or out of reach
     at_limit: tuple[str, ...] = ()
 
     @property
@@ -613,7 +498,7 @@ def _unfinished(design: Design, designed: PairDesign) -> list[str]:
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
-    """What to change if it is not the edge radius."""
+    """Advice for a member other than a smaller edge radius."""
     if getattr(design, name).tool_edge_radius is not None:
         return ""
     blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
@@ -657,10 +542,10 @@ def _at_limit(design: Design, designed: PairDesign, side: FlankName) -> tuple[st
 
 
 def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[dict[str, tuple[float, float]], ...]:
-    """Least and greatest value of settings of pinion and gear by name [mm or rad], within which they are rounded.
+    """Least and greatest value [mm or rad] within which settings of pinion and gear are rounded, by name.
 
-    Of the pinion's fitted settings, but for the closest fit, which has none; and of the edge radii: these become
-    smaller alone, as whatever allowed them allows less, but not below the smallest fillet.
+    Of the pinion's fitted settings, except for the closest fit, which has none; and of edge radii, which are only
+    rounded down, as a smaller one is allowed where a larger one is, but not below the smallest fillet.
     """
     found: tuple[dict[str, tuple[float, float]], ...] = ({}, {})
     if design.pinion.method != "closest_fit":

@@ -214,7 +214,7 @@ def _goal(
 
 
 def _least_line_load(loaded: xr.Dataset, ratio: float) -> Array:
-    """Line load of every torque (t) [N/mm] if it were even along all contact lines of the worst mesh position.
+    """Line load of every torque (t) [N/mm] if even along all contact lines of the worst mesh position.
 
     No surface could do better.
     """

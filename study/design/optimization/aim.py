@@ -40,23 +40,7 @@ LOST_TIP = 10.0
 
 @dataclass(frozen=True)
 class QuantityKind:
-    """What a quantity is made of.
-
-    Parameters
-    ----------
-    units
-        Its unit.
-    long_name
-        What it is.
-    kind
-        Of the composite.
-    variable
-        Of ``SolvedContact`` whose values are its rows.
-    over_torque
-        Whether the torque changes it.
-    member
-        Of which it is, where the variable has both.
-    """
+    """Composite and variable of ``SolvedContact`` that give a quantity."""
 
     units: str
     long_name: str
@@ -112,30 +96,10 @@ NAMES = ("peak_to_peak", "harmonic_1 to harmonic_20", *list(KINDS)[1:])
 
 @dataclass(frozen=True)
 class ContactQuantity:
-    """One quantity of the contact, at one torque and on one side or at all.
-
-    Parameters
-    ----------
-    name
-        See ``NAMES``.
-    torque
-        At which it counts [N m]; ``None`` for all.
-    flank
-        Side on which it counts; ``None`` for all that are analysed.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity.
-
-    Examples
-    --------
-    >>> ContactQuantity.parsed("coast.peak_to_peak@250")
-    ContactQuantity(name='peak_to_peak', torque=250.0, flank='coast')
-    """
+    """One quantity of the contact, of ``NAMES``, at one torque and on one side or at all that are analysed."""
 
     name: str
-    torque: float | None = None
+    torque: float | None = None  # [N m]
     flank: FlankName | None = None
 
     def __post_init__(self) -> None:
@@ -172,12 +136,12 @@ class ContactQuantity:
 
     @property
     def unloaded(self) -> bool:
-        """Whether it is of the unloaded transmission error."""
+        """True if it is of the unloaded transmission error."""
         return self.name == "unloaded_peak_to_peak"
 
     @property
     def meaning(self) -> QuantityKind:
-        """What it is made of."""
+        """Its row in the table of kinds."""
         order = HARMONIC.fullmatch(self.name)
         if order is None:
             return KINDS[self.name]
@@ -187,19 +151,10 @@ class ContactQuantity:
     def composite(
         self, values: xr.Dataset, slopes: xr.Dataset | None, torque: int, start: xr.Dataset, radius: float = 0.0
     ) -> Composite:
-        """The quantity of one analysis as a function of the settings.
+        """The quantity of one analysis and torque, by number, as a function of the settings from ``start``.
 
-        Parameters
-        ----------
-        values, slopes
-            Of ``SolvedContact``, with ``blade_tip_gap``; the derivatives by the settings (n) in units that change the
-            ease-off by one micrometre at most; without them the value alone counts.
-        torque
-            Number of the torque.
-        start
-            Values of the settings that a change begins at.
-        radius
-            Of the trust region in which the function is used [um].
+        Slopes are by settings (n) in units that change the ease-off by one micrometre at most; without them the value
+        alone counts. ``radius`` is that of the trust region [um].
         """
         meaning = self.meaning
         level, slope = _rows(meaning, values, slopes, torque)
@@ -281,22 +236,7 @@ def _likely_greatest(level: Array, slope: Array, radius: float) -> tuple[Array, 
 
 @dataclass(frozen=True)
 class QuantityLimit:
-    """Limit of a quantity.
-
-    Parameters
-    ----------
-    quantity
-        What is limited.
-    bound
-        Its greatest value, or its least.
-    upper
-        Which of both.
-
-    Examples
-    --------
-    >>> [one.text for one in QuantityLimit.parsed("max_pressure@250 <= 1500")]
-    ['max_pressure@250<=1500']
-    """
+    """Upper or lower limit of a quantity."""
 
     quantity: ContactQuantity
     bound: float
@@ -353,7 +293,7 @@ REFERENCE_MINIMUM = 1e-3
 
 @dataclass(frozen=True)
 class Load:
-    """Where a quantity is read: side, assembly and torque, all by number but the side."""
+    """Side, assembly and torque at which a quantity is read, all by number but the side."""
 
     flank: FlankName
     assembly: int
@@ -362,24 +302,12 @@ class Load:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Values of one side and assembly, with derivatives by the settings in micrometres of ease-off.
-
-    Parameters
-    ----------
-    solved
-        Of which it is.
-    values
-        Of ``SolvedContact``.
-    differentiated
-        Makes the exact derivatives; ``None`` where they are not wanted.
-    differences
-        Makes derivatives by differences of analyses.
-    """
+    """Values of one side and assembly, with derivatives by the settings in micrometres of ease-off."""
 
     solved: SolvedContact
     values: xr.Dataset
-    differentiated: Callable[[], xr.Dataset] | None
-    differences: Callable[[], xr.Dataset]
+    differentiated: Callable[[], xr.Dataset] | None  # exact derivatives; None if not wanted
+    differences: Callable[[], xr.Dataset]  # derivatives by differences of analyses
 
     @cached_property
     def exact(self) -> xr.Dataset | None:
@@ -397,15 +325,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Objective:
-    """A quantity to be made small.
-
-    Parameters
-    ----------
-    quantity
-        The quantity.
-    weight
-        In relation to the others.
-    """
+    """A quantity to be made small, with its weight."""
 
     quantity: ContactQuantity
     weight: float = 1.0
@@ -413,28 +333,12 @@ class Objective:
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """Objectives and limits.
-
-    Parameters
-    ----------
-    objectives
-        What is minimised.
-    limits
-        What is kept.
-    form
-        See ``judged_objective``.
-    torques
-        Of every analysis [N m].
-    flanks
-        Sides that are analysed.
-    assemblies
-        Number of assemblies.
-    """
+    """Objectives and limits."""
 
     objectives: tuple[Objective, ...]
     limits: tuple[QuantityLimit, ...]
     form: Form
-    torques: tuple[float, ...]
+    torques: tuple[float, ...]  # of every analysis [N m]
     flanks: tuple[FlankName, ...]
     assemblies: int
 
@@ -475,7 +379,7 @@ class Aim:
         return np.array([one.weight for one in self.objectives])
 
     def loads(self, quantity: ContactQuantity) -> list[Load]:
-        """Where a quantity counts."""
+        """Loads at which a quantity counts."""
         flanks = [flank for flank in self.flanks if quantity.flank in (None, flank)]
         torques = [n for n, torque in enumerate(self.torques) if quantity.torque in (None, torque)]
         torques = torques if quantity.meaning.over_torque else torques[:1]
@@ -501,21 +405,11 @@ class Aim:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """An aim with its references: what judges values and makes models.
-
-    Parameters
-    ----------
-    aim
-        The aim.
-    references
-        By objective, see ``Aim.references``.
-    ceilings
-        Limits of objectives over their references, by number of the objective, which are then not minimised; infinite
-        for none. Of the points of a front.
-    """
+    """An aim with its references, which judges values and makes models."""
 
     aim: Aim
     references: Sequence[Reference]
+    #: on a front: objective by number, limit over its reference (not minimised then)
     ceilings: tuple[tuple[int, float], ...] = ()
 
     def composites(
@@ -546,7 +440,7 @@ class Judgement:
         return np.array([w for number, w in enumerate(self.aim.weights) if number not in ceiled])
 
     def merit(self, read: Callable[[ContactQuantity, Load], Composite]) -> Merit:
-        """What values reach."""
+        """Objective and violation that values reach."""
         ratios, limits = self.composites(read)
         values = [np.array([c.value() for c in one]) for one in ratios]
         passed = [max(0.0, max(c.value() for c in one) - 1.0) for one in limits]
@@ -582,25 +476,13 @@ _GRID = ("lengthwise", "profile")
 
 @dataclass(frozen=True, eq=False)
 class EaseOffForm:
-    """Ease-off of one pair of flanks.
-
-    Parameters
-    ----------
-    lengthwise, profile
-        Fractions of the nodes.
-    lever_arm
-        At the nodes (s) [mm]; NaN where the flanks have no common part.
-    value
-        Ease-off (s) [um].
-    slopes
-        Its derivatives (s, n) by the settings, a rotation left out.
-    """
+    """Ease-off of one pair of flanks at nodes (s), with derivatives by the settings (n)."""
 
     lengthwise: Array
     profile: Array
-    lever_arm: Array
-    value: Array
-    slopes: Array
+    lever_arm: Array  # (s) [mm]; NaN where the flanks have no common part
+    value: Array  # (s) [um]
+    slopes: Array  # (s, n), a rotation left out
 
     @classmethod
     def of(cls, reading: Reading) -> EaseOffForm:
@@ -619,12 +501,9 @@ class EaseOffForm:
         return cls(t, h, known, value, slopes)
 
     def missed(self, pair: GearPair, step: Array) -> Array:
-        """What another pair lacks of the form after a step (n) to first order (s) [um]; zero where either is unknown.
+        """Difference of the form after a step (n), to first order, from another pair (s) [um]; zero where unknown.
 
-        Raises
-        ------
-        GeometryError
-            If its flanks do not meet.
+        GeometryError if the flanks of the other pair do not meet.
         """
         gear = pair.gear.flank(self.lengthwise, self.profile)
         exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)

@@ -44,27 +44,8 @@ def sampled_assemblies(
 ) -> list[Misalignment]:
     """Assemblies with errors drawn from distributions, the others being those of one assembly.
 
-    Parameters
-    ----------
-    own
-        The assembly without the distributed errors.
-    distributions
-        By ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself.
-    count
-        Number of samples; ``None`` if nothing is distributed.
-    seed
-        As of ``sweep``.
-
-    Raises
-    ------
-    InputError
-        If an error is unknown, or samples are given without distributions or the other way round.
-
-    Examples
-    --------
-    >>> found = sampled_assemblies(Misalignment(gear_axial=0.1), {"E": "uniform(-0.02, 0.02)"}, 4)
-    >>> len(found), found[0].gear_axial, max(abs(one.offset) for one in found) < 0.02
-    (4, 0.1, True)
+    Distributions are by ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself; the seed is that of
+    ``sweep``. InputError if samples are given without distributions or the other way round.
     """
     chosen = _distributions(distributions)
     if count is not None and not chosen:
@@ -80,19 +61,8 @@ def sampled_assemblies(
 def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
     """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
 
-    Samples seldom reach the corners, where most quantities are greatest: without these a worst case over samples says
-    little of others.
-
-    Parameters
-    ----------
-    own, distributions
-        As of ``sampled_assemblies``. A normal distribution has no bounds; its error is left as it is.
-
-    Examples
-    --------
-    >>> spread = {"E": "uniform(-0.02, 0.02)", "P": "uniform(0.0, 0.1)", "G": "normal(0, 0.1)"}
-    >>> [(one.offset, one.pinion_axial) for one in corner_assemblies(Misalignment(), spread)]
-    [(-0.02, 0.0), (-0.02, 0.1), (0.02, 0.0), (0.02, 0.1)]
+    A normal distribution has no bounds; its error is left as it is. Samples seldom reach the corners, where most
+    quantities are greatest: without these a worst case over samples says little of others.
     """
     chosen = _distributions(distributions)
     ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
@@ -122,13 +92,7 @@ def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment
 
 
 def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
-    """Assemblies, refused where they depend on the torque.
-
-    Raises
-    ------
-    InputError
-        If one depends on the torque.
-    """
+    """The assemblies as given, or InputError if one depends on the torque."""
     found = []
     for one in given:
         if isinstance(one, Deflections):
@@ -151,18 +115,9 @@ TIP_WEIGHT = 100.0
 
 
 def blade_tip_gaps(pair: GearPair) -> xr.DataArray:
-    """Distances of the blades' tips above the root cones of the loaded flanks [mm], negative where they cut deeper.
+    """Distances (member, root_place) of blade tips above the root cones of the loaded flanks [mm].
 
-    Returns
-    -------
-    xr.DataArray
-        The distances (member, root_place), NaN where the flank ends before.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> blade_tip_gaps(gear_pair(read_case("nasa-12x36"))).dims
-    ('member', 'root_place')
+    Negative where they cut deeper, NaN where the flank ends before.
     """
     flanks = [(member.loaded.designed, member.section) for member in _both(pair)]
     gaps = [RootLine.of(surface, section).gap(surface)[0] for surface, section in flanks]
@@ -170,28 +125,7 @@ def blade_tip_gaps(pair: GearPair) -> xr.DataArray:
 
 
 def blade_tip_slopes(pair: GearPair, settings: Sequence[tuple[str, PairSetting]]) -> xr.DataArray:
-    """Derivatives of the distances by machine and cutter settings.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    settings
-        The settings (n) with their names.
-
-    Returns
-    -------
-    xr.DataArray
-        The derivatives (member, root_place, setting) per mm or degree.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> chosen = [("base", PairSetting("pinion", "sliding_base"))]
-    >>> change = blade_tip_slopes(gear_pair(read_case("nasa-12x36")), chosen)
-    >>> change.sel(member="pinion", root_place="middle").values.round(2).tolist()
-    [1.0]
-    """
+    """Derivatives (member, root_place, setting) of the distances by machine and cutter settings, per mm or degree."""
     change = np.zeros((len(MEMBERS), len(PLACES), len(settings)))
     for row, (name, member) in enumerate(zip(MEMBERS, _both(pair), strict=True)):
         surface = member.loaded.designed
@@ -212,15 +146,7 @@ def _both(pair: GearPair) -> tuple[Member, Member]:
 
 @dataclass(frozen=True, eq=False)
 class BladeTips:
-    """Distances of the blades' tips from the root cones in an analysis with derivatives, weighted.
-
-    Parameters
-    ----------
-    value
-        At their places (p), times ``TIP_WEIGHT``.
-    slopes
-        Their derivatives (p, n) by the settings.
-    """
+    """Distances of blade tips (p) from the root cones, with derivatives by the settings (n), times ``TIP_WEIGHT``."""
 
     value: Array
     slopes: Array
@@ -233,9 +159,9 @@ class BladeTips:
         return cls(TIP_WEIGHT * value, TIP_WEIGHT * slopes)
 
     def missed(self, pair: GearPair, step: Array) -> Array:
-        """What another pair lacks of the distances (p) after a step (n) to first order; zero where either is unknown.
+        """Difference of the distances after a step (n), to first order, from another pair (p); zero where unknown.
 
-        Raises GeometryError if a cutter meets no tooth.
+        GeometryError if a cutter meets no tooth.
         """
         found = TIP_WEIGHT * ordered(blade_tip_gaps(pair).to_dataset(name="gap"), "gap", *DIMENSIONS).ravel()
         return np.nan_to_num(self.value + self.slopes @ step - found)
@@ -263,17 +189,7 @@ TOOTH_NODES = (9, 5)
 
 @dataclass(eq=False)
 class Effort:
-    """What a search has cost so far.
-
-    Parameters
-    ----------
-    analyses
-        Number of analyses, of one side in one assembly each.
-    differentiated
-        How many of them were differentiated.
-    teeth
-        How often the elastic teeth of a side were built.
-    """
+    """Cost of a search so far."""
 
     analyses: int = 0
     differentiated: int = 0
@@ -282,33 +198,15 @@ class Effort:
 
 @dataclass(eq=False)
 class Workshop:
-    """What analyses settings: teeth are those of one case and held, flanks are cut anew.
-
-    Parameters
-    ----------
-    space
-        Free settings.
-    torques
-        At the pinion [N m].
-    assemblies
-        All assemblies; the first is the case's own.
-    states
-        By side the pair whose teeth are held.
-    units
-        Change of each setting (n) that changes the ease-off by one micrometre at most.
-    unloaded
-        Whether the unloaded transmission error counts.
-    effort
-        So far; copies share it.
-    """
+    """Analyses of settings: the teeth are those of one case and held, the flanks are cut anew."""
 
     space: SettingSpace
     torques: tuple[float, ...]
-    assemblies: tuple[Misalignment, ...]
+    assemblies: tuple[Misalignment, ...]  # the first is the case's own
     states: Mapping[FlankName, CaseInMesh]
-    units: Array
+    units: Array  # change of each setting (n) that changes the ease-off by one micrometre at most
     unloaded: bool = True
-    effort: Effort = field(default_factory=Effort)
+    effort: Effort = field(default_factory=Effort)  # copies share it
 
     def readings(self, case: Case) -> dict[tuple[FlankName, int], Reading]:
         """Analyses of a case with held teeth. Raises as ``SolvedContact.of``."""
@@ -348,7 +246,7 @@ class Workshop:
         """Derivatives by the free settings, each moved a little to both sides; to one where the other has no analysis.
 
         Segments of several analyses are not the same: their quantities count with the greatest of a mesh position.
-        Raises GeometryError if neither side has an analysis.
+        GeometryError if neither side has an analysis.
         """
         state = solved.state
         here, values = self.space.values_of(state.case), self._values(solved)
@@ -420,26 +318,10 @@ def _times(slopes: xr.Dataset, columns: Array) -> xr.Dataset:
 
 @dataclass(frozen=True, eq=False)
 class AnalysedSettings:
-    """Settings with their analyses, a ``Point`` of the search.
+    """Settings with their analyses, a ``Point`` of the search."""
 
-    Parameters
-    ----------
-    values
-        The settings (n) in the units of the case file.
-    settings
-        Their changes from the start, in micrometres of ease-off.
-    readings
-        By side and assembly.
-    start
-        The same of the settings at the start.
-    judgement
-        What judges them.
-    workshop
-        That analysed them.
-    """
-
-    values: Array
-    settings: Array
+    values: Array  # (n) in the units of the case file
+    settings: Array  # (n) their changes from the start, in micrometres of ease-off
     readings: Readings
     start: Readings
     judgement: Judgement
@@ -458,7 +340,7 @@ class AnalysedSettings:
 
     @cached_property
     def merit(self) -> Merit:
-        """What they reach."""
+        """Objective and violation that they reach."""
         return self.judgement.merit(self.read)
 
     def judged_by(self, judgement: Judgement) -> AnalysedSettings:
@@ -481,7 +363,7 @@ class AnalysedSettings:
     def moved(self, step: Array) -> AnalysedSettings:
         """Other settings (n), analysed, with the ease-off that a step gives to first order.
 
-        Raises EaseoffError if they have no teeth or no certified analysis.
+        EaseoffError if they have no teeth or no certified analysis.
         """
         workshop = self.workshop
         settings = self.settings + step
@@ -522,7 +404,7 @@ class AnalysedSettings:
 
     @cached_property
     def differentiable(self) -> bool:
-        """Whether there is a model."""
+        """True if there is a model."""
         try:
             return all(reading.slopes.sizes for reading in self.readings.values())
         except EaseoffError:

@@ -23,28 +23,11 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """Function of affine rows.
-
-    Parameters
-    ----------
-    kind
-        ``affine``: the only row; ``greatest``: the greatest row; ``range``: the greatest less the least; ``norm``: the
-        root of the sum of squares.
-    level
-        Rows (m) at the present settings.
-    slope
-        Derivatives (m, n) by the settings.
-
-    Examples
-    --------
-    >>> found = Composite("range", np.array([1.0, 4.0]), np.array([[0.0], [1.0]]))
-    >>> found.value(), found.value(np.array([-2.0]))
-    (3.0, 1.0)
-    """
+    """Function of affine rows (m): the only, the greatest, greatest less least, or root of the sum of squares."""
 
     kind: Kind
-    level: Array
-    slope: Array
+    level: Array  # (m) at the present settings
+    slope: Array  # (m, n) by the settings
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)

@@ -43,24 +43,10 @@ CENTRE, BASE = "machine_center_to_crossing_point", "sliding_base"
 
 @dataclass(frozen=True)
 class FreeSetting:
-    """One setting that a search moves, in the units of the case file.
+    """One setting that a search moves, in the units of the case file."""
 
-    Parameters
-    ----------
-    name
-        Key in the case; with ``*`` for the flank where both share it.
-    moves
-        Keys that it moves, and by how much for one unit of it.
-    units
-        Its unit.
-    start
-        Its value in the case.
-    low, high
-        Limits.
-    """
-
-    name: str
-    moves: Mapping[str, float]
+    name: str  # key in the case, with ``*`` for the flank where both share it
+    moves: Mapping[str, float]  # keys that it moves, and by how much for one unit of it
     units: str
     start: float
     low: float = -math.inf
@@ -75,30 +61,10 @@ class FreeSetting:
 def free_settings(
     case: Case, flanks: Sequence[FlankName], patterns: Sequence[str] | None = None
 ) -> tuple[FreeSetting, ...]:
-    """Settings that a search moves, still without limits.
+    """Settings that a search moves, still without limits, by patterns such as ``pinion.*.machine.*``.
 
-    Parameters
-    ----------
-    case
-        A checked case.
-    flanks
-        That are analysed.
-    patterns
-        Keys of the case with ``*`` and ``?`` for anything, such as ``pinion.*.machine.*``. If left out, the machine
-        settings that the set-up of the pinion uses: with tilt and modified roll where it has them. Without tilt the
-        sliding base then follows the machine centre, so that the root stays on its cone.
-
-    Raises
-    ------
-    InputError
-        If a pattern names no setting that can be moved.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case = read_case("nasa-12x36")
-    >>> [one.name for one in free_settings(case, ["drive"], ["pinion.*.radial_distance"])]
-    ['pinion.concave.machine.radial_distance']
+    Without patterns the machine settings that the set-up of the pinion uses: with tilt and modified roll where it has
+    them. Without tilt the sliding base then follows the machine centre: the root stays on its cone.
     """
     pairs = {flank: gear_pair(case, flank) for flank in flanks}
     keys = {key: flank for flank, pair in pairs.items() for key in _movable(pair, flank)}
@@ -189,21 +155,9 @@ def pair_setting(key: str) -> PairSetting:
 
 @dataclass(frozen=True)
 class SettingSpace:
-    """All free settings, and the cases that they make.
+    """All free settings, and the cases that they make from one.
 
-    Parameters
-    ----------
-    case
-        The case to start from.
-    free
-        The settings.
-    resolution
-        Of the machine.
-
-    Raises
-    ------
-    InputError
-        If the limits of a setting hold no multiple of its step.
+    InputError if the limits of a setting hold no multiple of its step on the machine.
     """
 
     case: Case
@@ -242,10 +196,7 @@ class SettingSpace:
     def case_at(self, values: Array, *, rounded: bool = False) -> Case:
         """The case with other values (n) of the free settings; ``rounded`` to the resolution.
 
-        Raises
-        ------
-        InputError
-            If a setting is beyond what a case may hold.
+        InputError if a setting is beyond the range of a case.
         """
         steps: dict[str, float] = {}
         for one, value in zip(self.free, values, strict=True):
@@ -300,23 +251,10 @@ def _settings(surface: GeneratingSurface, teeth: int, member: str, side: str) ->
 def with_limits(
     free: Sequence[FreeSetting], units: Array, reach: float, limits: Mapping[str, tuple[float, float]]
 ) -> tuple[FreeSetting, ...]:
-    """Free settings with their limits.
+    """Free settings (n) with their limits, least and greatest value by name or pattern.
 
-    Parameters
-    ----------
-    free
-        The settings (n).
-    units
-        Change of each (n) that changes the ease-off by one micrometre at most.
-    reach
-        Largest change of the ease-off by one setting alone [um], where no limits are given.
-    limits
-        Least and greatest value by name or pattern.
-
-    Raises
-    ------
-    InputError
-        If limits are of no free setting, or leave its present value out.
+    Else a setting alone may change the ease-off by ``reach`` [um]; ``units`` (n) change it by one micrometre at most.
+    InputError if limits are of no free setting, or leave its present value out.
     """
     found = {
         one.name: replace(one, low=one.start - reach * u, high=one.start + reach * u)

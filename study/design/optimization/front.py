@@ -37,42 +37,16 @@ ATTEMPT_COUNT, SAME_RATIO = 2, GAIN_TOLERANCE
 
 @dataclass(frozen=True, eq=False)
 class FrontPoint:
-    """One point of a front.
-
-    Parameters
-    ----------
-    values, rounded
-        Settings found (n) and as they are set on the machine, in the units of the case file.
-    ratio
-        Objectives of the rounded settings over those of the start (2).
-    objective
-        The same in their own units, the greatest of all loads (2).
-    limited
-        Quantities with a limit (k), the worst of all loads.
-    prices
-        What limits cost there; the ceiling is that of the second objective.
-    violation
-        Sum over the limits of the share by which each is passed.
-    ceiling
-        Of the second objective's ratio; NaN at the ends.
-    converged
-        Whether the search had nothing left to gain.
-    rounding_change, rounding_loss
-        See ``Outcome``.
-    analyses
-        Number of all analyses when the point was found.
-    outcome
-        Of the search; ``None`` of a point that was read.
-    """
+    """One point of a front."""
 
     values: Array
     rounded: Array
-    ratio: Array
-    objective: Array
-    limited: Array
+    ratio: Array  # objectives of the rounded settings over those of the start (2)
+    objective: Array  # in their own units, the greatest of all loads (2)
+    limited: Array  # quantities with a limit (k), the worst of all loads
     prices: Prices
     violation: float
-    ceiling: float
+    ceiling: float  # of the second objective's ratio; NaN at the ends
     converged: bool
     rounding_change: float
     rounding_loss: float
@@ -174,7 +148,7 @@ def _attempts(
 
 
 def new(one: FrontPoint, ratios: Array) -> bool:
-    """Whether no point with one of the ratios (k, 2) is as good as one in both objectives."""
+    """True if no point with one of the ratios (k, 2) is as good as one in both objectives."""
     return not np.any(np.all(ratios <= one.ratio + SAME_RATIO, axis=1))
 
 
@@ -202,19 +176,7 @@ def best_of(points: Sequence[FrontPoint]) -> int:
 def search_record(
     start: AnalysedSettings, outcome: Outcome, judgement: Judgement, steps: Sequence[tuple[int, Step]]
 ) -> xr.Dataset:
-    """The group ``optimal_settings``.
-
-    Parameters
-    ----------
-    start
-        The settings at the start.
-    outcome
-        The settings found.
-    judgement
-        Of both, without ceilings.
-    steps
-        All programmes, with the number of the search.
-    """
+    """The group ``optimal_settings``, of all programmes with the number of the search; judged without ceilings."""
     workshop, aim = start.workshop, judgement.aim
     _, before, before_limited = judgement.worst(start.read)
     ratio, after, after_limited = judgement.worst(outcome.point.read)
@@ -297,17 +259,7 @@ def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> d
 
 
 def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) -> xr.Dataset:
-    """The group ``front``.
-
-    Parameters
-    ----------
-    points
-        Of the front, in the order of the second objective.
-    record
-        From ``search_record``.
-    chosen
-        Number of the point whose analysis the result holds.
-    """
+    """The group ``front``, in the order of the second objective; the result holds the analysis of point ``chosen``."""
     limits = (len(points), record.sizes["quantity_limit"])
     data: dict[str, Any] = {
         "front_ratio": (("point", "objective"), [one.ratio for one in points]),
@@ -367,21 +319,9 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
 
 
 def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
-    """Refuse to resume from a result of another search.
+    """Refuse to resume from a result of a search with other settings or another start.
 
-    Parameters
-    ----------
-    tree
-        The result.
-    record
-        Names and start of this search.
-    front
-        Whether points of a front are kept, which hold for the same objectives and limits alone.
-
-    Raises
-    ------
-    InputError
-        If the result has no search, or one with other settings or another start; of a front other objectives or limits.
+    Points of a front are kept for the same objectives and limits alone.
     """
     if "optimal_settings" not in tree.children:
         raise InputError("resume: must be a result of 'easeoff optimize'")

@@ -309,7 +309,7 @@ def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) 
 def _fresh_samples(
     outcome: Outcome, judgement: Judgement, spread: Mapping[str, Distribution | str], samples: int | None, seed: int
 ) -> xr.Dataset:
-    """What the settings do in assemblies drawn anew, which the search did not know; NaN where one has no analysis."""
+    """Quantities of the settings in assemblies drawn anew, unknown to the search; NaN where one has no analysis."""
     point = outcome.point
     drawn = sampled_assemblies(point.workshop.assemblies[0], spread, samples, seed + 1)
     judgement = replace(judgement, aim=replace(judgement.aim, assemblies=1))

@@ -42,22 +42,12 @@ ROUNDING_REACH = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Prices:
-    """What limits cost: how much the objective falls if they are widened.
+    """Prices of limits: the fall of the objective if they are widened."""
 
-    Parameters
-    ----------
-    limits
-        By a unit of each limit (k).
-    low, high
-        By a unit of each setting (n), in the units of the case file.
-    ceiling
-        By one of the ratio of the other objective; NaN where that has no ceiling.
-    """
-
-    limits: Array
-    low: Array
+    limits: Array  # (k) by a unit of each limit
+    low: Array  # (n) by a unit of the case file of each setting, as ``high``
     high: Array
-    ceiling: float
+    ceiling: float  # by one of the other objective's ratio; NaN without a ceiling
 
     @classmethod
     def of(cls, answer: StepAnswer, judgement: Judgement, units: Array) -> Prices:
@@ -72,32 +62,7 @@ class Prices:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a search found.
-
-    Parameters
-    ----------
-    values
-        Settings found (n), in the units of the case file.
-    rounded
-        The same as they are set on the machine.
-    case
-        The case with these.
-    point
-        Its analyses, with its own teeth.
-    steps
-        All programmes, with the number of the search.
-    ended
-        See ``Search``; nothing if it is not known any more.
-    prices
-        Multipliers of the last programme.
-    rounding_change
-        Of the ease-off, by rounding, a rotation left out [um].
-    rounding_loss
-        By how much the merit rose from the settings found, with the teeth held, to the rounded ones with their own.
-    unrounded
-        Why the rounded settings have no analysis: ``rounded`` and ``case`` are then the settings found or, where these
-        have none with teeth of their own, those at the start. Empty otherwise.
-    """
+    """Settings that a search found."""
 
     values: Array
     rounded: Array
@@ -106,28 +71,18 @@ class Outcome:
     steps: tuple[tuple[int, Step], ...]
     ended: Ending | None
     prices: Prices
-    rounding_change: float
-    rounding_loss: float
+    rounding_change: float  # of the ease-off, a rotation left out [um]
+    rounding_loss: float  # rise of the merit from found, teeth held, to rounded settings, own teeth
+    #: reason if the rounded settings have no analysis: ``rounded`` and ``case`` are then the settings found or, where
+    #: these have none with teeth of their own, those at the start
     unrounded: str = ""
 
 
 class SettingSearch:
     """Searches of one case for several aims; programmes of one shape are compiled once.
 
-    Parameters
-    ----------
-    workshop
-        That analysed the start.
-    start
-        Analyses of the start.
-    steps
-        The most programmes for one aim.
-    tolerance
-        A predicted gain, or a loss by rounding, below it ends a search.
-    progress
-        Called after every programme.
-    stage
-        Called with the name of what takes long.
+    ``steps`` is the most programmes for one aim; a predicted gain, or a loss by rounding, below ``tolerance`` ends a
+    search.
     """
 
     def __init__(
@@ -159,10 +114,10 @@ class SettingSearch:
     def anew(
         self, values: Array, judgement: Judgement, near: Array | None = None
     ) -> tuple[AnalysedSettings, Case, str]:
-        """Settings (n), rounded, analysed with their own teeth; the case with them; and why they are not rounded.
+        """Settings (n), rounded, analysed with their own teeth; the case with them; and the reason if not rounded.
 
-        Rounded ones that cannot be analysed are left as they are. ``near`` them are those that can be set, if they are
-        known. Raises as ``Workshop.with_teeth`` and ``readings`` where neither can be analysed.
+        Rounded ones that cannot be analysed are left unrounded; ``near`` are the settings that can be set, if known.
+        Raises as ``Workshop.with_teeth`` and ``readings`` where neither can be analysed.
         """
         space, unrounded = self._workshop.space, ""
         for own in (space.nearest(values if near is None else near), values):
@@ -244,10 +199,10 @@ def first_workshop(workshop: Workshop) -> tuple[Workshop, Readings]:
 
 
 def _rounded_settings(point: AnalysedSettings) -> Array:
-    """Settings (n) that can be set near analysed ones, in the units of the case file: those that the model likes best.
+    """Settings (n) that can be set near analysed ones, in the units of the case file: those best by the model.
 
     The nearest ones may pass a limit that the settings keep. Neighbouring ones are tried by the model alone, as far as
-    the ease-off stays what it is.
+    the ease-off stays as it is.
     """
     space, units = point.workshop.space, point.workshop.units
     model, judgement = point.model(1.0), point.judgement

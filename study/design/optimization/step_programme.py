@@ -30,28 +30,14 @@ SINGLE_REACH = 20.0
 
 @dataclass(frozen=True, eq=False)
 class LocalModel:
-    """Model of objectives and limits near the present settings.
-
-    Parameters
-    ----------
-    objectives
-        By objective the composites of all its loads, each over its reference.
-    limits
-        By limit the composites of all its loads, each over its limit: one where it is reached.
-    reach
-        Change of the ease-off at points of the flanks (s, n) by the settings [um].
-    low, high
-        Least and greatest step (n).
-    rounding
-        By how much rounding may change each setting (n); a number of all.
-    """
+    """Model of objectives and limits near the present settings (n): composites of all loads over reference or limit."""
 
     objectives: tuple[tuple[Composite, ...], ...]
     limits: tuple[tuple[Composite, ...], ...]
-    reach: Array
+    reach: Array  # change of the ease-off at points of the flanks (s, n) [um]
     low: Array
     high: Array
-    rounding: Array | float = 0.0
+    rounding: Array | float = 0.0  # most that rounding changes each setting (n)
 
     @property
     def margins(self) -> Array:
@@ -66,22 +52,15 @@ class LocalModel:
 
     @property
     def shape(self) -> tuple[Any, ...]:
-        """What a compiled programme depends on."""
+        """Shape on which a compiled programme depends."""
         groups = (self.objectives, self.limits)
         return (*([[(c.kind, c.level.size) for c in one] for one in group] for group in groups), self.reach.shape)
 
 
 def judged_objective(values: Sequence[Array], weights: Array, form: Form) -> float:
-    """Objective of the ratios of each objective's loads.
+    """Objective from the values of each objective's loads over their references, and the weights.
 
-    Parameters
-    ----------
-    values
-        By objective its values over their references, of all loads.
-    weights
-        Of the objectives.
-    form
-        ``weighted``: sum of the weighted means over the loads; else the greatest of all, times their weights.
+    ``weighted``: sum of the weighted means over the loads; else the greatest of all, times their weights.
     """
     if form == "weighted":
         return float(sum(w * np.mean(v) for w, v in zip(weights, values, strict=True)))
@@ -90,33 +69,19 @@ def judged_objective(values: Sequence[Array], weights: Array, form: Form) -> flo
 
 @dataclass(frozen=True, eq=False)
 class StepAnswer:
-    """Answer of a programme.
-
-    Parameters
-    ----------
-    status
-        In the words of CVXPY.
-    step
-        Of the settings (n); NaN if there is none.
-    objective, violation
-        That the programme predicts.
-    multipliers
-        Of the limits: how much the objective falls if a limit is raised by its own size.
-    low_multipliers, high_multipliers
-        Of the bounds of the settings (n): how much it falls if a bound is moved out by one.
-    """
+    """Answer of a programme."""
 
     status: str
     step: Array
     objective: float
     violation: float
-    multipliers: Array
-    low_multipliers: Array
+    multipliers: Array  # fall of the objective if a limit is raised by its own size
+    low_multipliers: Array  # (n) fall of the objective if a bound is moved out by one, as ``high``
     high_multipliers: Array
 
     @property
     def solved(self) -> bool:
-        """Whether there is a step."""
+        """True if there is a step."""
         return bool(np.isfinite(self.step).all())
 
     @property
@@ -126,17 +91,7 @@ class StepAnswer:
 
 
 class StepProgramme:
-    """Programme for models of one shape.
-
-    Parameters
-    ----------
-    model
-        A model of that shape.
-    weights
-        Of the objectives.
-    form
-        See ``judged_objective``.
-    """
+    """Programme for models of one shape."""
 
     def __init__(self, model: LocalModel, weights: Array, form: Form) -> None:
         import cvxpy as untyped
@@ -178,15 +133,7 @@ class StepProgramme:
         return composite.expression(self._cvxpy, level, slope, self._step)
 
     def solve(self, model: LocalModel, radius: float) -> StepAnswer:
-        """Solve the programme of a model within a trust region.
-
-        Parameters
-        ----------
-        model
-            Of the shape of the first.
-        radius
-            Largest change of the ease-off [um].
-        """
+        """Solve the programme of a model within a trust region, by the largest change of the ease-off [um]."""
         # In units of the radius, all numbers are of order one.
         composites = [c for group in (model.objectives, model.limits) for one in group for c in one]
         for composite, (level, slope) in zip(composites, self._parameters, strict=True):

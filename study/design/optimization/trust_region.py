@@ -35,17 +35,9 @@ MENDING_LIMIT, MENDING_RADIUS_RATIO, HOPELESS_LOSS = 1, 0.35, 0.3
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Predicted gain below which a search ends.
+    """Predicted gain below which a search ends, smaller in proportion within a small trust region."""
 
-    Parameters
-    ----------
-    gain
-        Within a trust region like the usual first one, or a larger one.
-    share
-        Least share of it; within a smaller trust region the tolerance is smaller in proportion.
-    """
-
-    gain: float = GAIN_TOLERANCE
+    gain: float = GAIN_TOLERANCE  # within a trust region like the usual first one, or larger
     share: float = TOLERANCE_SHARE
 
     def within(self, radius: float) -> float:
@@ -58,15 +50,7 @@ USUAL_TOLERANCE = Tolerance()
 
 @dataclass(frozen=True)
 class Merit:
-    """What settings reach.
-
-    Parameters
-    ----------
-    objective
-        In relation to the start.
-    violation
-        Sum over the limits of the share by which each is passed.
-    """
+    """Objective in relation to the start, and sum over the limits of the share by which each is passed."""
 
     objective: float
     violation: float
@@ -86,11 +70,11 @@ class Point(Protocol):
 
     @property
     def merit(self) -> Merit:
-        """What they reach."""
+        """Objective and violation that they reach."""
 
     @property
     def differentiable(self) -> bool:
-        """Whether there is a model."""
+        """True if there is a model."""
 
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
@@ -104,56 +88,24 @@ class Point(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One programme and its outcome.
-
-    Parameters
-    ----------
-    radius
-        Of the trust region [um].
-    answer
-        Of the programme.
-    settings
-        That were analysed (n), or should have been.
-    fresh
-        What they reach; NaN without a certified analysis.
-    accepted
-        Whether the search went on from there.
-    mending
-        Whether it began at the step before, to mend that one, and not at the best settings so far.
-    refusal
-        Why the settings have no certified analysis or, though they are better, no derivatives; empty otherwise.
-    """
+    """One programme and its outcome."""
 
     radius: float
     answer: StepAnswer
-    settings: Array
+    settings: Array  # (n) analysed, or meant to be
     fresh: Merit
     accepted: bool
-    mending: bool = False
-    refusal: str = ""
+    mending: bool = False  # True if it began at the step before, to mend that one, not at the best settings
+    refusal: str = ""  # reason of no certified analysis or, though better, no derivatives; else empty
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Result of a search.
-
-    Parameters
-    ----------
-    point
-        The best settings, analysed.
-    steps
-        All programmes.
-    ended
-        Why: ``converged``, as the last programme had nothing left to gain; ``steps``, as there were no more of them; or
-        ``no_gain``, as no step gained within the smallest trust region, with derivatives of either kind.
-    last
-        Answer of the last programme at the best settings, with its multipliers.
-    radius
-        Of the trust region at the end [um].
-    """
+    """Result of a search."""
 
     point: Any
     steps: tuple[Step, ...]
+    #: ``converged``: nothing left to gain; ``steps``: no more of them; ``no_gain``: none in the smallest region
     ended: Ending
     last: StepAnswer
     radius: float
@@ -168,27 +120,10 @@ def search(
     tolerance: Tolerance = USUAL_TOLERANCE,
     progress: Callable[[], None] | None = None,
 ) -> Search:
-    """Improve settings until no programme predicts a gain.
+    """Improve a ``Point`` until no programme predicts a gain above the tolerance; a local optimum at best.
 
-    Parameters
-    ----------
-    start
-        ``Point`` to begin from.
-    programme
-        Compiled programme for a model.
-    steps
-        The most programmes.
-    radius
-        Of the first trust region [um].
-    tolerance
-        A predicted gain below it ends the search.
-    progress
-        Called after every programme.
-
-    Returns
-    -------
-    Search
-        Of no higher merit than the start; a local optimum at best.
+    ``programme`` compiles one for a model, ``radius`` is that of the first trust region [um]. The merit is never higher
+    than at the start.
     """
     best, done = start, list[Step]()
     while True:
