@@ -73,7 +73,7 @@ def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr
 
 
 def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: GearPair) -> None:
-    """Refuse wear of another flank, known by its teeth and by where its designed nodes are.
+    """Refuse wear of another flank, known by its teeth and by the positions of its designed nodes.
 
     As for measured grids: blank and machine settings count as far as they move the flank, torque, friction and assembly
     errors not at all, and the flank may be turned about its axis.
@@ -103,7 +103,7 @@ def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: Gea
 
 
 def _wear_layout(worn: xr.Dataset) -> Iterator[tuple[str, bool]]:
-    """What a file of wear must have to be read, and whether it is there."""
+    """Contents that a file of wear must have to be read, each with True if it is there."""
     grid = ("lengthwise", "profile")
     for name, dimensions in (("deviation", {"step", "member", *grid}), ("position", {"member", *grid, "xyz"})):
         there = name in worn.variables and set(worn[name].dims) == dimensions and worn[name].dtype.kind == "f"
@@ -142,29 +142,10 @@ def _apart(member: Member, worn: xr.Dataset) -> float:
 def flank_deviations(
     pair: GearPair, sources: Mapping[MemberName, Source] | None, interpolation: Method = "spline"
 ) -> dict[str, Deviation]:
-    """Deviations of the loaded flanks of a pair.
+    """Deviations of the loaded flanks of a pair, by member; InputError if a source is unfit or of another flank.
 
-    Parameters
-    ----------
-    pair
-        The pair, seen from the flanks in contact.
-    sources
-        By member: a ``Deviation``, a dataset (a measured grid, or ``deviation`` over lengthwise and profile), the path
-        of a measured grid or of a result of ``study.wear``, or the name of a shipped grid; ``None`` for no deviations.
-    interpolation
-        Between the nodes of a grid or dataset, as in ``Deviation``.
-
-    Raises
-    ------
-    InputError
-        If a source cannot be used, or does not belong to that flank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> list(flank_deviations(pair, {"gear": "fm-11x41-worn-gear"}))
-    ['gear']
+    A source is a ``Deviation``, a dataset (a measured grid, or ``deviation`` over lengthwise and profile), the path of
+    a measured grid or of a result of ``study.wear``, or the name of a shipped grid; ``None`` for no deviations.
     """
     require_method(interpolation)
     instance("deviations", sources, Mapping | None)
@@ -198,31 +179,9 @@ def flank_deviations(
 def deviated_geometry(
     pair: GearPair, nodes: tuple[int, int], deviations: Mapping[str, Deviation], deviated: Deviated = "ease_off"
 ) -> PairGeometry:
-    """The geometry of a pair whose flanks deviate.
+    """The geometry of a pair whose flanks deviate, with grid nodes lengthwise and along the profile.
 
-    Parameters
-    ----------
-    pair
-        The designed pair.
-    nodes
-        Grid nodes lengthwise and along the profile.
-    deviations
-        By member.
-    deviated
-        ``ease_off``: the ease-off of the designed flanks is updated; ``surface``: the flanks themselves deviate.
-
-    Raises
-    ------
-    InputError
-        If the way is unknown; and as ``pair_geometry``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> worn = flank_deviations(pair, {"gear": "fm-11x41-worn-gear"})
-    >>> bool((deviated_geometry(pair, (9, 7), worn).ease_off["gear_deviation"] < 0.0).any())
-    True
+    ``ease_off``: the ease-off of the designed flanks is updated; ``surface``: the flanks themselves deviate.
     """
     one_of("deviated", deviated, get_args(Deviated))
     if deviations and deviated == "surface":
@@ -233,15 +192,7 @@ def deviated_geometry(
 def updated_geometry(
     geometry: PairGeometry, deviations: Mapping[str, Deviation], deviated: Deviated = "ease_off"
 ) -> PairGeometry:
-    """The geometry of a pair with its ease-off updated for deviations, unless its surfaces have them already.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> geometry = pair_geometry(gear_pair(read_case("fm-11x41")), (9, 7))
-    >>> updated_geometry(geometry, {}) is geometry
-    True
-    """
+    """The geometry of a pair with its ease-off updated for deviations, unless its surfaces have them already."""
     if not deviations or deviated == "surface":
         return geometry
     ease_off = deviated_ease_off(geometry, pinion=deviations.get("pinion"), gear=deviations.get("gear"))
@@ -249,23 +200,9 @@ def updated_geometry(
 
 
 def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> None:
-    """Refuse deviating flanks that have no line contact.
+    """Refuse deviating flanks that have no line contact, with the member whose nodes scatter most.
 
-    Parameters
-    ----------
-    lost
-        ``MeshCycle.lost_contact``.
-    deviations
-        By member.
-
-    Raises
-    ------
-    GeometryError
-        If it is lost; names the member whose nodes scatter most.
-
-    Examples
-    --------
-    >>> require_line_contact(0.3, {})  # designed flanks are never refused
+    ``lost`` is ``MeshCycle.lost_contact``; designed flanks are never refused.
     """
     if lost <= LOST_CONTACT_LIMIT or not deviations:
         return
@@ -280,15 +217,7 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
 
 
 def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:
-    """Deviations of an analysis, as netCDF attributes of its result.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> worn = flank_deviations(gear_pair(read_case("fm-11x41")), {"gear": "fm-11x41-worn-gear"})
-    >>> list(deviation_attributes(worn, "ease_off"))
-    ['deviated', 'largest_deviation_gear_um']
-    """
+    """Deviations of an analysis, as netCDF attributes of its result."""
     if not deviations:
         return {}
     largest = {f"largest_deviation_{n}_um": 1e3 * float(np.max(np.abs(d.value))) for n, d in deviations.items()}

@@ -43,28 +43,10 @@ def export_points(
     columns: int = 9,
     margins: EdgeMargins | None = None,
 ) -> str:
-    """Write the measuring points of a member.
+    """Write measuring points of a member, rows from root to tip and columns from toe to heel, and describe them.
 
-    Parameters
-    ----------
-    case, path, member, flank
-        As in ``export``.
-    rows, columns
-        Points from root to tip and from toe to heel.
-    margins
-        Margins at the edges of the flank; a tenth of face width and depth if left out.
-
-    Returns
-    -------
-    str
-        Description of what was written.
-
-    Raises
-    ------
-    InputError
-        If the grid or a margin cannot be used, the case does not describe the flank, or the file cannot be written.
-    GeometryError
-        If a point of the grid is not on the flank.
+    Margins at the edges of the flank are a tenth of face width and depth if left out. GeometryError if a point of the
+    grid is not on the flank.
     """
     require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
     pair = pair_of(case)
@@ -92,30 +74,10 @@ def export_surfaces(
     teeth: int | None = 1,
     nodes: tuple[int, int] = SURFACE_NODES,
 ) -> str:
-    """Write the surface of one or more teeth of a member.
+    """Write the surface of one or more teeth of a member, all for ``None``, and describe it.
 
-    Parameters
-    ----------
-    case, path, member, flank
-        As in ``export``; ``both`` flanks also write the other surfaces of the tooth.
-    teeth
-        Number of teeth; ``None`` for all.
-    nodes
-        Nodes of a flank, lengthwise and along the profile.
-
-    Returns
-    -------
-    str
-        Description of what was written.
-
-    Raises
-    ------
-    InputError
-        If a number cannot be used or the file cannot be written.
-    GeometryError
-        If part of the surface does not exist.
-    MissingPackageError
-        If the format needs a package that is not installed.
+    ``both`` flanks also write the other surfaces of the tooth; ``nodes`` of a flank are lengthwise and along the
+    profile. GeometryError if part of the surface does not exist, MissingPackageError without the package of the format.
     """
     step = path.suffix.lower() in STEP_SUFFIXES
     if step:
@@ -138,38 +100,10 @@ def export_surfaces(
 
 
 def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
-    """Write measuring points, CAD surfaces or a mesh of a member, as the suffix of the file says.
+    """Write measuring points, CAD surfaces or a mesh of a member, by the suffix of the file, and describe them.
 
-    Parameters
-    ----------
-    case
-        A checked case.
-    path
-        The file.
-    member
-        ``pinion`` or ``gear``.
-    flank
-        Flank to write.
-    options
-        ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces.
-
-    Returns
-    -------
-    str
-        Description of what was written.
-
-    Raises
-    ------
-    InputError
-        If no format has the suffix, an option is for another format, or as ``export_points`` and ``export_surfaces``.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.cases import read_case
-    >>> with TemporaryDirectory() as folder:
-    ...     export(read_case("nasa-12x36"), Path(folder) / "gear.csv", "gear", "convex", {"rows": 3})
-    '3 x 9 points of the gear, convex flank'
+    Options: ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces; InputError if one is
+    for another format.
     """
     suffix = path.suffix.lower()
     surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)

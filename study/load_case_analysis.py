@@ -94,52 +94,15 @@ def equivalent_torque(torques: Array, cycles: Array, exponent: float) -> float:
 
 
 def checked_exponents(exponents: Sequence[float]) -> tuple[float, ...]:
-    """Damage exponents, refused if they are none.
-
-    Raises
-    ------
-    InputError
-        If there is none, one comes twice, or one is not from 1 to ``EXPONENT_LIMIT``.
-
-    Examples
-    --------
-    >>> checked_exponents([6.61])
-    (6.61,)
-    """
+    """Damage exponents: at least one, all different, from 1 to ``EXPONENT_LIMIT``, or else InputError."""
     return tuple(distinct("damage_exponents", exponents, least=1.0, most=EXPONENT_LIMIT).tolist())
 
 
 def duty_means(numbers: xr.Dataset, exponents: Sequence[float] = DAMAGE_EXPONENTS) -> xr.Dataset:
-    """Means over load cases with shares of time.
+    """Means of power loss and efficiency over load cases, equivalent torque of each flank, and shares of damage.
 
-    Power loss is additive in time: the mean loss is that of the shares, and the mean efficiency one less mean loss over
-    mean power in. Of other numbers, such as transmission errors or pressures, a mean says nothing, and there is none.
-    Damage is additive in cycles: each flank has a torque that does the same damage in as many cycles, one for each
-    exponent. Cycles are in proportion to share times speed, or to the share where no load case has a speed.
-
-    Parameters
-    ----------
-    numbers
-        Numbers over ``load_case`` with torque, share, flank and, if there is friction, speed, mean power loss and input
-        power.
-    exponents
-        Exponents p of a life of T^-p.
-
-    Returns
-    -------
-    xr.Dataset
-        Over ``flank`` and ``damage_exponent`` the equivalent torque; over ``load_case`` and ``damage_exponent`` its
-        share of the damage of its flank; means of power loss and efficiency. NaN if a load case has no value.
-
-    Examples
-    --------
-    >>> rows = {"torque": [100.0, 300.0], "share": [0.9, 0.1], "mean_power_loss": [40.0, 160.0]}
-    >>> rows |= {"input_power": [1000.0, 3000.0], "speed": [95.5, 95.5], "flank": ["drive", "drive"]}
-    >>> means = duty_means(xr.Dataset({name: ("load_case", values) for name, values in rows.items()}), [6.61])
-    >>> round(float(means["duty_power_loss"]), 6), round(float(means["duty_efficiency"]), 6)
-    (52.0, 0.956667)
-    >>> means["equivalent_torque"].values.round(1).tolist()
-    [[212.0]]
+    Losses add up by share of time. Damage, of a life of T^-p, adds up in cycles, by share times speed, or by share if
+    no load case has a speed. NaN if a load case has no value; other numbers, such as pressures, have no mean.
     """
     share, torque = numbers["share"].values / np.sum(numbers["share"].values), numbers["torque"].values
     sides = numbers["flank"].values.astype(str)
@@ -169,13 +132,7 @@ COMMON = ("solver", "compliance_model", "edge_contact", "pinion_teeth", "gear_te
 
 
 class LoadCaseStatus(StoredStatus):
-    """How the analysis of a load case ended.
-
-    Examples
-    --------
-    >>> LoadCaseStatus(0).name
-    'CERTIFIED'
-    """
+    """End of the analysis of a load case."""
 
     CERTIFIED = 0
     UNCERTIFIED = 1

@@ -19,25 +19,9 @@ Call = TypeVar("Call", bound=Callable[..., None])
 
 
 def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Have a function show its progress where it is given ``progress=True``, and refuse what is no function.
+    """Have a function show its progress for ``progress=True``; it also takes a function, False or None.
 
-    Parameters
-    ----------
-    name
-        What is done, such as "analysis".
-    unit
-        What a step is, in the singular.
-
-    Examples
-    --------
-    >>> @shows_progress("counting", "step")
-    ... def counted(*, progress=None):
-    ...     return progress
-    >>> counted(progress=False) is None
-    True
-    >>> counted(progress="yes")
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: progress = 'yes': must be True, False, or a function that is called after every step
+    ``name`` is that of the work, such as "analysis", ``unit`` that of a step, in the singular.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:
@@ -68,13 +52,7 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
 
 
 def told(progress: Call | bool | None) -> Call | None:
-    """The function that is called after every step of a function that ``shows_progress``; ``None`` if there is none.
-
-    Examples
-    --------
-    >>> told(False) is None
-    True
-    """
+    """The function to call after every step of a function that ``shows_progress``; ``None`` if there is none."""
     return None if isinstance(progress, bool) else progress
 
 

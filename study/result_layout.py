@@ -318,18 +318,7 @@ FAULT_COUNT_LIMIT = 3  # that a message names
 
 
 def faults(tree: xr.DataTree) -> list[str]:
-    """What a result lacks, or has in another form, one phrase each; empty if it is whole.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
-    >>> faults(tree)
-    []
-    >>> del tree["loaded"]["force"]
-    >>> faults(tree)
-    ["loaded: no numbers 'force' over torque, mesh_position, segment"]
-    """
+    """Parts that a result lacks, or has in another form, one phrase each; empty if it is whole."""
     layout = dict(VARIABLES)
     if "misalignment" in tree.children:
         layout["misalignment"] = MISALIGNMENT
@@ -437,26 +426,9 @@ def _front_faults(tree: xr.DataTree) -> Iterator[str]:
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
-    """Refuse a V-H check or wear that lacks what is shown or drawn of it, or has it in another form.
+    """Refuse a V-H check or wear that lacks a part to be shown or drawn, or has it in another form.
 
-    Parameters
-    ----------
-    name
-        For messages.
-    found
-        The dataset.
-    kind
-        ``V-H check`` or ``wear``.
-
-    Raises
-    ------
-    InputError
-        If it does.
-
-    Examples
-    --------
-    >>> from easeoff.study import vh_check
-    >>> require_layout("check", vh_check("fh-design-a"), "V-H check")
+    ``kind`` is ``V-H check`` or ``wear``, ``name`` is for messages.
     """
     layout = LAYOUTS[kind] | (VH_GRID if "grid_print_excess" in found or "v_grid" in found.sizes else {})
     faults = [*variable_faults(found, layout), *form_faults(found)]
@@ -494,22 +466,7 @@ def _share(found: xr.Dataset, name: str) -> float:
 
 
 def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, AttributeKind], *, needed: bool) -> list[str]:
-    """Attributes that are missing or of another kind.
-
-    Parameters
-    ----------
-    own
-        The attributes.
-    kinds
-        Whether they must be a text, one of some, a number or a vector of that many numbers, by name.
-    needed
-        Whether all must be there.
-
-    Examples
-    --------
-    >>> attribute_faults({"title": 3}, {"title": "text", "solver": "text"}, needed=False)
-    ["no text in the attribute 'title'"]
-    """
+    """Attributes that are missing, if needed, or of another kind: text, one of some, number or vector of a length."""
     return [
         f"no {' or '.join(kind) if isinstance(kind, tuple) else 'vector' if isinstance(kind, int) else kind} in the "
         f"attribute {key!r}"
@@ -519,13 +476,7 @@ def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, AttributeKind],
 
 
 def load_case_faults(tree: xr.DataTree) -> list[str]:
-    """What a result over load cases lacks, or has in another form, one phrase each; empty if it is whole.
-
-    Examples
-    --------
-    >>> load_case_faults(xr.DataTree.from_dict({"/load_cases": xr.Dataset()}))
-    ['load_cases: no load cases']
-    """
+    """Parts that a result over load cases lacks, or has in another form, one phrase each; empty if it is whole."""
     numbers = tree["load_cases"].to_dataset()
     if not numbers.sizes.get("load_case"):
         return ["load_cases: no load cases"]
@@ -554,7 +505,7 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
 
 
 def _is_text(group: xr.Dataset, name: str) -> bool:
-    """Whether a variable holds texts."""
+    """True if a variable holds texts."""
     if name not in group.variables or group[name].ndim != 1:
         return False
     return all(isinstance(value, str) for value in group[name].values.tolist())
@@ -571,13 +522,7 @@ def _flag_faults(group: xr.Dataset) -> Iterator[str]:
 
 
 def form_faults(group: xr.Dataset) -> Iterator[str]:
-    """Variables of another kind or unit than the table of attributes has, and dimensions without distinct values.
-
-    Examples
-    --------
-    >>> list(form_faults(xr.Dataset({"force": ("torque", ["a", "b"])}, {"torque": [50.0, 50.0]})))
-    ["'force' must hold numbers", "'torque' must hold values that differ"]
-    """
+    """Variables of another kind or unit than the table of attributes has, and dimensions without distinct values."""
     for name, variable in group.variables.items():
         units = units_of(str(name))
         if units is None:
@@ -598,27 +543,14 @@ def form_faults(group: xr.Dataset) -> Iterator[str]:
 
 
 def _rises(values: Any) -> bool:
-    """Whether fractions of the flank rise."""
+    """True if fractions of the flank rise."""
     if values.dtype.kind != "f" or values.ndim != 1:
         return False
     return bool(np.all(np.abs(values - 0.5) <= 0.5 + 1e-9) and np.all(np.diff(values) > 0.0))
 
 
 def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
-    """Variables that are missing, over other dimensions, or no numbers.
-
-    Parameters
-    ----------
-    group
-        A group of a result.
-    variables
-        Names by dimensions.
-
-    Examples
-    --------
-    >>> list(variable_faults(xr.Dataset({"force": 1.0}), {("torque",): ("force",)}))
-    ["no numbers 'force' over torque"]
-    """
+    """Variables that are missing from a group, over other dimensions, or no numbers; names are by dimensions."""
     for dimensions, names in variables.items():
         for name in names:
             if (
@@ -630,7 +562,7 @@ def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple
 
 
 def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
-    """Whether dimensions are those of a layout; numbers of segments may be of further conditions, in their order."""
+    """True if dimensions are those of a layout; numbers of segments may be of further conditions, in their order."""
     return found == dimensions or (
         "segment" in dimensions
         and {*dimensions} <= {*found}
@@ -639,7 +571,7 @@ def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
 
 
 def _is(kind: AttributeKind, value: Any, *, known: bool) -> bool:
-    """Whether an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers.
+    """True if an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers.
 
     Numbers that need not be ``known`` may be NaN.
     """
@@ -656,7 +588,7 @@ def _is(kind: AttributeKind, value: Any, *, known: bool) -> bool:
 
 
 def _is_table(text: str) -> bool:
-    """Whether a text is a JSON object of finite numbers."""
+    """True if a text is a JSON object of finite numbers."""
     try:
         table = parsed_json(text)
     except ValueError:

@@ -18,21 +18,10 @@ SWITCH = "EASEOFF_PROGRESS"  # an environment variable; "off" for no lines where
 
 
 def terminal_bar(**options: Any) -> Any:
-    """A bar of tqdm on a terminal, without tqdm's thread; elsewhere the same as lines.
+    """A bar of tqdm on a terminal, without tqdm's thread; elsewhere lines of ``desc``, ``total`` and ``unit``.
 
     In that thread Python may collect garbage, and close a netCDF file while the main thread is in the netCDF library,
     which ends the process.
-
-    Parameters
-    ----------
-    **options
-        Arguments of ``tqdm.tqdm``: of lines ``desc``, ``total`` and ``unit`` count.
-
-    Examples
-    --------
-    >>> with terminal_bar(total=2) as bar:
-    ...     bar.update(1) is None or True
-    True
     """
     if not _on_terminal() and lines_wanted():
         known = {name: options[name] for name in ("desc", "total", "unit") if name in options}
@@ -45,19 +34,7 @@ def terminal_bar(**options: Any) -> Any:
 
 @contextmanager
 def working(what: str) -> Iterator[None]:
-    """Say what is done while it is done: of steps that are not counted, and take more than two seconds.
-
-    Parameters
-    ----------
-    what
-        Such as "drawing the pictures".
-
-    Examples
-    --------
-    >>> with working("counting"):
-    ...     1 + 1
-    2
-    """
+    """Name a step, such as "drawing the pictures", while it runs, if it is not counted and takes over two seconds."""
     if not _on_terminal() and lines_wanted():
         _line(f"{what} ...")
         yield
@@ -69,21 +46,7 @@ def working(what: str) -> Iterator[None]:
 class ProgressLines:
     """Progress as lines on the standard error output: the first after two seconds, then ever fewer.
 
-    Parameters
-    ----------
-    desc
-        What is done.
-    total
-        Number of steps, if it is known.
-    unit
-        What a step is, in the singular.
-
-    Examples
-    --------
-    >>> with ProgressLines("wear", total=10, unit="step") as progress:
-    ...     progress.update(3)
-    >>> progress.words(8.0)
-    'wear: 3 of 10 steps, 8 s, about 19 s left'
+    ``desc`` names the work, ``unit`` a step in the singular.
     """
 
     disable = False
@@ -150,7 +113,7 @@ def _on_terminal() -> bool:
 
 
 def lines_wanted() -> bool:
-    """Whether progress is told in lines where there is no terminal."""
+    """True if progress is told in lines where there is no terminal."""
     return sys.stderr is not None and os.environ.get(SWITCH, "") != "off"
 
 

@@ -52,13 +52,7 @@ SHORT_SHARE = 1e-4  # of the face; shorter steps say nothing of the derivatives,
 
 
 class PatternStatus(StoredStatus):
-    """How the search for a place of the pattern ended.
-
-    Examples
-    --------
-    >>> PatternStatus(0).name
-    'REACHED'
-    """
+    """End of the search for a place of the pattern."""
 
     REACHED = 0
     NO_PATTERN = 1
@@ -77,23 +71,11 @@ REASONS = {
 @frozen_arrays
 @dataclass(frozen=True)
 class Found:
-    """The nearest place that a search came to.
+    """The nearest place that a search came to."""
 
-    Parameters
-    ----------
-    displacement
-        V and H (2) [mm].
-    centre
-        Of the pattern (2) [mm].
-    slope
-        Derivatives (2, 2) of the centre by V and H, as the search last knew them.
-    status
-        How it ended.
-    """
-
-    displacement: Array
-    centre: Array
-    slope: Array
+    displacement: Array  # V and H (2) [mm]
+    centre: Array  # of the pattern (2) [mm]
+    slope: Array  # last known derivatives (2, 2) of the centre by V and H
     status: PatternStatus
 
     def distance(self, target: Array) -> float:
@@ -103,32 +85,12 @@ class Found:
 
 @dataclass
 class PatternSearch:
-    """Search with one way to compute the centre.
-
-    Parameters
-    ----------
-    centre
-        The centre as a function of V and H.
-    face
-        Length of the flank [mm].
-    reach
-        Greatest size of V and of H [mm].
-    tolerance
-        Greatest distance of the centre from its place [mm].
-
-    Examples
-    --------
-    >>> slope = np.array([[-20.0, 5.0], [10.0, 10.0]])
-    >>> search = PatternSearch(lambda x: np.array([15.0, 4.0]) + slope @ x + 3.0 * x**2, 30.0, 3.0, tolerance=1e-4)
-    >>> found = search.find(np.array([10.0, 4.0]), search.start())
-    >>> found.status.name, bool(found.distance(np.array([10.0, 4.0])) < 1e-4)
-    ('REACHED', True)
-    """
+    """Search of V and H for a place of the pattern, with one way to compute its centre."""
 
     centre: Centre
-    face: float
-    reach: float
-    tolerance: float
+    face: float  # length of the flank [mm]
+    reach: float  # greatest size of V and of H [mm]
+    tolerance: float  # greatest distance of the centre from its place [mm]
     evaluations: int = field(default=0, init=False)
 
     def start(self, displacement: Array | None = None) -> Found:
@@ -203,34 +165,10 @@ GRID_MINIMUM = 0.004  # of the length of the flank, to both sides: the grid is n
 
 @dataclass
 class ShiftedPatterns:
-    """Unloaded patterns of a pair at V and H, each computed once.
-
-    Parameters
-    ----------
-    state
-        The pair in mesh at V = H = 0.
-    thickness
-        Of the marking compound [um].
-    shape
-        Points of the print along the face and the profile.
-    progress
-        Called after every pattern that is computed.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> case = read_case("fh-design-a")
-    >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 11, "profile_nodes": 7}
-    >>> shells = case.compliance.model_copy(update={"model": "shell"})
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse), "compliance": shells})
-    >>> patterns = ShiftedPatterns(CaseInMesh.of(case), 6.0, (61, 31))
-    >>> along, up = patterns.centre(np.array([0.1, 0.0])) - patterns.centre(np.zeros(2))
-    >>> bool(along < -1.0 < up)
-    True
-    """
+    """Unloaded patterns of a pair at V and H, each computed once."""
 
     state: CaseInMesh
-    thickness: float
+    thickness: float  # of the marking compound [um]
     shape: tuple[int, int] = PRINT_GRID
     progress: Callable[[], None] | None = None
     known: dict[tuple[float, float], UnloadedPattern | None] = field(default_factory=dict, init=False)
@@ -270,7 +208,7 @@ class ShiftedPatterns:
 
 
 def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPatterns) -> xr.Dataset:
-    """What was found at the places (3, 2), as fractions; NaN where the pattern cannot be brought there."""
+    """Results of the search at the places (3, 2), as fractions; NaN where the pattern cannot be brought there."""
     shifts = np.array([one.displacement for one in found.values()])
     shifts[[one.status != PatternStatus.REACHED for one in found.values()]] = np.nan
     numbers, prints = _numbers([patterns.at(shift) if np.all(np.isfinite(shift)) else None for shift in shifts])
@@ -331,20 +269,7 @@ def grid_dataset(found: xr.Dataset, counts: tuple[int, int], patterns: ShiftedPa
 
 
 def round_values(low: float, high: float, count: int) -> Array:
-    """Multiples (count) of half a round step, the smallest with which they reach from ``low`` or below to ``high``.
-
-    Parameters
-    ----------
-    low, high
-        Range that must be covered, of some length.
-    count
-        Number of values, at least 2.
-
-    Examples
-    --------
-    >>> round_values(-0.51, 0.43, 5).tolist()
-    [-0.6, -0.3, 0.0, 0.3, 0.6]
-    """
+    """Multiples (count) of half a round step, the smallest that reach from ``low`` or below to ``high``."""
     decade = 10.0 ** np.floor(np.log10((high - low) / (count - 1)))
     for step in (factor * ten * decade for ten in (1.0, 10.0) for factor in ROUND_FACTORS):
         for offset in (0.0, 0.5):  # an even number of values may be even about zero
@@ -471,20 +396,7 @@ def vh_check(
 
 
 def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a V-H check to a netCDF-4 file.
-
-    Parameters
-    ----------
-    found
-        Of ``vh_check``.
-    path
-        The file, replaced if it exists.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written; nothing is left behind then.
-    """
+    """Write a V-H check to a netCDF-4 file, whole or not at all."""
     packed = {str(name): {"zlib": True, "complevel": 1} for name, one in found.data_vars.items() if one.ndim > 1}
     write_netcdf(found, path, packed)
 
@@ -510,7 +422,7 @@ def _unloaded(case: Case, nodes: tuple[int, int], mesh_positions: int) -> Case:
 def _searched(
     targets: dict[str, Array], exact: ShiftedPatterns, estimate: ShiftedPatterns, reach: float
 ) -> dict[str, Found]:
-    """What the search finds at every place: first with coarse patterns, then with the exact ones from there."""
+    """Result of the search at every place: first with coarse patterns, then with the exact ones from there."""
     face = float(exact.size[0])
     rough = PatternSearch(estimate.centre, face, reach, ESTIMATE_TOLERANCE * face)
     fine = PatternSearch(exact.centre, face, reach, CENTRE_TOLERANCE * face)

@@ -144,18 +144,7 @@ class WearLaw:
 
 
 def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
-    """Torques with their shares of the revolutions.
-
-    Raises
-    ------
-    InputError
-        If a torque or share is not positive, or the shares do not add up to one.
-
-    Examples
-    --------
-    >>> duty_cycle({100: 0.75, 300: 0.25})
-    {100.0: 0.75, 300.0: 0.25}
-    """
+    """Torques with their shares of the revolutions, all positive and in sum one, or else InputError."""
     given = torque if isinstance(torque, Mapping) else {number("torque", torque, "N m"): 1.0}
     shares = {number("torque", one, "N m"): number("share of a torque", share) for one, share in given.items()}
     total = sum(shares.values())

@@ -21,6 +21,7 @@ from easeoff.geometry import Deviation, GearPair, deviation_from_formula
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
 from easeoff.geometry.tooth.tooth_flanks import named_member
+from easeoff.study.deviation_source import require_line_contact
 from easeoff.verification import FlanksInMesh, flanks_in_mesh
 from easeoff.verification.surface_cells import exact_gap
 
@@ -184,6 +185,10 @@ def test_the_member_that_scatters_is_named() -> None:
     both = {"pinion": noisy("pinion", (15, 25), 0.3), "gear": noisy("gear", (15, 25), 3.0)}
     with pytest.raises(GeometryError, match=r"flank of the gear .* scatters by (2|3)\.\d um"):
         easeoff.analyze(small_case(), torques=[200.0], deviations=both)  # type: ignore[arg-type]
+
+
+def test_designed_flanks_without_line_contact_are_not_refused() -> None:
+    require_line_contact(0.3, {})
 
 
 def test_smoothing_keeps_a_smooth_deviation_and_loses_noise() -> None:

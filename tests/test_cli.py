@@ -416,7 +416,7 @@ def test_provenance_names_case_version_and_settings(tree: xr.DataTree, case: Pat
     assert attrs["case"] == case.read_text(encoding="utf-8")
     assert attrs["easeoff_version"]
     assert attrs["history"]
-    assert attrs["Conventions"].startswith("CF")
+    assert attrs["Conventions"] == "CF-1.11"
 
 
 # Completion of the words of a command line, in bash as the script of ``easeoff completion`` does it

@@ -183,6 +183,10 @@ def test_a_picture_says_that_supports_misalign() -> None:
     assert "none without load, then that of the supports" in " ".join(words)
 
 
+def test_values_of_a_vh_grid_are_multiples_of_half_a_round_step() -> None:
+    assert round_values(-0.51, 0.43, 5).tolist() == pytest.approx([-0.6, -0.3, 0.0, 0.3, 0.6])
+
+
 @pytest.mark.parametrize("low", [-0.51, -0.08, 0.0])
 @pytest.mark.parametrize("count", [2, 5, 8])
 def test_values_of_a_vh_grid_are_round_and_cover_the_range(low: float, count: int) -> None:

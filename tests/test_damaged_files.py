@@ -53,6 +53,7 @@ from easeoff.study.compare.comparison_table import write_table
 from easeoff.study.deviation_source import flank_deviations
 from easeoff.study.library import entries
 from easeoff.study.library.library_files import write_part
+from easeoff.study.result_layout import form_faults, load_case_faults
 from easeoff.study.sweep import sweep
 
 ESCAPE = "\x1b[2J\x9b2J\u202e"
@@ -622,6 +623,12 @@ def test_what_a_file_lacks_no_command_falls_over(
         elif found:
             wrong.append((str(several[0]), found))
     assert not wrong, "\n".join(f"{what}: {'; '.join(found)}" for what, found in wrong)
+
+
+def test_faults_of_a_layout_are_phrases() -> None:
+    texts = xr.Dataset({"force": ("torque", ["a", "b"])}, {"torque": [50.0, 50.0]})
+    assert list(form_faults(texts)) == ["'force' must hold numbers", "'torque' must hold values that differ"]
+    assert load_case_faults(xr.DataTree.from_dict({"/load_cases": xr.Dataset()})) == ["load_cases: no load cases"]
 
 
 @pytest.mark.quick(8)

@@ -224,6 +224,7 @@ def test_changed_case_has_other_numbers_and_is_checked() -> None:
 def test_samples_follow_their_distributions_and_their_seed() -> None:
     """Each sequence has one point in each of the equal parts of a coordinate."""
     wanted = {"E": Distribution.parsed("normal(1, 0.5)"), "P": Distribution("triangular", (0.0, 1.0, 4.0))}
+    wanted["G"] = Distribution("uniform", (-0.1, 0.3))
     samplers: tuple[Sampler, ...] = ("sobol", "latin_hypercube")
     for sampler in samplers:
         drawn = sample_values(wanted, 64, seed=7, sampler=sampler)
@@ -235,6 +236,7 @@ def test_samples_follow_their_distributions_and_their_seed() -> None:
         assert sorted(int(64 * normal.cdf(value)) for value in drawn["E"]) == list(range(64))
         rise = [value**2 / 4.0 if value <= 1.0 else 1.0 - (4.0 - value) ** 2 / 12.0 for value in drawn["P"]]
         assert sorted(int(64 * value) for value in rise) == list(range(64))
+        assert sorted(int(64 * (value + 0.1) / 0.4) for value in drawn["G"]) == list(range(64))
 
 
 def test_samples_of_a_sweep_keep_their_seed() -> None:

@@ -25,7 +25,7 @@ from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep
 from easeoff.study.sweep.batch_store import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
-from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
+from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, sweep_faults, write_sweep
 from easeoff.study.sweep.sweep_plan import file_digest, planned_sweep
 
 THREE = {"E": [0.0, 0.04, 0.08]}
@@ -315,6 +315,11 @@ def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: x
         pytest.raises(InputError, match="is damaged, changed by hand or made by another version of easeoff"),
     ):
         checked_sweep(stored.load(), file)
+
+
+def test_faults_of_a_sweep_are_phrases(whole: xr.Dataset) -> None:
+    assert sweep_faults(whole) == []
+    assert sweep_faults(whole.drop_vars("status")) == ["no whole numbers 'status' from 0 to 4"]
 
 
 def test_every_reader_of_a_sweep_refuses_what_lacks_something(whole: xr.Dataset, folder: Path) -> None:

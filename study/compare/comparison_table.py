@@ -31,7 +31,7 @@ class Row:
 
     posed: PosedProblem
     method: Method
-    repetition: int  # from 1
+    repetition: int
     attempt: Attempt
 
 

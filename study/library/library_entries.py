@@ -67,35 +67,14 @@ FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 
 @dataclass(frozen=True)
 class Source:
-    """Instant of a shipped case.
-
-    Parameters
-    ----------
-    case
-        Name of the shipped case.
-    flank
-        ``drive`` or ``coast``.
-    torque
-        Torque at the pinion [N m].
-    offset_error, pinion_axial_error
-        Assembly errors E and P [mm]; the others are zero, also where the case file has them.
-    mesh_position
-        Number of the pinion rotation, from 0 to ``MESH_POSITIONS`` - 1.
-    segments_per_line
-        Number of segments of a contact line.
-
-    Examples
-    --------
-    >>> Source("nasa-12x36", "drive", 150.0).segments_per_line
-    31
-    """
+    """Instant of a shipped case; its other assembly errors are zero, also where the case file has them."""
 
     case: str
     flank: FlankName
-    torque: float
-    offset_error: float = 0.0
-    pinion_axial_error: float = 0.0
-    mesh_position: int = 0
+    torque: float  # at the pinion [N m]
+    offset_error: float = 0.0  # E [mm]
+    pinion_axial_error: float = 0.0  # P [mm]
+    mesh_position: int = 0  # from 0 to ``MESH_POSITIONS`` - 1
     segments_per_line: int = 31
 
 

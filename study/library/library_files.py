@@ -57,7 +57,7 @@ def tied_separations(problem: ContactProblem, step: float) -> ContactProblem:
 
 
 def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
-    """Torque at which the next segment enters or leaves contact: F = Y = 0 there.
+    """The problem at the torque at which the next segment enters or leaves contact: F = Y = 0 there.
 
     Not below the problem's own. As long as the same segments touch, forces, gaps and rotation are linear in the torque.
     """
@@ -236,15 +236,7 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
 
 
 def dense(problem: ContactProblem) -> ContactProblem:
-    """The same problem with its compliance as a matrix.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> given = np.array([1e-6, 2e-6]), np.array([[1e-3], [1e-3]])  # diagonal and factor
-    >>> dense(ContactProblem(np.zeros(2), np.ones(2), 1.0, given)).compliance.shape
-    (2, 2)
-    """
+    """The same problem with its compliance as a matrix."""
     return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
@@ -279,31 +271,12 @@ CITATION = (
 
 @dataclass(frozen=True)
 class LibraryFile:
-    """File of the library, and the check of its problems.
-
-    Parameters
-    ----------
-    path
-        Path of the file.
-    problems
-        Number of problems.
-    worst_certificate
-        Largest violation of a condition by the native solver.
-    worst_difference
-        Largest relative difference of a rotation from the reference.
-    faults
-        One line a problem that is not certified or differs from its reference answer.
-
-    Examples
-    --------
-    >>> LibraryFile(Path("small.nc"), 117, 1e-14, 1e-13, ()).path.stem
-    'small'
-    """
+    """File of the library, and the check of its problems."""
 
     path: Path
     problems: int
-    worst_certificate: float
-    worst_difference: float
+    worst_certificate: float  # largest violation of a condition by the native solver
+    worst_difference: float  # largest relative difference of a rotation from the reference
     faults: tuple[str, ...]
 
 
@@ -314,38 +287,10 @@ def write_library(
     *,
     progress: Callable[[], None] | None = None,
 ) -> list[LibraryFile]:
-    """Make the problems of the library and write them, ``small.nc`` and so on.
+    """Make the problems of ``parts``, else ``USUAL_PARTS``, and write them as ``small.nc`` and so on.
 
-    Parameters
-    ----------
-    folder
-        Folder for the files; made if it does not exist.
-    parts
-        Names of ``PARTS``; ``USUAL_PARTS`` if left out.
-    progress
-        Called after every problem.
-
-    Returns
-    -------
-    list of LibraryFile
-        The files. Every problem has been solved by the native solver and compared with its reference answer. The files
-        hold these solutions, forces and gaps.
-
-    Raises
-    ------
-    InputError
-        If a part is unknown, or the folder cannot be written to.
-
-    Notes
-    -----
-    Linear algebra runs in one thread, which takes a third of the processor time; so the number of processors does not
-    decide the last bits.
-
-    Examples
-    --------
-    >>> write_library("library", ["tiny"])  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: parts = tiny: must be one or more of small, medium, large, ...
+    Each is solved by the native solver, compared with its reference answer, and stored with solution, forces and gaps.
+    Linear algebra runs in one thread: so the number of processors does not decide the last bits.
     """
     chosen = list(dict.fromkeys(USUAL_PARTS if parts is None else parts))
     unknown = [part for part in chosen if part not in PARTS]

@@ -100,23 +100,7 @@ def write_answers(answers: Iterable[ReferenceAnswer], path: Path) -> None:
 def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
     """Reference answer of a problem, proved by the independent methods.
 
-    Parameters
-    ----------
-    name
-        Name of the problem.
-    problem
-        The problem.
-
-    Raises
-    ------
-    ArithmeticError
-        If the native answer is not certified, or no independent method has an answer.
-
-    Examples
-    --------
-    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
-    >>> proved_answer("two", problem).touching
-    2
+    ArithmeticError if the native answer is not certified, or no independent method has an answer.
     """
     solution = solve(problem, "native")
     if not solution.certified:
@@ -143,20 +127,10 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
 
 
 def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> float:
-    """Rotation beyond first contact in extended precision [rad], if just these segments touch.
+    """Rotation beyond first contact in extended precision [rad], if just these segments (n) touch.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    active
-        Segments assumed to touch (n).
-
-    Returns
-    -------
-    float
-        NaN if the conditions on these segments are singular, or another force or gap has the wrong sign by more than
-        ``SIGN_TOLERANCE``.
+    NaN if the conditions on these segments are singular, or another force or gap has the wrong sign by more than
+    ``SIGN_TOLERANCE``.
     """
     touching = np.flatnonzero(active)
     arm, separation = problem.lever_arm.astype(np.longdouble), problem.separation.astype(np.longdouble)
@@ -191,21 +165,10 @@ def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> floa
 def bordered_solver(
     problem: ContactProblem, touching: NDArray[np.intp], stiff: float, arm: NDArray[np.float64]
 ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
-    """Function that solves the conditions on the touching segments for a right side; None where they are singular.
+    """Function that solves the conditions on the touching segments (m) for a right side; None where singular.
 
-    The matrix is [C/stiff, -arm; arm', 0]. That of a large structured problem is not formed: with C = D + V V',
-    Woodbury's identity leaves a system of the size of the modes.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    touching
-        Numbers of the touching segments (m).
-    stiff
-        Unit of compliance [mm/N].
-    arm
-        Lever arms (m), scaled.
+    The matrix is [C/stiff, -arm; arm', 0], ``stiff`` the unit of compliance [mm/N]. That of a large structured problem
+    is not formed: with C = D + V V', Woodbury's identity leaves a system of the size of the modes.
     """
     if problem.size <= DENSE_SIZE_LIMIT or not isinstance(problem.compliance, tuple):
         matrix = problem.dense_compliance[np.ix_(touching, touching)] / stiff
@@ -252,11 +215,7 @@ def condition_of(problem: ContactProblem) -> float:
 
 
 def condition_number(compliance: NDArray[np.float64]) -> float:
-    """Condition number of a compliance: greatest over least eigenvalue, infinite where the least is rounding.
-
-    >>> condition_number(np.diag([1.0, 4.0])), condition_number(np.ones((2, 2)))
-    (4.0, inf)
-    """
+    """Condition number of a compliance: greatest over least eigenvalue, infinite where the least is rounding."""
     eigenvalues = np.linalg.eigvalsh(compliance)
     floor = np.finfo(float).eps * compliance.shape[0] * eigenvalues[-1]
     return float(eigenvalues[-1] / eigenvalues[0]) if eigenvalues[0] > 10.0 * floor else math.inf

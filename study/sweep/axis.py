@@ -40,30 +40,10 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Distribution:
-    """Distribution of a swept coordinate.
-
-    Parameters
-    ----------
-    kind
-        ``normal``, ``uniform`` or ``triangular``.
-    parameters
-        Mean and standard deviation; least and greatest value; least value, mode and greatest value.
-
-    Raises
-    ------
-    InputError
-        If there is no such kind, or the parameters are not those of it.
-
-    Examples
-    --------
-    >>> Distribution("uniform", (-0.1, 0.1)).quantile(np.array([0.0, 0.75])).round(12).tolist()
-    [-0.1, 0.05]
-    >>> Distribution.parsed("normal(0, 0.03)").text
-    'normal(0.0, 0.03)'
-    """
+    """Distribution of a swept coordinate: ``normal``, ``uniform`` or ``triangular``."""
 
     kind: str
-    parameters: tuple[float, ...]
+    parameters: tuple[float, ...]  # mean and standard deviation; least, greatest; least, mode, greatest
 
     def __post_init__(self) -> None:
         names = PARAMETERS[one_of("distribution", self.kind, PARAMETERS)]
@@ -113,29 +93,9 @@ class Distribution:
 def sample_values(
     distributions: Mapping[str, Distribution], count: int, *, seed: int = 0, sampler: Sampler = "sobol"
 ) -> dict[str, Array]:
-    """Values (n) of every distributed coordinate.
+    """Values (n) of every distributed coordinate, by ``scipy.stats.qmc``: scrambled Sobol or Latin hypercube.
 
-    Parameters
-    ----------
-    distributions
-        By coordinate.
-    count
-        Number of samples; of the Sobol sequence a power of two is balanced.
-    seed
-        Of the scrambling or of the permutations; the same seed gives the same samples.
-    sampler
-        ``sobol`` (scrambled) or ``latin_hypercube``, by ``scipy.stats.qmc``.
-
-    Raises
-    ------
-    InputError
-        If a number is out of range, or there is no such sampler.
-
-    Examples
-    --------
-    >>> drawn = sample_values({"E": Distribution("uniform", (0.0, 1.0))}, 8)
-    >>> sorted(int(8 * value) for value in drawn["E"])  # one in every eighth
-    [0, 1, 2, 3, 4, 5, 6, 7]
+    Of the Sobol sequence a power of two is balanced. The same seed gives the same samples.
     """
     from scipy.stats import qmc
 
@@ -162,23 +122,9 @@ DIGIT_COUNT = 14  # of the greatest value of an even grid
 @frozen_arrays
 @dataclass(frozen=True)
 class Axis:
-    """A dimension of a sweep with its coordinates.
+    """A dimension of a sweep with its coordinates."""
 
-    Parameters
-    ----------
-    name
-        Name of the dimension: that of its coordinate, ``sample`` or ``load_case``.
-    columns
-        Values (n) of every coordinate: numbers, or words.
-
-    Examples
-    --------
-    >>> axis = grid_axis("E", "-0.1:0.1:3")
-    >>> axis.name, axis.columns["E"].tolist()
-    ('E', [-0.1, 0.0, 0.1])
-    """
-
-    name: str
+    name: str  # that of its coordinate, ``sample`` or ``load_case``
     columns: Mapping[str, NDArray[Any]]
 
     @property
@@ -188,42 +134,21 @@ class Axis:
 
 
 def is_distribution(values: Any) -> bool:
-    """Whether the values of a coordinate are a distribution, or the text of one."""
+    """True if the values of a coordinate are a distribution, or the text of one."""
     return isinstance(values, Distribution) or (isinstance(values, str) and "(" in values)
 
 
 def column(quantity: SweptQuantity, values: Sequence[Any] | NDArray[Any]) -> NDArray[Any]:
-    """Values of a quantity as an array.
-
-    Raises
-    ------
-    InputError
-        If there are none, too many, or one is not possible.
-    """
+    """Values of a quantity as an array; InputError if there are none, too many, or one is not possible."""
     if not 1 <= len(values) <= VALUE_COUNT_LIMIT:
         raise InputError(f"{quantity.name}: must have from 1 to {VALUE_COUNT_LIMIT} values, has {len(values)}")
     return np.array([quantity.checked(value) for value in values])
 
 
 def grid_axis(name: str, values: Any) -> Axis:
-    """Axis of one coordinate.
+    """Axis of one coordinate of ``swept_quantity``, its values possible and distinct.
 
-    Parameters
-    ----------
-    name
-        As of ``swept_quantity``.
-    values
-        Numbers or words in a row; or a text: FROM:TO:COUNT, evenly spaced, or values separated by commas.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity, a value is not possible or comes twice.
-
-    Examples
-    --------
-    >>> grid_axis("torque", "50,100,200").columns["torque"].tolist()
-    [50.0, 100.0, 200.0]
+    They are numbers or words in a row; or a text: FROM:TO:COUNT, evenly spaced, or values separated by commas.
     """
     quantity = swept_quantity(name)
     if quantity.stage == Stage.NOTHING:
@@ -271,29 +196,10 @@ FILES = ("oil", "deviation.pinion", "deviation.gear")  # columns that name files
 
 
 def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axis:
-    r"""Load cases of a table in CSV.
+    """Load cases of a table in CSV, read by ``read_table_rows``; no cell is empty.
 
-    Parameters
-    ----------
-    path
-        The file, as of ``read_table_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
-        ``name``: those of a table of load cases for ``run``, and more. No cell is empty.
-    allow_outside
-        Whether the table may name files of oils and deviations outside its folder: it may be anybody's.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is unknown or comes twice, or a value is missing or not possible.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     table = Path(folder, "loads.csv")
-    ...     _ = table.write_text("torque,E,share\n100,0.01,0.7\n300,0.05,0.3\n", encoding="utf-8")
-    ...     read_load_case_axis(table).columns["torque"].tolist()
-    [100.0, 300.0]
+    Columns are quantities of ``swept_quantity``, ``share`` and ``name``: those of a table of load cases for ``run``,
+    and more. Only with ``allow_outside`` may it name oils and deviations outside its folder: it may be anybody's.
     """
 
     def checked(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -319,18 +225,7 @@ def _require_inside(path: str | Path, name: str, value: str) -> None:
 
 
 def load_case_axis(columns: Any) -> Axis:
-    """Load cases from values (n) by the names of their columns.
-
-    Raises
-    ------
-    InputError
-        If a column is unknown, they are not equally long, or a value is not possible.
-
-    Examples
-    --------
-    >>> load_case_axis({"torque": [100.0, 300.0], "E": [0.01, 0.05]}).size
-    2
-    """
+    """Load cases from values (n) by the names of their columns, which are known and equally long."""
     found = {str(name): column(swept_quantity(str(name)), list(values)) for name, values in dict(columns).items()}
     if not any(swept_quantity(name).stage < Stage.NOTHING for name in found):
         raise InputError(

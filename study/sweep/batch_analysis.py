@@ -38,67 +38,32 @@ KEPT_PAIRS = 2  # that a process keeps in mesh
 
 @dataclass(frozen=True)
 class Batch:
-    """Points to analyse in one go, by one process.
-
-    Parameters
-    ----------
-    setup
-        What is the same at every point.
-    number
-        Of the batch.
-    rows
-        Numbers of the points (n).
-    columns
-        Values (n) of every coordinate of theirs.
-    """
+    """Points (n) to analyse in one go, by one process."""
 
     setup: SweepSetup
     number: int
     rows: Array
-    columns: Mapping[str, Array]
+    columns: Mapping[str, Array]  # values (n) of every coordinate
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class Block:
-    """Numbers of the points of a batch.
-
-    Parameters
-    ----------
-    rows
-        Numbers of the points (n).
-    status
-        Values of ``PointStatus`` (n, ...), over torques where one analysis has several.
-    reason
-        Why a point failed (n, ...); empty where it did not.
-    numbers
-        Key numbers (n, ...) by name; NaN where a point failed.
-    layout
-        Dimensions, attributes and kind of every number, and the values along the dimensions, as JSON; empty if every
-        point failed.
-    """
+    """Numbers of the points (n) of a batch; over torques, too, where one analysis has several."""
 
     rows: Array
     status: Array
-    reason: Array
+    reason: Array  # (n, ...), empty where a point did not fail
     numbers: Mapping[str, Array]
-    layout: str
+    layout: str  # dimensions with values, attributes and kinds of numbers, as JSON; empty if all failed
 
 
 @without_garbage_collection()
 def analyze_batch(batch: Batch) -> Block:
-    """Numbers of every point of a batch; what fails is a row with a reason.
+    """Numbers of every point of a batch; a failure is a row with a reason.
 
-    What points have in common is computed once: the pair, the ease-off and contact lines of an assembly, the contact at
-    one load. No number depends on how points are divided into batches.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> setup = SweepSetup(read_case("nasa-12x36"), (100.0,))
-    >>> block = analyze_batch(Batch(setup, 0, np.array([0]), {"E": np.array([0.02])}))
-    >>> block.status.tolist(), block.numbers["peak_to_peak"].shape
-    ([[0]], (1, 1))
+    Common parts are computed once: the pair, the ease-off and contact lines of an assembly, the contact at one load. No
+    number depends on the division of points into batches.
     """
     loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
     found: dict[int, xr.Dataset] = {}
@@ -130,20 +95,7 @@ def analyze_batch(batch: Batch) -> Block:
 
 
 def point_tree(setup: SweepSetup, values: Mapping[str, Any]) -> xr.DataTree:
-    """The whole analysis at one point of a sweep, as ``analyze`` gives it.
-
-    Raises
-    ------
-    EaseoffError
-        If the point cannot be analysed.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> tree = point_tree(SweepSetup(read_case("nasa-12x36"), (100.0,)), {"E": 0.02})
-    >>> tree.attrs["misalignment_offset_mm"]
-    0.02
-    """
+    """The whole analysis at one point of a sweep, as of ``analyze``; EaseoffError if the point cannot be analysed."""
     return _Assembly(setup, values).analysis(values).tree
 
 

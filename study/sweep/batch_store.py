@@ -34,28 +34,10 @@ NUMBER = "number."  # before the name of a number in a file of a batch
 
 
 class BatchStore:
-    """Batches of one sweep in a folder, from which an interrupted sweep resumes.
+    """Batches of one sweep in a folder, from which an interrupted sweep resumes; ``fresh`` replaces them.
 
-    A batch is written whole and is on the disk before it enters the map with the digest of its content. A batch that
-    the map does not have, whose file has another content, or in which a point failed unexpectedly, is computed anew.
-
-    Parameters
-    ----------
-    folder
-        The folder; made if it does not exist.
-    digest
-        Digest of the sweep.
-    description
-        The sweep in words, for the message that refuses another.
-    count
-        Number of its points.
-    fresh
-        Whether batches in the folder are ignored and replaced.
-
-    Raises
-    ------
-    InputError
-        If the folder holds the batches of another sweep, or anything else, or cannot be written.
+    A batch is written whole and is on the disk before it enters the map with the digest of its content. A batch that is
+    not in the map, whose file has other content, or in which a point failed unexpectedly, is computed anew.
     """
 
     def __init__(self, folder: Path, digest: str, description: str, count: int, *, fresh: bool = False) -> None:
@@ -99,13 +81,7 @@ class BatchStore:
         self._completed.add(str(number), hashlib.sha256(data).hexdigest())
 
     def complete(self, order: NDArray[Any]) -> Iterator[tuple[int, Block]]:
-        """The batches that are complete, by their numbers.
-
-        Parameters
-        ----------
-        order
-            Rows of the sweep (n) in the order in which the bounds divide them.
-        """
+        """The batches that are complete, by their numbers; ``order`` has rows (n) as the bounds divide them."""
         for number, (first, last) in enumerate(pairwise(self.bounds or [])):
             block = self._read(number)
             # Another run of the same sweep may have divided it otherwise.
@@ -148,7 +124,7 @@ class BatchStore:
         return self.folder / f"batch-{number:06d}.npz"
 
     def _plan(self) -> dict[str, Any] | None:
-        """What the folder says of its sweep; nothing if it does not, or is damaged."""
+        """Record of the folder's sweep; nothing if there is none, or it is damaged."""
         if not os.path.isfile(self.folder / PLAN_NAME):
             return None
         try:
@@ -176,7 +152,7 @@ class BatchStore:
 
 
 def _is_own(name: str) -> bool:
-    """Whether an entry of a folder is one of a store."""
+    """True if an entry of a folder is one of a store."""
     return name in (PLAN_NAME, MAP_NAME, f"{MAP_NAME}{DAMAGED}") or bool(
         BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name)
     )

@@ -58,13 +58,6 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
     """Analyse batches in processes of this machine, with one BLAS thread each.
 
     A process that is ended from outside is replaced, and its batch begun anew.
-
-    Parameters
-    ----------
-    batches
-        The batches.
-    workers
-        Number of processes.
     """
     attempts: dict[int, int] = {}
     again: list[Batch] = []
@@ -102,19 +95,9 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
 
 @contextlib.contextmanager
 def cluster_client(address: str) -> Iterator[Any]:
-    """Client of a dask cluster, closed on leaving.
+    """Client of the dask cluster with a scheduler such as ``tcp://127.0.0.1:8786``, closed on leaving.
 
-    Parameters
-    ----------
-    address
-        Address of the cluster's scheduler, such as ``tcp://127.0.0.1:8786``.
-
-    Raises
-    ------
-    MissingPackageError
-        If dask.distributed is not installed.
-    InputError
-        If there is no scheduler at the address, it has no workers, or these have other versions.
+    InputError if there is no scheduler at the address, it has no workers, or these have other versions.
     """
     distributed = distributed_package()
     try:
@@ -164,17 +147,7 @@ def _check_versions(client: Any, address: str) -> None:
 def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Block]]:
     """Analyse batches on a dask cluster.
 
-    Parameters
-    ----------
-    batches
-        The batches.
-    client
-        Of ``cluster_client``.
-
-    Raises
-    ------
-    InputError
-        If the scheduler is gone, has no workers for `WORKERS_TIME_LIMIT`, or a worker cannot run a batch.
+    InputError if the scheduler is gone, has no workers for `WORKERS_TIME_LIMIT`, or a worker cannot run a batch.
     """
     distributed, address = distributed_package(), client.scheduler.address
     running: dict[Any, Batch] = {}
@@ -241,13 +214,7 @@ def _wait_for_one(results: Any, client: Any, address: str) -> None:
 
 
 def distributed_package() -> Any:
-    """The package dask.distributed.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-    """
+    """The package dask.distributed; MissingPackageError if it is not installed."""
     try:
         return importlib.import_module("distributed")
     except ImportError as error:

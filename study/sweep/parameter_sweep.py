@@ -43,13 +43,7 @@ TRIAL_COUNT = 2  # batches of one point: in the first much is loaded and compile
 
 
 def usable_cores() -> int:
-    """Number of processor cores that this process may use.
-
-    Examples
-    --------
-    >>> usable_cores() >= 1
-    True
-    """
+    """Number of processor cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -181,13 +175,7 @@ def run_plan(
     fresh: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Analyse every point of a plan; arguments, returns and raises as of ``sweep``.
-
-    Examples
-    --------
-    >>> run_plan(planned_sweep("nasa-12x36", {"E": [0.02]}, torques=[100.0]), workers=1)["status"].item()
-    0
-    """
+    """Analyse every point of a plan; arguments, returns and raises as of ``sweep``."""
     own = usable_cores() if workers is None else workers
     processes = 1 if scheduler is not None else whole("workers", own, 1, WORKER_COUNT_LIMIT)
     plan.require_memory(processes)
@@ -206,15 +194,7 @@ def run_plan(
 
 
 def batch_store(plan: SweepPlan, folder: str | os.PathLike[str], *, fresh: bool = False) -> BatchStore:
-    """The batches of a plan in a folder.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     batch_store(planned_sweep("nasa-12x36", {"E": [0.05]}), f"{folder}/batches").bounds is None
-    True
-    """
+    """The batches of a plan in a folder."""
     return BatchStore(file_path("store", folder), plan.digest, plan.description, plan.table.count, fresh=fresh)
 
 

@@ -23,14 +23,7 @@ SPARE_SAMPLES = 2
 
 
 def numbers(dataset: xr.Dataset) -> list[str]:
-    """Names of the numbers that vary over a sweep and can be reduced.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> "peak_to_peak" in numbers(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
-    True
-    """
+    """Names of the numbers that vary over a sweep and can be reduced."""
     own = set(reduced_dimensions(dataset))
     return [
         str(name)
@@ -40,13 +33,7 @@ def numbers(dataset: xr.Dataset) -> list[str]:
 
 
 def swept_names(dataset: xr.Dataset) -> list[str]:
-    """Names of the swept coordinates.
-
-    Raises
-    ------
-    InputError
-        If the dataset is not that of a sweep.
-    """
+    """Names of the swept coordinates; InputError if the dataset is not that of a sweep."""
     try:
         names = json.loads(dataset.attrs["swept"])
     except (AttributeError, KeyError, ValueError, TypeError):
@@ -63,14 +50,7 @@ def point_dimensions(dataset: xr.Dataset) -> list[str]:
 
 
 def reduced_dimensions(dataset: xr.Dataset) -> list[str]:
-    """Dimensions over which numbers are reduced: those of the points, or the loads that are swept if there are none.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> reduced_dimensions(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
-    ['E']
-    """
+    """Dimensions over which numbers are reduced: those of the points, or else the loads that are swept."""
     swept = swept_names(dataset)
     return point_dimensions(dataset) or [name for name in LOADS if name in swept and name in dataset.dims]
 

@@ -21,15 +21,7 @@ ROW_NAMES = {"sample": "number of the sample", "load_case": "number of the load 
 
 
 class SweepNumbers:
-    """Numbers of a sweep as they arrive.
-
-    Parameters
-    ----------
-    table
-        Points of the sweep.
-    setup
-        What is the same at every point.
-    """
+    """Numbers of a sweep as they arrive."""
 
     def __init__(self, table: PointTable, setup: SweepSetup) -> None:
         self.table, self.setup = table, setup

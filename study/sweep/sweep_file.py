@@ -44,13 +44,7 @@ OTHER_DIMENSIONS = ("order", "member")
 
 
 class PointStatus(StoredStatus):
-    """How the analysis of a point of a sweep ended.
-
-    Examples
-    --------
-    >>> PointStatus(0).name
-    'CERTIFIED'
-    """
+    """End of the analysis of a point of a sweep."""
 
     CERTIFIED = 0
     UNCERTIFIED = 1
@@ -60,15 +54,7 @@ class PointStatus(StoredStatus):
 
 
 def sweep_faults(dataset: xr.Dataset) -> list[str]:
-    """What the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> sweep_faults(found), sweep_faults(found.drop_vars("status"))
-    ([], ["no whole numbers 'status' from 0 to 4"])
-    """
+    """Parts that the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole."""
     found = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
     found += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES, needed=False)
     try:
@@ -126,30 +112,7 @@ MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
 
 
 def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write the dataset of a sweep to a netCDF-4 file, whole or not at all.
-
-    Parameters
-    ----------
-    dataset
-        From ``sweep``.
-    path
-        The file, replaced if it exists; missing folders are made.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.study.sweep import sweep
-    >>> found = sweep("nasa-12x36", {"E": [0.02]}, torques=[100.0])
-    >>> with TemporaryDirectory() as folder:
-    ...     write_sweep(found, f"{folder}/sweep.nc")
-    ...     read_sweep(f"{folder}/sweep.nc").identical(found)
-    True
-    """
+    """Write the dataset of a sweep to a netCDF-4 file, whole or not at all; missing folders are made."""
     encoding = {
         str(name): {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()
@@ -181,32 +144,12 @@ def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def is_sweep(dataset: xr.Dataset) -> bool:
-    """Whether a dataset has the mark of a sweep.
-
-    Examples
-    --------
-    >>> is_sweep(xr.Dataset())
-    False
-    """
+    """True if a dataset has the mark of a sweep."""
     return MARK in getattr(dataset, "attrs", ())
 
 
 def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Dataset:
-    """The dataset of a sweep as it was read from a file, with texts as texts.
-
-    Raises
-    ------
-    InputError
-        If it is not whole; says what is wrong.
-
-    Examples
-    --------
-    >>> try:
-    ...     checked_sweep(xr.Dataset(attrs={MARK: 1}), "sweep.nc")
-    ... except InputError as error:
-    ...     print(str(error).partition(":")[0])
-    sweep.nc is damaged, changed by hand or made by another version of easeoff
-    """
+    """The dataset of a sweep as read from a file, with texts as texts; InputError with its faults if not whole."""
     faults = layout_fault(dataset.attrs, MARK, SWEEP_SCHEMA_VERSION) or sweep_faults(dataset)
     if faults:
         raise unreadable(path, dataset.attrs, faults, "easeoff sweep CASE -o FILE")

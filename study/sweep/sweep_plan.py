@@ -59,33 +59,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SweepSetup:
-    """What is the same at every point of a sweep; two are equal if their digests are.
-
-    Parameters
-    ----------
-    case
-        The checked case.
-    torques
-        Torques of every analysis [N m]; none where each row has its own.
-    conditions
-        Operating conditions of every analysis, arguments of ``friction.Operation``.
-    flank, misalignment, deviations, deviated, interpolation, modification, edge_contact, marking, solver
-        As of ``analyze``.
-    friction_model, friction_feedback
-        As of ``analyze``.
-    digest
-        Digest of all this; made from it.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> SweepSetup(read_case("nasa-12x36"), (100.0,)) == SweepSetup(read_case("nasa-12x36"), (200.0,))
-    False
-    """
+    """Case and arguments of ``analyze`` that are the same at every point of a sweep; equal if the digests are."""
 
     case: Case
-    torques: tuple[float, ...] | None
-    conditions: Mapping[str, Any] = field(default_factory=dict)
+    torques: tuple[float, ...] | None  # of every analysis [N m]; None where each row has its own
+    conditions: Mapping[str, Any] = field(default_factory=dict)  # arguments of ``friction.Operation``
     flank: FlankName = "drive"
     misalignment: Misalignment | Deflections | None = None
     deviations: Mapping[str, Source] = field(default_factory=dict)
@@ -114,7 +92,7 @@ class SweepSetup:
 
 
 def _stable(value: Any) -> Any:
-    """What a digest is made of, alike in every process."""
+    """Value as a digest takes it, alike in every process."""
     if isinstance(value, Case):
         return value.model_dump_json()
     if isinstance(value, np.ndarray):
@@ -148,20 +126,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class PointTable:
-    """Rows of a sweep: every combination of the points along its axes.
-
-    Parameters
-    ----------
-    axes
-        Axes whose points are analysed apart; those over which one analysis goes are not among them.
-
-    Examples
-    --------
-    >>> from easeoff.study.sweep.axis import grid_axis
-    >>> table = PointTable((grid_axis("P", "0,0.1"), grid_axis("E", "0,0.1,0.2")))
-    >>> table.shape, table.count, table.values(4)
-    ((2, 3), 6, {'P': 0.1, 'E': 0.1})
-    """
+    """Rows of a sweep: every combination of the points along its axes, without those inside one analysis."""
 
     axes: tuple[Axis, ...]
 
@@ -211,7 +176,7 @@ class PointTable:
         return np.flatnonzero(changed)
 
     def bound(self, first: int, size: int) -> int:
-        """Where a batch of about ``size`` rows ends that begins at a place: between assemblies where possible."""
+        """End of a batch of about ``size`` rows from ``first`` on: between assemblies where possible."""
         wanted = first + max(size, 1)
         if wanted >= self.count:
             return self.count
@@ -255,27 +220,11 @@ REASON_SIZE = 500.0  # of a text at every point, as failures make it [byte]
 
 @dataclass(frozen=True)
 class SweepPlan:
-    """Plan of a sweep.
-
-    Parameters
-    ----------
-    setup
-        What is the same at every point.
-    axes
-        All axes in the order given, with those over which one analysis goes.
-    sampling
-        Distributions, seed and sampler, as attributes of the dataset; empty without samples.
-
-    Examples
-    --------
-    >>> plan = planned_sweep("nasa-12x36", {"E": "-0.1:0.1:3", "torque": "50,100"})
-    >>> plan.table.count, plan.setup.torques
-    (3, (50.0, 100.0))
-    """
+    """Plan of a sweep."""
 
     setup: SweepSetup
-    axes: tuple[Axis, ...]
-    sampling: Mapping[str, Any]
+    axes: tuple[Axis, ...]  # all in the order given, with those over which one analysis goes
+    sampling: Mapping[str, Any]  # distributions, seed and sampler as attributes; empty without samples
 
     @property
     def table(self) -> PointTable:
@@ -329,18 +278,7 @@ class SweepPlan:
         return self.table.count * self.loads
 
     def require_memory(self, processes: int) -> None:
-        """Refuse a sweep that needs more memory than is free.
-
-        Parameters
-        ----------
-        processes
-            Number of processes on this machine.
-
-        Raises
-        ------
-        InputError
-            With the numbers to lower, what is needed and what is free.
-        """
+        """Refuse a sweep that needs more memory than is free, with the numbers to lower."""
         size = self.size
         size.require_memory()
         conditions = size.speeds * size.temperatures * size.roughnesses
@@ -368,12 +306,7 @@ def planned_sweep(
 ) -> SweepPlan:
     """Plan a sweep; arguments and raises as of ``sweep``.
 
-    Parameters
-    ----------
-    allow_outside
-        Whether a file of load cases may name files outside its folder.
-    case, over, load_cases, samples, seed, sampler, torques, speed, temperature, roughness, oil, deviations, **options
-        As of ``sweep``.
+    Only with ``allow_outside`` may a file of load cases name files outside its folder.
     """
     checked = checked_case(case)
     solver = options.get("solver", "auto")
@@ -472,5 +405,5 @@ def _axes(
 
 
 def _is_inner(axis: Axis) -> bool:
-    """Whether one analysis goes over an axis."""
+    """True if one analysis goes over an axis."""
     return axis.name in ("torque", *CONDITIONS)

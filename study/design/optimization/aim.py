@@ -307,7 +307,7 @@ class Reading:
     solved: SolvedContact
     values: xr.Dataset
     differentiated: Callable[[], xr.Dataset] | None  # exact derivatives; None if not wanted
-    differences: Callable[[], xr.Dataset]  # derivatives by differences of analyses
+    differences: Callable[[], xr.Dataset]
 
     @cached_property
     def exact(self) -> xr.Dataset | None:
@@ -338,7 +338,7 @@ class Aim:
     objectives: tuple[Objective, ...]
     limits: tuple[QuantityLimit, ...]
     form: Form
-    torques: tuple[float, ...]  # of every analysis [N m]
+    torques: tuple[float, ...]
     flanks: tuple[FlankName, ...]
     assemblies: int
 

@@ -26,7 +26,7 @@ class Composite:
     """Function of affine rows (m): the only, the greatest, greatest less least, or root of the sum of squares."""
 
     kind: Kind
-    level: Array  # (m) at the present settings
+    level: Array
     slope: Array  # (m, n) by the settings
 
     def __post_init__(self) -> None:
