@@ -200,10 +200,7 @@ def updated_geometry(
 
 
 def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> None:
-    """Refuse deviating flanks that have no line contact, with the member whose nodes scatter most.
-
-    ``lost`` is ``MeshCycle.lost_contact``; designed flanks are never refused.
-    """
+    """Refuse deviating flanks without line contact (``MeshCycle.lost_contact``); designed ones never are refused."""
     if lost <= LOST_CONTACT_LIMIT or not deviations:
         return
     scatter = {name: 1e3 * deviation.scatter for name, deviation in deviations.items()}

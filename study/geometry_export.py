@@ -45,8 +45,7 @@ def export_points(
 ) -> str:
     """Write measuring points of a member, rows from root to tip and columns from toe to heel, and describe them.
 
-    Margins at the edges of the flank are a tenth of face width and depth if left out. GeometryError if a point of the
-    grid is not on the flank.
+    Margins are a tenth of face width and depth if left out; GeometryError if a point is not on the flank.
     """
     require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
     pair = pair_of(case)
@@ -102,8 +101,7 @@ def export_surfaces(
 def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
     """Write measuring points, CAD surfaces or a mesh of a member, by the suffix of the file, and describe them.
 
-    Options: ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces; InputError if one is
-    for another format.
+    Options are ``rows``, ``columns``, ``margins`` of points and ``teeth``, ``nodes`` of surfaces, else InputError.
     """
     suffix = path.suffix.lower()
     surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)

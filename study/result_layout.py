@@ -426,10 +426,7 @@ def _front_faults(tree: xr.DataTree) -> Iterator[str]:
 
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
-    """Refuse a V-H check or wear that lacks a part to be shown or drawn, or has it in another form.
-
-    ``kind`` is ``V-H check`` or ``wear``, ``name`` is for messages.
-    """
+    """Refuse a V-H check or wear (``kind``) that lacks a part to be shown or drawn, or has it in another form."""
     layout = LAYOUTS[kind] | (VH_GRID if "grid_print_excess" in found or "v_grid" in found.sizes else {})
     faults = [*variable_faults(found, layout), *form_faults(found)]
     faults += attribute_faults(found.attrs, OF_A_PAIR, needed=True)
@@ -571,10 +568,7 @@ def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
 
 
 def _is(kind: AttributeKind, value: Any, *, known: bool) -> bool:
-    """True if an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers.
-
-    Numbers that need not be ``known`` may be NaN.
-    """
+    """True if an attribute is of a kind: text, finite number, vector, table of numbers; NaN only if not ``known``."""
     if kind == "text" or isinstance(kind, tuple):
         return isinstance(value, str) and (kind == "text" or value in kind)
     if kind == "table of numbers":

@@ -44,10 +44,7 @@ def working(what: str) -> Iterator[None]:
 
 
 class ProgressLines:
-    """Progress as lines on the standard error output: the first after two seconds, then ever fewer.
-
-    ``desc`` names the work, ``unit`` a step in the singular.
-    """
+    """Progress as lines on the standard error output: the first after two seconds, then ever fewer."""
 
     disable = False
 

@@ -92,10 +92,7 @@ def _losses(
 def friction_settings(
     case: Case, operation: Operation | None, model: FrictionModel | None, feedback: bool | None
 ) -> tuple[FrictionModel | None, bool]:
-    """Friction models and True for friction fed back: as given, or else the case's own.
-
-    InputError if they are given without operating conditions, or the oil has no data for a temperature.
-    """
+    """Friction models, and True for friction fed back: given with operating conditions, or else the case's own."""
     if case.friction is not None:
         model = case.friction.model() if model is None else model
         feedback = case.friction.feedback if feedback is None else feedback
@@ -112,10 +109,7 @@ def friction_settings(
 
 
 def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
-    """Operating conditions: arguments of ``friction.Operation`` that are not ``None``, else the case's own.
-
-    ``None`` without a speed in either; InputError if other conditions are given without a speed.
-    """
+    """Operating conditions that are given, not ``None``, or else the case's own; ``None`` without any speed."""
     given = {name: value for name, value in conditions.items() if value is not None}
     if table is not None:
         return table.operation(**given)

@@ -180,10 +180,7 @@ def supported_parts(
     rounds: AssemblyRounds | None = None,
     **options: Any,
 ) -> list[LoadedPart]:
-    """Loaded contact on supports at torques (t) [N m], in the assemblies whose ease-off it was found with.
-
-    ``places`` are the numbers of the torques among all.
-    """
+    """Loaded contact on supports at torques (t) [N m], in the assemblies whose ease-off it was found with."""
     states = {state.pair.assembly.misalignment: state}
 
     def assembled(misalignment: Misalignment) -> MeshCycle:

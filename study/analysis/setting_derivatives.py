@@ -106,10 +106,7 @@ def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
 def chosen_settings(
     pair: GearPair, flank: FlankName, names: Sequence[str] | None
 ) -> tuple[list[NamedSetting], list[str]]:
-    """The settings to differentiate by, and the names asked for, in their order.
-
-    Names are of ``derivative_settings``, which are all if none are given, or ``modification.TERM``.
-    """
+    """Settings of ``derivative_settings``, all or by name, or ``modification.TERM``; and the names asked for."""
     known = {one.name: one for one in _settings(pair, flank)}
     known |= {
         f"modification.{term}": NamedSetting(f"modification.{term}", PairSetting("modification", term), 1.0)

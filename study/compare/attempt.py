@@ -154,10 +154,7 @@ def load_factor(method: Method, repetition: int, number: int) -> float:
 
 
 def posed_problems(path: Path, name: str) -> list[PosedProblem]:
-    """Problems of a file, solved for reference.
-
-    InputError if there are none, or one is not convex: no certificate could prove it.
-    """
+    """Problems of a file, solved for reference; InputError if there are none, or one is not convex."""
     problems = read_problems(path)
     if not problems:
         raise InputError(f"{path} holds no contact problems")
@@ -200,8 +197,7 @@ def problem_digest(problem: ContactProblem) -> str:
 def posed_residual(problem: ContactProblem, answer: Answer, *, raw: bool = False) -> float:
     """Largest of primal residual, dual residual and duality gap, each over one plus the size of its terms.
 
-    Of a ``raw`` problem in mm and N, else scaled; NaN without an answer. One plus the size, as a solver may hold its
-    tolerance as an absolute or as a relative one.
+    Of a ``raw`` problem in mm and N; NaN without an answer. One plus the size: tolerances may be absolute or relative.
     """
     force, rotation = np.asarray(answer.force, dtype=np.float64), answer.elastic_rotation
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
@@ -296,10 +292,7 @@ def attempt(
     time_limit: float,
     start: NDArray[np.float64] | None = None,
 ) -> Attempt:
-    """Let a solver try a problem, within a time limit [s] that it may ignore; ``start`` are forces (n) [N].
-
-    The problem is rebuilt for every attempt, so that nothing found by an earlier one is reused.
-    """
+    """Let a solver try a problem, rebuilt so that nothing found before is reused; limit [s], start forces (n) [N]."""
     fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
     begin, processor = perf_counter(), process_time()
     solution: ContactSolution | None

@@ -36,10 +36,7 @@ class Row:
 
 
 def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
-    """Table of a comparison along the dimension ``attempt``; residuals are NaN without an answer.
-
-    ``tolerance`` is the largest violation of a condition in a certified answer.
-    """
+    """Table of a comparison along the dimension ``attempt``; residuals are NaN without an answer."""
     posed, methods, attempts = ([getattr(row, name) for row in rows] for name in ("posed", "method", "attempt"))
     columns: dict[str, list[Any]] = {
         "problem_file": [p.file for p in posed],

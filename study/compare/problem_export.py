@@ -19,10 +19,7 @@ SUFFIXES = tuple(f".{name}" for name in FORMATS)
 def check_problem_output(
     output: Path, format: str | None, form: str | None, *sources: str | os.PathLike[str], count: int = 1
 ) -> None:
-    """Check, before any work, that contact problems can be written, and would overwrite none of the sources.
-
-    Format and form as in `export_problems`, or the format ``"qpbenchmark"``; InputError if they cannot.
-    """
+    """Check before any work that contact problems can be written, over none of the sources; else InputError."""
     for source in sources:
         if os.path.isfile(output) and os.path.isfile(source) and os.path.samefile(output, source):
             check_writable(output, source)

@@ -178,10 +178,7 @@ class ToothSpaces:
             yield f"{name} edge radius: greatest; as cut", limit, f"{self.edge_radius[k]:.3f}", NO_VALUE
 
     def blade_point(self, member: int) -> tuple[float, float]:
-        """Least blade point that leaves no fin in the widest slot, and greatest that fits the narrowest [mm].
-
-        Member 0 is the pinion, 1 the gear.
-        """
+        """Least blade point without a fin in the widest slot, greatest in the narrowest [mm]; pinion 0, gear 1."""
         return float(self.slots.greatest[member]) / 2.0 + BLADE_OVERLAP, float(self.slots.least[member])
 
     def warnings(self) -> Iterator[str]:
@@ -203,10 +200,7 @@ class ToothSpaces:
 
 
 def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions) -> ToothSpaces:
-    """Spaces of a pair, seen from both sides, with both flanks of both members.
-
-    GeometryError if a cutter meets no tooth of its blank, or does not reach an end of the face.
-    """
+    """Spaces of a pair from both sides; GeometryError if a cutter does not reach a tooth or an end of the face."""
     slots = SlotWidths(ToothLine(proportions))
     members = drive.pinion, drive.gear
     places = [_places(proportions, k) for k in (0, 1)]
@@ -254,10 +248,7 @@ UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
 
 
 def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
-    """Top lands, slots and fillets of a case, and warnings of its teeth, a sentence each.
-
-    The spaces are ``None`` where they cannot be measured; a warning then gives the reason.
-    """
+    """Top lands, slots and fillets of a case, ``None`` if not measurable, and warnings, a sentence each."""
     try:
         drive, coast = (gear_pair(case, side) for side in SIDES)
         proportions = measured_proportions(drive)

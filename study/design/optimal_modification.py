@@ -214,10 +214,7 @@ def _goal(
 
 
 def _least_line_load(loaded: xr.Dataset, ratio: float) -> Array:
-    """Line load of every torque (t) [N/mm] if even along all contact lines of the worst mesh position.
-
-    No surface could do better.
-    """
+    """Least line load (t) [N/mm] of any surface: even along all contact lines of the worst mesh position."""
     arms = (loaded["lever_arm"] * loaded["length"]).sum("segment")
     return np.asarray((1e3 * ratio * loaded["torque"] / arms).max("mesh_position").values)
 

@@ -98,10 +98,7 @@ def write_answers(answers: Iterable[ReferenceAnswer], path: Path) -> None:
 
 
 def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
-    """Reference answer of a problem, proved by the independent methods.
-
-    ArithmeticError if the native answer is not certified, or no independent method has an answer.
-    """
+    """Reference answer of a problem, proved by independent methods; ArithmeticError if that is not possible."""
     solution = solve(problem, "native")
     if not solution.certified:
         raise ArithmeticError(f"{name}: {solution.status.name}")
@@ -129,8 +126,7 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
 def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> float:
     """Rotation beyond first contact in extended precision [rad], if just these segments (n) touch.
 
-    NaN if the conditions on these segments are singular, or another force or gap has the wrong sign by more than
-    ``SIGN_TOLERANCE``.
+    NaN if the conditions are singular, or another force or gap has a sign wrong by more than ``SIGN_TOLERANCE``.
     """
     touching = np.flatnonzero(active)
     arm, separation = problem.lever_arm.astype(np.longdouble), problem.separation.astype(np.longdouble)

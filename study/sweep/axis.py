@@ -93,10 +93,7 @@ class Distribution:
 def sample_values(
     distributions: Mapping[str, Distribution], count: int, *, seed: int = 0, sampler: Sampler = "sobol"
 ) -> dict[str, Array]:
-    """Values (n) of every distributed coordinate, by ``scipy.stats.qmc``: scrambled Sobol or Latin hypercube.
-
-    Of the Sobol sequence a power of two is balanced. The same seed gives the same samples.
-    """
+    """Values (n) of every distributed coordinate, by ``scipy.stats.qmc``; Sobol samples balance at powers of two."""
     from scipy.stats import qmc
 
     whole("samples", count, 1, SAMPLE_COUNT_LIMIT)

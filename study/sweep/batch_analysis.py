@@ -62,8 +62,7 @@ class Block:
 def analyze_batch(batch: Batch) -> Block:
     """Numbers of every point of a batch; a failure is a row with a reason.
 
-    Common parts are computed once: the pair, the ease-off and contact lines of an assembly, the contact at one load. No
-    number depends on the division of points into batches.
+    Common parts of points are computed once; no number depends on their division into batches.
     """
     loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
     found: dict[int, xr.Dataset] = {}

@@ -55,10 +55,7 @@ def in_this_process(batches: Iterator[Batch]) -> Generator[tuple[int, Block]]:
 
 
 def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int, Block]]:
-    """Analyse batches in processes of this machine, with one BLAS thread each.
-
-    A process that is ended from outside is replaced, and its batch begun anew.
-    """
+    """Analyse batches in processes of one BLAS thread each; one that is killed is replaced, its batch begun anew."""
     attempts: dict[int, int] = {}
     again: list[Batch] = []
     while True:

@@ -304,10 +304,7 @@ def planned_sweep(
     allow_outside: bool = False,
     **options: Any,
 ) -> SweepPlan:
-    """Plan a sweep; arguments and raises as of ``sweep``.
-
-    Only with ``allow_outside`` may a file of load cases name files outside its folder.
-    """
+    """Plan a sweep, as of ``sweep``; only with ``allow_outside`` may load cases name files outside their folder."""
     checked = checked_case(case)
     solver = options.get("solver", "auto")
     if not isinstance(solver, str):

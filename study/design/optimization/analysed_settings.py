@@ -115,10 +115,7 @@ TIP_WEIGHT = 100.0
 
 
 def blade_tip_gaps(pair: GearPair) -> xr.DataArray:
-    """Distances (member, root_place) of blade tips above the root cones of the loaded flanks [mm].
-
-    Negative where they cut deeper, NaN where the flank ends before.
-    """
+    """Distances (member, root_place) of blade tips above root cones [mm]; negative below, NaN beyond the flank."""
     flanks = [(member.loaded.designed, member.section) for member in _both(pair)]
     gaps = [RootLine.of(surface, section).gap(surface)[0] for surface, section in flanks]
     return xr.DataArray(gaps, {"member": MEMBERS, "root_place": PLACES}, DIMENSIONS)
@@ -361,10 +358,7 @@ class AnalysedSettings:
         return float(np.max(np.abs(np.concatenate(changes))))
 
     def moved(self, step: Array) -> AnalysedSettings:
-        """Other settings (n), analysed, with the ease-off that a step gives to first order.
-
-        EaseoffError if they have no teeth or no certified analysis.
-        """
+        """Other settings (n), analysed, with the ease-off of a step to first order; EaseoffError without analysis."""
         workshop = self.workshop
         settings = self.settings + step
         for _ in range(CORRECTION_COUNT):

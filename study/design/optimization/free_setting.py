@@ -155,10 +155,7 @@ def pair_setting(key: str) -> PairSetting:
 
 @dataclass(frozen=True)
 class SettingSpace:
-    """All free settings, and the cases that they make from one.
-
-    InputError if the limits of a setting hold no multiple of its step on the machine.
-    """
+    """All free settings, and the cases that they make; InputError if limits hold no multiple of a setting's step."""
 
     case: Case
     free: tuple[FreeSetting, ...]
@@ -194,10 +191,7 @@ class SettingSpace:
         return np.array([nearest_multiple(value, step, one.low, one.high) for value, step, one in each])
 
     def case_at(self, values: Array, *, rounded: bool = False) -> Case:
-        """The case with other values (n) of the free settings; ``rounded`` to the resolution.
-
-        InputError if a setting is beyond the range of a case.
-        """
+        """The case with other values (n) of the free settings, ``rounded`` on request; InputError if out of range."""
         steps: dict[str, float] = {}
         for one, value in zip(self.free, values, strict=True):
             for key, factor in one.moves.items():

@@ -81,8 +81,7 @@ class Outcome:
 class SettingSearch:
     """Searches of one case for several aims; programmes of one shape are compiled once.
 
-    ``steps`` is the most programmes for one aim; a predicted gain, or a loss by rounding, below ``tolerance`` ends a
-    search.
+    At most ``steps`` programmes for one aim; a predicted gain, or loss by rounding, below ``tolerance`` ends a search.
     """
 
     def __init__(
@@ -201,8 +200,7 @@ def first_workshop(workshop: Workshop) -> tuple[Workshop, Readings]:
 def _rounded_settings(point: AnalysedSettings) -> Array:
     """Settings (n) that can be set near analysed ones, in the units of the case file: those best by the model.
 
-    The nearest ones may pass a limit that the settings keep. Neighbouring ones are tried by the model alone, as far as
-    the ease-off stays as it is.
+    The nearest may pass a limit; neighbours are tried by the model alone, as far as the ease-off stays as it is.
     """
     space, units = point.workshop.space, point.workshop.units
     model, judgement = point.model(1.0), point.judgement

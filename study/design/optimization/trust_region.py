@@ -122,8 +122,7 @@ def search(
 ) -> Search:
     """Improve a ``Point`` until no programme predicts a gain above the tolerance; a local optimum at best.
 
-    ``programme`` compiles one for a model, ``radius`` is that of the first trust region [um]. The merit is never higher
-    than at the start.
+    ``programme`` compiles one for a model, ``radius`` is the first trust region's [um]; the merit never rises.
     """
     best, done = start, list[Step]()
     while True:
