@@ -501,7 +501,7 @@ class EaseOffForm:
         return cls(t, h, known, value, slopes)
 
     def missed(self, pair: GearPair, step: Array) -> Array:
-        """Difference of the form after a step (n), to first order, from another pair (s) [um]; zero where unknown.
+        """Form after a step (n), to first order, less that of another pair (s) [um]; zero where either is unknown.
 
         GeometryError if the flanks of the other pair do not meet.
         """

@@ -156,7 +156,7 @@ class BladeTips:
         return cls(TIP_WEIGHT * value, TIP_WEIGHT * slopes)
 
     def missed(self, pair: GearPair, step: Array) -> Array:
-        """Difference of the distances after a step (n), to first order, from another pair (p); zero where unknown.
+        """Distances after a step (n), to first order, less those of another pair (p); zero where either is unknown.
 
         GeometryError if a cutter meets no tooth.
         """
