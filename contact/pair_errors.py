@@ -21,25 +21,15 @@ NEIGHBOUR_DISTANCE_LIMIT = 0.2  # fraction of the flank; points farther apart do
 
 @dataclass(frozen=True)
 class PairErrors:
-    """Smallest gap of every tooth pair by itself.
+    """Gap of every tooth pair by itself, a pair before the first and one after the last included.
 
-    Parameters
-    ----------
-    flanks
-        Both flanks.
-    mesh
-        Contact lines, whose rotations and tooth pairs count; a pair before the first and one after the last is looked
-        at as well, as it may touch at an edge.
-    pairs
-        Tooth pairs (p).
-    touching
-        Their points of contact at every rotation (p * k), pair by pair.
+    Those two may touch at an edge.
     """
 
     flanks: TurnedFlanks
     mesh: MeshLines
-    pairs: NDArray[np.int64]
-    touching: TouchingPoints
+    pairs: NDArray[np.int64]  # (p)
+    touching: TouchingPoints  # (p * k), pair by pair
 
     @classmethod
     def of(cls, flanks: TurnedFlanks, mesh: MeshLines) -> PairErrors:
@@ -64,11 +54,9 @@ class PairErrors:
         return self.envelope_at(np.arange(count) / count)
 
     def envelope_at(self, ahead: Array) -> Array:
-        """Smallest gap over all tooth pairs (m), at rotations (m) beyond the first, as fractions of a pitch [rad].
+        """Smallest gap over all pairs (m) [rad], at rotations (m) beyond the first, as fractions of a pitch.
 
-        The course of a pair bends where its contact moves onto an edge, and the envelope has a kink where the next pair
-        takes over; they lie between the mesh positions. Wherever a pair may carry its contact is found anew, from the
-        points at the positions before and after.
+        Contact is found anew wherever a pair may carry: kinks, at edges and transfers, lie between the mesh positions.
         """
         return self.carrying_at(ahead)[1].gap
 

@@ -127,18 +127,7 @@ def analysis_options(command: Any) -> Any:
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
-    """Options with the defaults of ``--interpolation`` and ``--deviated`` filled in.
-
-    Raises
-    ------
-    click.UsageError
-        If one of the two is given without ``--deviation``.
-
-    Examples
-    --------
-    >>> with_defaults({"deviations": {}, "interpolation": None})
-    {'deviations': {}, 'interpolation': 'spline'}
-    """
+    """Options with the defaults of ``--interpolation`` and ``--deviated``, which must go with ``--deviation``."""
     own = {name: value for name, value in DEVIATING.items() if name in options}
     for name in own:
         if options[name] is not None and not options["deviations"]:
@@ -159,20 +148,14 @@ def chosen_case(case: str, supports: str | None) -> Case:
 
 
 class Progress(NamedTuple):
-    """What to call as the work goes on: after every step, and with the name of a stage before it."""
+    """Calls that show progress: after every step, and with the name of a stage before it."""
 
     step: Callable[[], None]
     stage: Callable[[str], None]
 
 
 def check_cost(case: Case, size: AnalysisSize) -> None:
-    """Refuse an analysis that needs more memory than is free; say on stderr what one takes that is long.
-
-    Raises
-    ------
-    InputError
-        As ``AnalysisSize.require_memory``.
-    """
+    """Refuse an analysis that needs more memory than is free; say on stderr what takes more than a minute."""
     size.require_memory()
     teeth = size.teeth_seconds(case)
     if teeth > TOLD_TIME:
@@ -186,15 +169,7 @@ def check_cost(case: Case, size: AnalysisSize) -> None:
 
 @contextmanager
 def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
-    """Show a progress bar on a terminal, with the name of the stage.
-
-    Parameters
-    ----------
-    case
-        A checked case.
-    torques
-        Torques at the pinion [N m]; the case's own if ``None``.
-    """
+    """Show a progress bar on a terminal, with the name of the stage; the case's own torques if ``None``."""
     total = len(torques or case.contact.torques) * case.contact.mesh_positions
     with terminal_bar(total=total, desc="geometry", unit="solve") as bar:
         yield Progress(lambda: _step(bar), lambda name: show_stage(bar, name))

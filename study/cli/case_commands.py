@@ -222,7 +222,7 @@ def cases() -> None:
 
 
 def _measured_title(name: str) -> str:
-    """What a shipped file of measured flanks holds, from its name: CASE-STATE-MEMBER."""
+    """Title of a shipped file of measured flanks, from its name CASE-STATE-MEMBER."""
     case, state, member = name.rsplit("-", 2)
     return f"{state} {member} flank of the case {case}"
 

@@ -25,10 +25,7 @@ GIVEN = "easeoff.given"
 
 
 class Command(click.Command):
-    """Command whose options come at most once, unless they may be repeated.
-
-    Click would take the last value of an option given twice and say nothing.
-    """
+    """Command whose options come at most once, unless they may be repeated; click would take the last value."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; its paths stay what they are wherever code of somebody else may go."""
@@ -77,17 +74,9 @@ def as_given(text: str) -> str:
 
 
 def quick_start(*, alone: bool = True) -> None:
-    """Spare a command that does one thing, and imports much for it, what it has no use for.
+    """Leave out garbage collection and the import of dask, which take a command as long as its work.
 
-    Python's search for circles of objects waits for the end of the command, and is left out where the process ends with
-    it: among some hundred thousand objects of imported packages it takes a quarter of the whole. Where dask is
-    installed, xarray imports it with the first variable, and dask distributed before it writes a file, which takes as
-    long as the analysis.
-
-    Parameters
-    ----------
-    alone
-        Whether the command runs the package's own code only; a solver of somebody else's may use dask.
+    With ``alone`` false, as for a solver of somebody else's, dask can be imported.
     """
     context = click.get_current_context()
     context.with_resource(without_garbage_collection(at_all=alone and context.obj == PROGRAM))

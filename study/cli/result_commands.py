@@ -185,15 +185,7 @@ def cite(result: Path | None, bibtex: bool) -> None:
 
 
 def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:
-    """Write pictures of a result, and say which were written, and whose were replaced or removed.
-
-    Parameters
-    ----------
-    result, folder
-        The result and the folder.
-    **options
-        As of ``write_pictures``.
-    """
+    """Write pictures, options as of ``write_pictures``, and say which were written, replaced or removed."""
     from ..plot import write_pictures
     from ..plot.picture_files import file_prefix, pictures_of_results
 

@@ -42,21 +42,7 @@ def run_load_cases(
     conditions: dict[str, Any],
     options: dict[str, Any],
 ) -> None:
-    """Analyse a case over load cases, write the result, and show its table.
-
-    Parameters
-    ----------
-    case, source
-        The checked case, and its name or path.
-    load_cases
-        Path of a table of load cases, or ``case`` for those of the case.
-    output, plots
-        File of the result, and folder for pictures.
-    conditions
-        Conditions and models of friction, and thickness of the marking compound.
-    options
-        Of the analysis.
-    """
+    """Analyse a case over a table of load cases, or ``case`` for its own, write the result, and show its table."""
     from ...cases import Deflections, read_load_cases
     from ...cases.analysis_size import AnalysisSize
     from ...core.output_file import check_writable

@@ -27,26 +27,9 @@ WHOLE_NUMBER = re.compile(r"[+-]?\d+")
 
 
 def number_list(text: str, wanted: str, *, from_zero: bool = True) -> list[float]:
-    """Numbers separated by commas.
+    """Numbers separated by commas, blanks allowed; ``wanted`` says in messages what the text must be.
 
-    Parameters
-    ----------
-    text
-        The text; blanks around the numbers are allowed.
-    wanted
-        What the text must be, for messages.
-    from_zero
-        Whether 0 may stand before another whole number; else that is a decimal comma.
-
-    Raises
-    ------
-    click.BadParameter
-        If it is no such list, or looks like a number with a decimal comma.
-
-    Examples
-    --------
-    >>> number_list("50, 250", "numbers")
-    [50.0, 250.0]
+    Unless ``from_zero``, a 0 before another whole number is taken for a decimal comma and refused.
     """
     try:
         values = [float(part) for part in text.split(",")]
@@ -57,34 +40,9 @@ def number_list(text: str, wanted: str, *, from_zero: bool = True) -> list[float
 
 
 def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
-    """Refuse a list of whole numbers that do not increase: a decimal comma is the likely reason.
+    """Refuse a list of whole numbers that looks like a number with a decimal comma, as ``50,5`` or ``0,8``.
 
-    ``50,5`` would be the two values 50 and 5, and ``0,8`` the values 0 and 8. A list with a decimal point somewhere was
-    written by somebody who knows, and may be in any order; three and more numbers may fall from the first to the last,
-    as no decimal comma makes them.
-
-    Parameters
-    ----------
-    text
-        Numbers separated by commas.
-    from_zero
-        As for ``number_list``.
-
-    Raises
-    ------
-    click.BadParameter
-        With the number that may have been meant.
-
-    Examples
-    --------
-    >>> refuse_decimal_commas("50,250")
-    >>> refuse_decimal_commas("50.5,5")
-    >>> refuse_decimal_commas("800,400,100")
-    >>> try:
-    ...     refuse_decimal_commas("50,5")
-    ... except click.BadParameter as error:
-    ...     print(error.message)
-    '50,5': whole numbers in a list must increase, as in 5,50; a decimal has a point: 50.5
+    A list with a decimal point may be in any order; three or more whole numbers may fall from the first to the last.
     """
     parts = [part.strip() for part in text.split(",")]
     if len(parts) < 2 or not all(WHOLE_NUMBER.fullmatch(part) for part in parts):
@@ -116,13 +74,7 @@ def by_member(text: str, quantity: str, example: str) -> list[float]:
 
 
 def keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
-    """Numbers by key, from KEY=NUMBER separated by commas.
-
-    Examples
-    --------
-    >>> keyed_numbers("E=0.1, P=-0.2", ("E", "P"), "E=0.15")
-    {'E': 0.1, 'P': -0.2}
-    """
+    """Numbers by key, from KEY=NUMBER separated by commas."""
     values: dict[str, float] = {}
     for part in text.split(","):
         key, equals, number = (piece.strip() for piece in part.partition("="))
@@ -237,22 +189,12 @@ def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> N
 
 
 def outside_allowed() -> bool:
-    """Whether ``--allow-outside`` was given to the command that runs."""
+    """True if ``--allow-outside`` was given to the command that runs."""
     return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
 
 
 def refuse_name_of_output(output: Path, **folders: Path | None) -> None:
-    """Refuse folders, by the names of their options, that have the name of the file to be written.
-
-    Raises
-    ------
-    click.UsageError
-        If one has.
-
-    Examples
-    --------
-    >>> refuse_name_of_output(Path("out.nc"), plots=Path("pictures"), store=None)
-    """
+    """Refuse folders, by the names of their options, that have the name of the file to be written."""
     for option, folder in folders.items():
         if folder is not None and os.path.abspath(folder) == os.path.abspath(output):
             raise click.UsageError(f"--{option} = {str(folder)!r}: must be another name than that of the file")

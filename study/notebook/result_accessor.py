@@ -147,7 +147,7 @@ def _pictures() -> dict[str, Callable[..., Any]]:
 
 
 class ResultAccessor:
-    """What one does with a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
+    """Tables, summary and pictures of a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
 
     Every method raises ``InputError`` if the tree is no result of ``analyze``, ``modify``, ``optimize``,
     ``study.analyze_load_cases`` or ``read_result``.
@@ -293,27 +293,9 @@ READ_UNITS = {
 
 
 def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
-    """Key numbers of a result as tables; a column bears the name of its variable and the unit.
+    """Key numbers of a result by table; a column bears the name of its variable and the unit.
 
-    Parameters
-    ----------
-    tree
-        A result.
-
-    Returns
-    -------
-    dict of str to pandas.DataFrame
-        ``unloaded``: one row. ``misalignment``, if it depends on the torque, and ``supports``, if there are some: means
-        over the mesh cycle, a row a torque [N m], the rotations of the gear and the bearing loads. ``loaded``: a row a
-        torque. ``friction``, if the result has it: a row an operating condition. Of load cases: ``load_cases`` with a
-        row each. Wide ones are best read as ``frame.T``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> frames = summary_frames(easeoff.analyze("nasa-12x36", torques=[100.0]))
-    >>> list(frames), frames["loaded"].index.tolist(), round(frames["loaded"]["harmonic 1 [urad]"].iloc[0])
-    (['unloaded', 'loaded'], [100.0], 115)
+    A row a torque [N m], operating condition or load case; the rows of ``misalignment`` are means over the mesh cycle.
     """
     if "load_cases" in tree.children:
         return {"load_cases": frame_over(tree["load_cases"].to_dataset(), ("load_case",))}
@@ -398,13 +380,7 @@ def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table; the first column names the rows.
-
-    Examples
-    --------
-    >>> html_table([], [["a"]])
-    '<table><tbody><tr><td style="text-align:left">a</td></tr></tbody></table>'
-    """
+    """Table in HTML; the first column names the rows."""
     head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
     body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
     lines = "".join(f"<tr>{cells}</tr>" for cells in body)
@@ -412,13 +388,7 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def html_text(text: object) -> str:
-    """A text with the signs of its units, which terminals may lack.
-
-    Examples
-    --------
-    >>> html_text("3 um < 4 um")
-    '3 µm &lt; 4 µm'
-    """
+    """Text for HTML with the signs of its units, which terminals may lack."""
     words = printable(str(text)).replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
     return html.escape(words.replace(" deg", " °"))
 
@@ -464,19 +434,7 @@ FRICTION = {
 
 
 def result_page(tree: xr.DataTree) -> str:
-    """Short summary of a result: pair, contact under load, friction and notes, in HTML without a style of its own.
-
-    Parameters
-    ----------
-    tree
-        A result.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> "greatest pressure [MPa]" in result_page(easeoff.analyze("nasa-12x36", torques=[100.0]))
-    True
-    """
+    """Summary of a result in HTML without a style: pair, contact under load, friction and notes."""
     tree = in_memory(tree)
     parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
@@ -550,7 +508,7 @@ def _friction(tree: xr.DataTree) -> list[str]:
 
 
 def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
-    """How many rows or columns of a table are not shown, and where they are."""
+    """Number of rows or columns of a table that are not shown, and their place, in HTML."""
     return (
         f"<p>and {count - limit} more: <code>summary().tables[&quot;{name}&quot;]</code></p>" if count > limit else ""
     )

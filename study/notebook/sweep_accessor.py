@@ -126,7 +126,7 @@ class SweepPlots:
 
 
 class SweepAccessor:
-    """What one does with a sweep in a notebook: ``found.easeoff`` of every ``xarray.Dataset``.
+    """Tables, summary and pictures of a sweep in a notebook: ``found.easeoff`` of every ``xarray.Dataset``.
 
     Every method raises ``InputError`` if the dataset is none of ``sweep`` or ``study.sweep.read_sweep``.
 
@@ -192,26 +192,9 @@ def _checked_sweep(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
-    """Numbers of a sweep as tables; a column bears the name of its variable and the unit.
+    """Tables of a sweep by name: points, percentiles, sensitivities of each number, and worst points.
 
-    Parameters
-    ----------
-    dataset
-        A sweep.
-
-    Returns
-    -------
-    dict of str to pandas.DataFrame
-        ``points``: all numbers, a row a point, torque and condition, also those that failed. ``percentiles`` of the
-        main numbers, ``sensitivities_NAME`` of each that has some, and ``worst``, the points with the greatest
-        pressure.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> frames = sweep_frames(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
-    >>> list(frames)[:2], list(frames["points"].index.names)
-    (['points', 'percentiles'], ['E [mm]', 'torque [N m]'])
+    A column bears the name of its variable and the unit; points that failed have a row, too.
     """
     loads = [name for name in LOADS if name in dataset.dims]
     rows = (*point_dimensions(dataset), *loads)
@@ -251,20 +234,7 @@ def _whole(dataset: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
 
 
 def sweep_page(dataset: xr.Dataset) -> str:
-    """Summary of a sweep in HTML without a style of its own: what the text of ``easeoff show`` says.
-
-    Parameters
-    ----------
-    dataset
-        A sweep.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> page = sweep_page(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
-    >>> "3 values from 0 to 0.04 mm</td>" in page
-    True
-    """
+    """Summary of a sweep in HTML without a style, as of ``easeoff show``."""
     parts = [f"<h4>{html_text(sweep_title(dataset))}</h4>"]
     parts.append(html_table([], [list(row) for row in sweep_head(dataset)]))
     parts += [f"<p>{html_text(line)}</p>" for line in (outcome(dataset), *failure_reasons(dataset))]

@@ -412,7 +412,7 @@ def deviations(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
 @overload
 def deviations(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
 def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
-    """What the deviations of both flanks add to the ease-off.
+    """Part of the ease-off that the deviations of both flanks add.
 
     Parameters
     ----------
@@ -604,37 +604,9 @@ def topography(
 def write_topographies(
     found: CaseCorrection, folder: str | os.PathLike[str], name: str, *, file_format: str = "png"
 ) -> list[Path]:
-    """Draw the topographies of all corrections of a case into a folder, a file a set-up.
+    """Draw all corrections of a case into a folder, a file a set-up: ``NAME-gear-convex-topography.png``.
 
-    Parameters
-    ----------
-    found
-        Of ``study.correct_case``.
-    folder
-        The folder; made if it does not exist.
-    name
-        Begin of the names of the files, as in ``fm-11x41-gear-convex-topography.png``.
-    file_format
-        ``png``, ``svg`` or ``pdf``.
-
-    Returns
-    -------
-    list of Path
-        The files; those of an earlier correction are replaced.
-
-    Raises
-    ------
-    InputError
-        If the format is unknown or the folder cannot be written to.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> from tempfile import TemporaryDirectory
-    >>> found = easeoff.study.correct_case(easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"})
-    >>> with TemporaryDirectory() as place:
-    ...     [path.name for path in write_topographies(found, place, "mine")]
-    ['mine-gear-convex-topography.png']
+    The folder is made if it does not exist; pictures of an earlier correction are replaced.
     """
     if file_format not in FORMATS:
         raise InputError(f"format = {file_format!r}: must be one of {', '.join(FORMATS)}")

@@ -154,18 +154,10 @@ LABEL_DISTANCE = 150.0  # [pt] between numbers of the same level
 
 @dataclass(frozen=True)
 class Region:
-    """Region in which numbers may stand.
+    """Region in which the numbers of contour lines may stand."""
 
-    Parameters
-    ----------
-    holds
-        Whether points (n, 2) [mm] are inside (n).
-    border
-        Closely spaced points (k, 2) [mm] around the region.
-    """
-
-    holds: Callable[[Array], Truths]
-    border: Array
+    holds: Callable[[Array], Truths]  # of points (n, 2) [mm]
+    border: Array  # (k, 2) [mm], closely spaced
 
 
 def outlined(outline: Path) -> Region:
@@ -242,18 +234,9 @@ def number_lines(axes: Axes, lines: ContourSet, region: Region, size: float = SM
 
 
 def label_points(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> list[tuple[float, float]]:
-    """Points of contour lines at which their numbers are written: longest lines first, each where there is most room.
+    """Points of contour lines for their numbers: longest lines first, each where there is most room.
 
-    Parameters
-    ----------
-    axes
-        Axes of the lines, as high as wide if their aspect is equal.
-    lines
-        The contour lines.
-    region
-        Region in which numbers may stand.
-    size
-        Size of the type [pt].
+    The axes must be as high as wide if their aspect is equal; the size of the type is in points.
     """
     scale = points_per_unit(axes)
     pieces = [

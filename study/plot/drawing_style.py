@@ -15,22 +15,9 @@ CONFIGURATION = "matplotlibrc"
 
 @contextlib.contextmanager
 def drawing(axes: object) -> Iterator[None]:
-    """Draw pages with matplotlib's defaults, and on the caller's axes with the settings and sizes of the caller.
+    """Draw pages with matplotlib's defaults, and on axes of the caller with the caller's settings.
 
-    The settings of the caller are back afterwards. A file ``matplotlibrc`` in the current folder, which may be a
-    stranger's, is not read: it could have pictures drawn by other programs, or be no text at all.
-
-    Parameters
-    ----------
-    axes
-        Axes of the caller; ``None`` for a page.
-
-    Examples
-    --------
-    >>> import matplotlib
-    >>> with matplotlib.rc_context({"text.usetex": True}), drawing(None):
-    ...     matplotlib.rcParams["text.usetex"]
-    False
+    A file ``matplotlibrc`` in the current folder, which may be a stranger's, is not read.
     """
     if axes is not None:
         from .own_axes import on_own_axes

@@ -32,19 +32,7 @@ MADE_BY = {
 
 
 def require_result(tree: object, *groups: str) -> None:
-    """Refuse what is no result, and a result without a group that the figure shows.
-
-    Raises
-    ------
-    InputError
-        If it is none, or lacks a group.
-
-    Examples
-    --------
-    >>> require_result(xr.DataTree())
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: tree: must be a result of 'easeoff run' or analyze
-    """
+    """Refuse anything but a result that has the groups which the figure shows."""
     if not isinstance(tree, xr.DataTree) or not ("load_cases" in tree.children or VARIABLES.keys() <= {*tree.children}):
         raise InputError("tree: must be a result of 'easeoff run' or analyze")
     for group in groups or ("loaded",):

@@ -29,13 +29,7 @@ LEVEL_COUNT_LIMIT = 16
 
 
 def ease_off_map(view: ToothView) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Ease-off of a gear flank on a fine grid.
-
-    Returns
-    -------
-    tuple
-        Fractions (2, nt, nh), ease-off (nt, nh) [um], and whether each point lies on the common flank (nt, nh).
-    """
+    """Fractions (2, nt, nh) on a fine grid, ease-off (nt, nh) [um], and truth on the common flank (nt, nh)."""
     grid = fine_grid()
     values = view.fields.evaluate(["ease_off_angle", "lever_arm"], grid)
     gap = 1e3 * values["ease_off_angle"] * values["lever_arm"]

@@ -88,21 +88,11 @@ LEVEL_PERCENTILES = {True: (1.0, 99.0), False: (7.0, 95.0)}  # between which con
 
 @dataclass(frozen=True)
 class FlankMap:
-    """Map of a quantity on the gear flank.
+    """Map of a quantity on the gear flank."""
 
-    Parameters
-    ----------
-    points
-        Fractions (2, n).
-    values
-        Values at the points (n).
-    smooth
-        Whether they are known on the whole common flank, or only under load.
-    """
-
-    points: Array
+    points: Array  # (2, n), fractions
     values: Array
-    smooth: bool
+    smooth: bool  # known on the whole common flank, not only under load
 
 
 def velocity_maps(
@@ -124,17 +114,9 @@ def velocity_maps(
 
 
 def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
-    """Map of a field over (mesh_position, segment) under load at one torque.
+    """Map of a field (mesh_position, segment) at one torque, NaN where there is no value.
 
-    Parameters
-    ----------
-    loaded
-        The group ``loaded`` at one torque.
-    field
-        Values; NaN where there is none.
-
-    Segments without pressure, those of edges beside the lines, are left out: an edge passes points that lines pass too,
-    and what is computed for it is that of its whole strip.
+    Segments of edges beside the lines are left out: their values are those of a whole strip.
     """
     order = ("mesh_position", "segment")
     values = field.transpose(*order).values
@@ -221,15 +203,7 @@ def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
 
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
-    """RMS roughness [um] as pictures show it: pinion/gear if the flanks differ.
-
-    Parameters
-    ----------
-    friction
-        The group ``friction`` or one of its variables.
-    index
-        Number of the roughness.
-    """
+    """RMS roughness [um] of a number as pictures show it: pinion/gear if the flanks differ."""
     pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
 
@@ -303,10 +277,9 @@ EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small di
 def curves(
     axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, float], *, on_page: bool = True
 ) -> None:
-    """Draw the efficiency along one operating condition, a curve for each value of another, the rest as given.
+    """Draw the efficiency along one operating condition, a curve a value of another, the rest as given.
 
-    Marks are computed points, if they are few; open ones are conditions where more than ``TOLD_SHARE`` of the power
-    loss lies beyond the range of the formula.
+    Marks are computed points; open ones have more than ``TOLD_SHARE`` of the loss beyond the formula's range.
     """
     quantity = 100.0 * friction["efficiency"]
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}

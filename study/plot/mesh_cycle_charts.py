@@ -181,10 +181,7 @@ COLOURS = (BLUE, VERMILION, GREEN)
 
 
 def share_passage(at_torque: xr.Dataset) -> ToothPassage:
-    """Share of the torque of one tooth pair over its passage, NaN outside contact.
-
-    The last step without load before and after contact is kept as zero, so that a curve starts and ends there.
-    """
+    """Share of the torque of one tooth pair over its passage, NaN outside contact but for a zero at both ends."""
     course = tooth_passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
     share = course.values
     loaded = share > 0.0

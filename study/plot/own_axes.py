@@ -23,24 +23,9 @@ TICK_COUNT_LIMIT = 4  # of finer ticks across a flank
 
 @contextlib.contextmanager
 def on_own_axes(axes: Any) -> Iterator[None]:
-    """Draw on axes of the caller, then fit what was drawn to them.
+    """Draw on axes of the caller, then fit text, edge names and titles to them.
 
-    Sizes of text, which are those of a page, become those of the figure: a title has ``font.size``. Flanks shrink until
-    the names of their edges are within the axes; two titles that would meet stand above each other.
-
-    Parameters
-    ----------
-    axes
-        One Axes or several; anything else is left to the figure to refuse.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> panel = Figure().subplots()
-    >>> with on_own_axes(panel):
-    ...     text = panel.set_title("toe", fontsize=BODY_SIZE)
-    >>> text.get_fontsize() == rcParams["font.size"]
-    True
+    Sizes of text, which are those of a page, become those of the figure: a title has ``font.size``.
     """
     found = [axes] if isinstance(axes, Axes) else list(np.ravel(np.array(axes, dtype=object)))
     given = [one for one in found if isinstance(one, Axes)]

@@ -46,19 +46,7 @@ LEGEND_ROW, LEGEND_SHARE_LIMIT = 1.25, 0.6
 
 
 def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") -> Figure:
-    """Empty page with heading and small print.
-
-    Parameters
-    ----------
-    tree
-        The result, for the case's title and the small print.
-    heading
-        Heading of the picture.
-    body_height
-        Height between heading and small print [in].
-    note
-        Further small print.
-    """
+    """Empty page with heading and small print, and a height [in] for the body between them."""
     on_supports = {"supports_name": ""} if "supports" in tree.children else {}
     moving = {"misalignment_by_supports": ""} if on_supports and misalignment_over_torque(tree) is not None else {}
     parts = small_print(on_supports | moving | tree.attrs)
@@ -76,14 +64,9 @@ def in_print(notes: list[str]) -> list[str]:
 
 
 def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[str]:
-    """Parts of the small print in as few lines as a greatest length [characters] allows, of about the same length.
+    """Parts of the small print in the fewest lines of at most ``longest`` characters, of about equal length.
 
-    A part stays on one line unless it is longer than half a line, and a number stays with its unit.
-
-    Examples
-    --------
-    >>> even_lines(["12 x 36", "easeoff 0.1.0", "gap within 6 mm"], 35)
-    ['12 x 36 · easeoff 0.1.0 ·', 'gap within 6 mm']
+    A part stays on one line unless longer than half a line, and a number stays with its unit.
     """
     held = [BEFORE_UNIT.sub(HELD, part) if 2 * len(part) > longest else part.replace(" ", HELD) for part in parts]
     text = f"{HELD}· ".join(held)
@@ -194,23 +177,14 @@ def plain_bar(bar: Colorbar, label: str) -> None:
 
 
 def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> NDArray[np.int64]:
-    """Indices of at most ``most`` values (n), in increasing order of the values, spread evenly with both ends.
-
-    >>> import numpy as np
-    >>> [int(i) for i in evenly_chosen(np.array([30.0, 10.0, 20.0]), 2)]
-    [1, 0]
-    """
+    """Indices of at most ``most`` values (n), rising with the values, spread evenly with both ends."""
     order = np.argsort(values, kind="stable")
     ranks = np.unique(np.linspace(0, order.size - 1, min(most, order.size)).round().astype(int))
     return np.asarray(order[ranks], dtype=np.int64)
 
 
 def torque_name(torque: float) -> str:
-    """Torque [N m] as pictures show it.
-
-    >>> torque_name(108.9899), torque_name(12000.0)
-    ('109 N m', '12000 N m')
-    """
+    """Torque [N m] as pictures show it, such as ``109 N m``."""
     return f"{torque:.4g} N m" if torque < 1e4 else f"{torque:.0f} N m"
 
 
@@ -224,22 +198,7 @@ def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
 
 
 def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> Path:
-    """Write a figure as a file; returns its path. The same figure gives the same file: it bears no date.
-
-    Parameters
-    ----------
-    figure
-        The figure.
-    path
-        The file; its suffix is ``.png``, ``.svg`` or ``.pdf``.
-    marks
-        Texts by keyword, ``Title`` and ``Source``, stored in the file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write a figure as .png, .svg or .pdf, with its marks; it bears no date, so the same figure gives the same file."""
     kind = path.suffix[1:]
     with whole_file(path) as temporary:
         if kind == "png":

@@ -29,21 +29,11 @@ TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of
 
 @dataclass(frozen=True)
 class Panels:
-    """Panels of a picture.
-
-    Parameters
-    ----------
-    figure
-        Figure that they are in.
-    axes
-        The panels (n), row by row.
-    on_page
-        Whether they are on a page of their own, with a heading, small print and a legend for all.
-    """
+    """Panels of a picture."""
 
     figure: Figure
-    axes: NDArray[Any]
-    on_page: bool
+    axes: NDArray[Any]  # (n), row by row
+    on_page: bool  # a page of its own: heading, small print, one legend
 
 
 def panels(
@@ -57,26 +47,7 @@ def panels(
     count: int | None = None,
     **layout: Any,
 ) -> Panels:
-    """Panels on a page, or the axes of the caller, checked for their number.
-
-    Parameters
-    ----------
-    tree, heading, body_height, note
-        As of ``page``.
-    shape
-        Rows and columns on the page.
-    own
-        Axes of the caller; ``None`` for a page.
-    count
-        Number of panels, if fewer than rows times columns.
-    **layout
-        Passed to ``Figure.subplots``.
-
-    Raises
-    ------
-    InputError
-        If the caller's axes are not as many as the panels.
-    """
+    """Panels on a page, or axes of the caller, which must be as many as the panels."""
     wanted = shape[0] * shape[1] if count is None else count
     if own is None:
         figure = page(tree, heading, body_height, note)
@@ -100,27 +71,7 @@ def _flat(own: Any) -> list[Any]:
 
 
 def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> NDArray[np.int64]:
-    """Indices of the torques that are asked for; else of at most ``most``, spread evenly.
-
-    Parameters
-    ----------
-    torques
-        Torques of the result (n) [N m].
-    wanted
-        One or several of them [N m].
-    most
-        Greatest number if none is asked for.
-
-    Raises
-    ------
-    InputError
-        If the result does not have a torque.
-
-    Examples
-    --------
-    >>> [int(i) for i in chosen_torques(np.array([50.0, 100.0, 200.0]), 100.0, 6)]
-    [1]
-    """
+    """Indices of the wanted among torques (n) [N m]; if none is wanted, of at most ``most``, spread evenly."""
     if wanted is None:
         return evenly_chosen(torques, most)
     found = []
@@ -134,18 +85,7 @@ def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None
 
 
 def chosen_parts(known: Sequence[str], wanted: str | Sequence[str] | None, key: str = "parts") -> tuple[str, ...]:
-    """Names that are asked for, each once, or all that are known.
-
-    Raises
-    ------
-    InputError
-        If a name is not known, with the names that are.
-
-    Examples
-    --------
-    >>> chosen_parts(["loaded", "unloaded"], "loaded")
-    ('loaded',)
-    """
+    """Names that are asked for, each once, or all that are known."""
     if wanted is None:
         return tuple(known)
     names = (wanted,) if isinstance(wanted, str) else tuple(dict.fromkeys(words(key, wanted)))

@@ -33,18 +33,10 @@ BOUNDARY_SEARCH_LIMIT = 0.25  # distance beyond the common flank, as a fraction,
 
 @dataclass(frozen=True)
 class CarryingRange:
-    """Range in which one tooth pair carries alone, from the pair before it to the pair after it.
+    """Range in which one tooth pair carries alone, between the transfers from the pair before and to the next."""
 
-    Parameters
-    ----------
-    lines
-        Contact lines (m, 2, LINE_POINT_COUNT) from the transfer to this pair to that to the next one, as fractions.
-    path
-        Path of contact (2, m), as fractions.
-    """
-
-    lines: Array
-    path: Array
+    lines: Array  # (m, 2, LINE_POINT_COUNT), fractions, from transfer to transfer
+    path: Array  # (2, m), fractions
 
     @property
     def outline(self) -> Array:
@@ -55,23 +47,14 @@ class CarryingRange:
 
 @dataclass(frozen=True)
 class ContactPattern:
-    """Unloaded contact of a tooth pair on the gear flank, over its whole passage through the mesh.
+    """Unloaded contact of a tooth pair on the gear flank, over its whole passage, in fractions of the flank.
 
-    Parameters
-    ----------
-    lines
-        Contact lines within the chosen separation (m, 2, LINE_POINT_COUNT), as fractions; NaN where there is none.
-    path
-        Points of contact (m, 2), as fractions.
-    carrying
-        Whether this pair is the one that carries (m).
-    ranges
-        The carrying range; more than one if the pair carries, lets go and carries again.
+    There are several carrying ranges if the pair carries, lets go and carries again.
     """
 
-    lines: Array
-    path: Array
-    carrying: NDArray[np.bool_]
+    lines: Array  # (m, 2, LINE_POINT_COUNT) within the separation, else NaN
+    path: Array  # (m, 2)
+    carrying: NDArray[np.bool_]  # (m), true where this pair carries
     ranges: tuple[CarryingRange, ...]
 
 
@@ -111,11 +94,9 @@ def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPatte
 
 
 def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
-    """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
+    """Path of contact (m, 2), points beyond the common flank moved along their contact lines onto its boundary.
 
-    An edge of the pinion touches before or after it is in conjugate contact, when it is a little beyond the boundary of
-    the common flank. Such a point is moved along the contact line, whose ends (m, end, 2) give its direction, to the
-    boundary. NaN if it does not reach the common flank.
+    Lines end at (m, end, 2); NaN if none meets the common flank. An edge of the pinion may touch a little beyond it.
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
     if beyond.size:
@@ -144,7 +125,7 @@ def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
 
 
 def _outside(splines: FlankSplines, points: Array) -> NDArray[np.bool_]:
-    """Whether points (2, ...) lie beyond the common flank (...)."""
+    """True (...) at points (2, ...) that lie beyond the common flank."""
     beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
     return np.asarray(beyond_gear | (boundary_distance(splines, points) < 0.0))
 
@@ -160,9 +141,9 @@ def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
 
 
 def bent_lines(splines: FlankSplines, ends: Array, steps: int = 3) -> Array:
-    """Contact lines (m, 2, LINE_POINT_COUNT) between their ends (m, end, 2), as fractions.
+    """Contact lines (m, 2, LINE_POINT_COUNT) between ends (m, end, 2), as fractions.
 
-    The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.
+    Points of the chord are moved along the gradient of the roll angle onto the level of the ends.
     """
     finite = np.all(np.isfinite(ends), axis=(1, 2))
     lines = np.full((ends.shape[0], 2, LINE_POINT_COUNT), np.nan)

@@ -27,13 +27,7 @@ _MARK = re.compile(rf"{SOURCE}, ([0-9a-f]{{{MARK_LENGTH}}})")
 
 
 def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
-    """Begin of the names of a result's pictures: case and flank; of an older result its numbers of teeth for the case.
-
-    Examples
-    --------
-    >>> file_prefix(xr.Dataset(attrs={"case_name": "my axle", "flank": "drive"}))
-    'my_axle-drive'
-    """
+    """Begin of the names of a result's pictures: case, or numbers of teeth in an older result, and flank."""
     own = result.attrs
     teeth = f"{own['pinion_teeth']}x{own['gear_teeth']}" if {"pinion_teeth", "gear_teeth"} <= own.keys() else "result"
     name = re.sub(r"[^\w.-]+", "_", str(own.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
@@ -43,13 +37,7 @@ def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
 
 
 def result_mark(result: xr.DataTree | xr.Dataset) -> str:
-    """Mark of a result: the same for the same case, options, torques and groups, whenever it was computed.
-
-    Examples
-    --------
-    >>> result_mark(xr.Dataset(attrs={"title": "one"})) == result_mark(xr.Dataset(attrs={"title": "other"}))
-    False
-    """
+    """Mark of a result: the same for the same case, options, torques and groups, whenever it was computed."""
     own = {str(key): np.asarray(value).tolist() for key, value in result.attrs.items() if key != "history"}
     groups = sorted(result.children) if isinstance(result, xr.DataTree) else sorted(map(str, result.sizes.items()))
     loads = result["loaded"]["torque"] if "loaded" in groups else result.coords.get("torque", xr.DataArray([]))
@@ -66,13 +54,7 @@ def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -
 
 
 def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, tuple[str, str]]:
-    """Pictures of results in a folder: the titles of their cases, known of PNG files, and the marks of the results.
-
-    Examples
-    --------
-    >>> pictures_of_results("no such folder")
-    {}
-    """
+    """Pictures in a folder: the titles of their cases, known of PNG files alone, and the marks of the results."""
     found = {}
     for path in sorted(Path(folder).iterdir()) if os.path.isdir(folder) else []:
         if path.suffix[1:] not in FORMATS or not path.is_file():

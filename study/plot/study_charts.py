@@ -108,13 +108,7 @@ def short_names(dataset: xr.Dataset) -> tuple[str, ...]:
 def draw_sweep(
     dataset: xr.Dataset, picture: str | None = None, names: str | Sequence[str] | None = None, own: OwnAxes = None
 ) -> Figure:
-    """Draw a picture of a sweep, the first that it has if left out, with the numbers of ``DRAWN`` or of ``names``.
-
-    Raises
-    ------
-    InputError
-        As ``pictures``, and if the sweep does not have the picture or a number.
-    """
+    """Draw a picture of a sweep, its first if left out, with the numbers of ``DRAWN`` or of ``names``."""
     instance("picture", picture, str | None)
     there = short_names(dataset)
     if not there:

@@ -32,23 +32,11 @@ MARGIN_WIDTH = 1.3  # around the flank, for the names of its edges [mm per 30 mm
 
 @dataclass(frozen=True)
 class ToothView:
-    """A flank and the plane it is drawn in.
-
-    Parameters
-    ----------
-    plane
-        Projection plane of the flank.
-    fields
-        Splines on the gear flank.
-    common
-        Closed curves (2, k) around the common flank of gear and pinion, as fractions on the gear.
-    member
-        Whose flank it is.
-    """
+    """Flank and the plane it is drawn in."""
 
     plane: ProjectionPlane
     fields: FlankSplines
-    common: tuple[Array, ...]
+    common: tuple[Array, ...]  # closed curves (2, k) around the common flank, as fractions on the gear
     member: MemberName = "gear"
 
     def in_plane(self, points: Array) -> Array:
@@ -87,13 +75,7 @@ class ToothView:
 
 
 def tooth_view(tree: xr.DataTree, member: MemberName = "gear") -> ToothView:
-    """View of a flank of a result.
-
-    Raises
-    ------
-    InputError
-        If fewer than half of the flank's nodes have values.
-    """
+    """View of a flank of a result; at least half of the flank's nodes must have values."""
     flanks, ease_off = tree["flanks"].to_dataset(), tree["ease_off"].to_dataset()
     fields = contact_splines(flanks, ease_off)
     return ToothView(ProjectionPlane.of(flanks, member), fields, common_flank(fields), member)
@@ -115,19 +97,7 @@ def common_flank(splines: FlankSplines) -> tuple[Array, ...]:
 
 
 def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tuple[bool, bool] = (True, True)) -> None:
-    """Draw an empty flank, true to scale, with its edges named.
-
-    Parameters
-    ----------
-    axes
-        Axes to draw in.
-    view
-        The flank.
-    boundary
-        Whether the boundary of the common flank is drawn.
-    labels
-        Whether the axes along the face and across it are labelled.
-    """
+    """Draw an empty flank, true to scale, its edges named, with labels along face and profile as asked for."""
     from matplotlib.patches import PathPatch, Polygon
     from matplotlib.ticker import MultipleLocator
 
@@ -182,10 +152,6 @@ def side_by_side(panels: NDArray[Any]) -> None:
 
 
 def tick_step(extent: float) -> float:
-    """Round step that divides an extent into about six parts.
-
-    >>> tick_step(30.0)
-    5.0
-    """
+    """Round step that divides an extent into about six parts."""
     power = 10.0 ** np.floor(np.log10(extent / 6.0))
     return float(power * min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(extent / 6.0 / (factor * power)))))

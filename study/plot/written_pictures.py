@@ -95,13 +95,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
 
 
 def kind_of(name: str) -> tuple[str, ...]:
-    """Names of all pictures of the kind of result that has one of a name.
-
-    Examples
-    --------
-    >>> kind_of("wear")
-    ('wear',)
-    """
+    """Names of all pictures of the kind of result that has one of a name."""
     if name.startswith("sweep_"):
         from .study_charts import PICTURES as OF_SWEEPS
 
@@ -116,21 +110,9 @@ def draw_picture(
     torque: Sequence[float] | None = None,
     marking: float | None = None,
 ) -> Figure:
-    """A picture of a result on a page of its own, by its name.
+    """Picture of a result on a page of its own, by a name of ``pictures``.
 
-    Parameters
-    ----------
-    result, name
-        A result, and a name of ``pictures``.
-    torque
-        Torques at the pinion [N m], for pictures that take them; the friction maps show the last one.
-    marking
-        Thickness of the marking compound of the contact pattern [um].
-
-    Raises
-    ------
-    InputError
-        As the function that draws the picture.
+    Maps of friction show the last of the torques [N m]; the marking compound is ``marking`` [um] thick.
     """
     if name.startswith("sweep_"):
         return study_figures.sweep(result, name)  # type: ignore[arg-type]
@@ -231,7 +213,7 @@ def write_pictures(
 def _parts(
     result: xr.DataTree | xr.Dataset, folder: Path, flank: str | None
 ) -> Iterator[tuple[xr.DataTree | xr.Dataset, Path]]:
-    """What is drawn, and where: the result, and of one over load cases each of theirs; those of a flank alone."""
+    """Results to draw, each with its folder: a result and those of its load cases, or those of one flank alone."""
     if flank is not None:
         one_of("flank", flank, FLANKS)
     if isinstance(result, xr.Dataset) and "flank" in result.dims:
@@ -298,22 +280,7 @@ def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Seq
 
 
 def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
-    """Read a file of ``easeoff run``, ``modify``, ``optimize``, ``sweep``, ``vh`` or ``wear``.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is none of these or damaged.
-
-    Examples
-    --------
-    >>> from easeoff import InputError
-    >>> try:
-    ...     read_drawn("no-such-file.nc")
-    ... except InputError as error:
-    ...     print(error)
-    no-such-file.nc: there is no such file
-    """
+    """Read a file of ``easeoff run``, ``modify``, ``optimize``, ``sweep``, ``vh`` or ``wear``."""
     tree = tree_or_none(path)
     if tree is None:
         return read_result(path)  # says what is wrong with the file
