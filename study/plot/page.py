@@ -198,7 +198,7 @@ def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
 
 
 def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> Path:
-    """Write a figure as .png, .svg or .pdf, with its marks; it bears no date, so the same figure gives the same file."""
+    """Write a figure as .png, .svg or .pdf with its marks; undated, so the same figure gives the same file."""
     kind = path.suffix[1:]
     with whole_file(path) as temporary:
         if kind == "png":

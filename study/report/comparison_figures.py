@@ -62,9 +62,9 @@ Array = NDArray[Any]
 
 
 def panels(problems: Any, time_limit: float) -> list[tuple[str, list[MethodName]]]:
-    """Settings and cold methods of each panel, in the order of the first panel, which is by merit.
+    """Settings and cold methods of each panel, in the order of the first one, which is by merit.
 
-    The native solver, which has no settings, stands beside answers to the scaled problem, not in a panel of raw runs.
+    The native solver, without settings, stands beside answers to the scaled problem.
     """
     named = [
         method for method in methods(problems, time_limit) if method[2] == COLD
@@ -98,15 +98,7 @@ def style(solver: str, problems: Any) -> dict[str, Any]:
 
 
 def sparse_markers(count: int, number: int) -> tuple[int, int]:
-    """First marked point of a curve of a number of points, and the step to the next; other curves begin elsewhere.
-
-    Parameters
-    ----------
-    count
-        Points of the curve.
-    number
-        Of the curve among those of the panel.
-    """
+    """First marked point of a curve and the step to the next; curves of other numbers in the panel begin elsewhere."""
     step = max(count // MARKED_POINTS, 1)
     return (number * step // MARKED_POINTS) % step, step
 
@@ -363,13 +355,7 @@ Drawing = Callable[[xr.Dataset, Any], Figure]
 
 
 def write_figures(dataset: xr.Dataset, folder: Path) -> tuple[list[Path], list[Picture]]:
-    """Draw the figures; returns all files, and the pictures of the report.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
-    """
+    """Draw the figures into a folder; returns all files, and the pictures of the report."""
     problems = by_problem(dataset)
     drawings: list[tuple[str, str, str, Drawing]] = [
         ("Run time", "performance_profile", "Performance profile", draw_performance_profile),
@@ -390,8 +376,5 @@ def write_figures(dataset: xr.Dataset, folder: Path) -> tuple[list[Path], list[P
 
 
 def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as ``NAME.png``, ``NAME.pdf`` and ``NAME.svg``; returns their paths.
-
-    The same figure gives the same files: they bear no date, and the names within the SVG file come from a fixed salt.
-    """
+    """Write a figure as ``NAME.png``, ``NAME.pdf`` and ``NAME.svg``; the same figure gives the same files."""
     return [save(figure, folder / f"{name}.{suffix}") for suffix in FIGURE_FORMATS]

@@ -56,33 +56,15 @@ NOTHING = "-"
 
 @dataclass(frozen=True, eq=False)
 class ReportTable:
-    """A table of the report.
+    """Table of the report, with files of its own; note and caption in Markdown."""
 
-    Attributes
-    ----------
-    name
-        Name of its files.
-    head
-        Names of the columns.
-    rows
-        The rows, texts and whole numbers.
-    note
-        What the columns mean, in Markdown.
-    caption
-        Line above it, in Markdown; empty under a heading of its own.
-    in_report
-        Whether it stands in the report, or in its files alone.
-    short_rows
-        The rows as the report has them, where those of the files are too long for it.
-    """
-
-    name: str
+    name: str  # of its files
     head: Sequence[str]
     rows: Sequence[Sequence[Any]]
     note: str = ""
-    caption: str = ""
-    in_report: bool = True
-    short_rows: Sequence[Sequence[Any]] | None = None
+    caption: str = ""  # empty under a heading of its own
+    in_report: bool = True  # not in its files alone
+    short_rows: Sequence[Sequence[Any]] | None = None  # those of the report, if those of the files are too long
 
     @property
     def markdown(self) -> str:
@@ -116,31 +98,19 @@ def _tabulated(head: Sequence[str], rows: Sequence[Sequence[Any]], form: str) ->
 
 
 def milliseconds(seconds: float) -> str:
-    """Time in milliseconds, three digits; a dash if it is not finite.
-
-    >>> milliseconds(1.2345e-3), milliseconds(12.3456), milliseconds(float("nan"))
-    ('1.23', '12346', '-')
-    """
+    """Time [s] in milliseconds, three digits; a dash if it is not finite."""
     if not np.isfinite(seconds):
         return NOTHING
     return f"{1e3 * seconds:.3g}" if seconds < 1.0 else f"{1e3 * seconds:.0f}"
 
 
 def ratio(value: float) -> str:
-    """Ratio with three digits; a dash if it is not finite.
-
-    >>> ratio(1.23456), ratio(float("inf"))
-    ('1.23', '-')
-    """
+    """Ratio with three digits; a dash if it is not finite."""
     return f"{value:.3g}" if np.isfinite(value) else NOTHING
 
 
 def residual(value: float) -> str:
-    """Residual with two digits; a dash if it is not finite.
-
-    >>> residual(1.23e-6)
-    '1.2e-06'
-    """
+    """Residual with two digits; a dash if it is not finite."""
     return f"{value:.1e}" if np.isfinite(value) else NOTHING
 
 
@@ -193,7 +163,7 @@ def success_tables(dataset: xr.Dataset, problems: Any, named: list[MethodName]) 
 
 
 def success_note(dataset: xr.Dataset) -> str:
-    """What the columns of the success tables mean."""
+    """Meaning of the columns of the success tables, in Markdown."""
     return (
         f"*Certified*: the largest violation of a condition on the problem as it was given is at most "
         f"{dataset.attrs['tolerance']:g}, *exact*: at most {EXACT_TOLERANCE:g}, in every repetition. *Polished*: the "
@@ -508,20 +478,10 @@ NO_GROWTH = (
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of the report.
-
-    Attributes
-    ----------
-    section
-        Heading under which it stands.
-    file
-        Its PNG file, from the folder of the report.
-    caption
-        Line below it.
-    """
+    """Picture of the report."""
 
     section: str
-    file: str
+    file: str  # PNG, from the folder of the report
     caption: str
 
 
@@ -560,15 +520,7 @@ def _work_and_precision(dataset: xr.Dataset, named: list[MethodName]) -> list[Re
 
 
 def comparison_report(dataset: xr.Dataset, pictures: Sequence[Picture] = ()) -> str:
-    """Report of a comparison, in Markdown.
-
-    Parameters
-    ----------
-    dataset
-        Result of ``compare``.
-    pictures
-        The pictures.
-    """
+    """Report of a comparison, in Markdown."""
     lines = ["# Comparison of solvers\n", _subject(dataset, by_problem(dataset))]
     for section in report_sections(dataset):
         lines.append(f"## {section.heading}\n")

@@ -56,26 +56,12 @@ LENGTH_TOLERANCE = 1e-9  # relative, between the segments of a line
 
 @dataclass(frozen=True)
 class Segments:
-    """Loaded segments at a mesh position.
+    """Loaded segments (n) at a mesh position."""
 
-    Parameters
-    ----------
-    points
-        Fractions of their middles on the gear flank (2, n).
-    tooth
-        Numbers of their tooth pairs (n).
-    line
-        Numbers of their contact lines (n).
-    length, half_width
-        Size [mm] (n) each.
-    values
-        Values (n) by name in a file.
-    """
-
-    points: Array
+    points: Array  # (2, n), fractions of the middles on the gear flank
     tooth: Index
     line: Index
-    length: Array
+    length: Array  # [mm] each
     half_width: Array
     values: dict[str, Array]
 
@@ -115,15 +101,7 @@ def flank_positions(flanks: xr.Dataset, member: MemberName) -> FlankSplines:
 
 
 def strip_corners(segments: Segments, splines: FlankSplines) -> Array:
-    """Corners (n, 4, 3) [mm] of the strips on the gear flank, in its frame.
-
-    Parameters
-    ----------
-    segments
-        The segments.
-    splines
-        Of ``flank_positions``.
-    """
+    """Corners (n, 4, 3) [mm] of the strips on the gear flank, in its frame, by splines of ``flank_positions``."""
     middle = splines("position", segments.points).T
     first, second = (splines("position", segments.points, order).T for order in ((1, 0), (0, 1)))
     normal = np.cross(first, second)
@@ -149,28 +127,9 @@ def _directions(middle: Array, line: Index, default: Array) -> Array:
 
 
 def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
-    """Hertzian pressure [MPa] at points (m, n, 3) of a flank under strips.
+    """Hertzian pressure (m, n) [MPa] at points (m, n, 3) under strips (k, 4, 3) [mm], zero beside them.
 
-    Parameters
-    ----------
-    points
-        Nodes of the flank [mm].
-    strips
-        Corners of the strips (k, 4, 3) [mm].
-    pressure
-        Greatest pressure of the strips (k) [MPa]; NaN for none.
-
-    Returns
-    -------
-    Array
-        Pressure (m, n), zero beside the strips.
-
-    Examples
-    --------
-    >>> strip = np.array([[[-1.0, -0.2, 0.0], [1.0, -0.2, 0.0], [1.0, 0.2, 0.0], [-1.0, 0.2, 0.0]]])
-    >>> line = np.array([[[0.0, 0.0, 0.0], [0.0, 0.12, 0.0], [0.0, 0.3, 0.0]]])
-    >>> band_pressure(line, strip, np.array([1000.0])).round(9).tolist()
-    [[1000.0, 800.0, 0.0]]
+    The greatest pressure (k) of a strip, NaN for none, is on its middle line.
     """
     from scipy.spatial import cKDTree
 
@@ -194,26 +153,7 @@ def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
 
 
 class QuadMesh:
-    """Quadrilaterals with their data.
-
-    Parameters
-    ----------
-    point_names
-        Names of the values at points.
-    labels
-        Names of the integers of every cell.
-    cell_names
-        Names of the values of cells.
-
-    Examples
-    --------
-    >>> mesh = QuadMesh(["gap"], ["part"], ["force"])
-    >>> mesh.add_grid(np.zeros((3, 2, 3)), {"gap": np.ones((3, 2))}, [0])
-    >>> mesh.add_strips(np.zeros((1, 4, 3)), {"force": np.array([5.0])}, [1])
-    >>> points, quads, cell_data, point_data = mesh.content()
-    >>> quads.tolist(), cell_data["force"].tolist()
-    ([[0, 2, 3, 1], [2, 4, 5, 3], [6, 7, 8, 9]], [nan, nan, 5.0])
-    """
+    """Quadrilaterals with named values at points and of cells, and integer labels of cells; NaN where not given."""
 
     def __init__(self, point_names: Sequence[str], labels: Sequence[str], cell_names: Sequence[str]) -> None:
         self.labels, self.cell_names = tuple(labels), tuple(cell_names)
@@ -343,29 +283,13 @@ def export_contact(
 
 @dataclass(frozen=True)
 class TeethInMesh:
-    """Teeth of a result at one torque; ``of`` makes them.
-
-    Parameters
-    ----------
-    tree
-        The result.
-    loaded
-        Its group ``loaded`` at the torque.
-    friction
-        Its group ``friction`` at the torque and the middle of the other conditions; ``None`` if it has none.
-    pair
-        The gear pair.
-    patches
-        Surface of a tooth of each member: grids of points by name.
-    views
-        Flanks of pinion and gear.
-    """
+    """Teeth of a result at one torque, with friction at the middle of the other conditions; made by ``of``."""
 
     tree: xr.DataTree
     loaded: xr.Dataset
     friction: xr.Dataset | None
     pair: GearPair
-    patches: dict[MemberName, dict[str, Array]]
+    patches: dict[MemberName, dict[str, Array]]  # grids of points of a tooth's surface by name
     views: dict[MemberName, ToothView]
 
     @classmethod
@@ -402,13 +326,7 @@ class TeethInMesh:
         return np.asarray(self.loaded["mesh_position"].values)
 
     def position_number(self, mesh_position: float) -> int:
-        """Number of a mesh position.
-
-        Raises
-        ------
-        InputError
-            If the result does not have it.
-        """
+        """Number of a mesh position that the result must have."""
         near = np.abs(self.positions - number("mesh_position", mesh_position))
         if not np.min(near) <= POSITION_TOLERANCE:
             count = self.positions.size

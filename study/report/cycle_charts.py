@@ -31,9 +31,9 @@ CONDITION_UNITS = {"speed": "1/min", "temperature": "°C", "roughness": "µm"}
 def chart(
     name: str, title: str, x: str, y: str, source: str, series: Sequence[tuple[str, Array, Array]], *, by: str = ""
 ) -> dict[str, Any]:
-    """A chart for the page; ``by`` says whether a series belongs to each torque, all others being drawn pale.
+    """Chart for the page, without series that have no finite value.
 
-    A series without a finite value is left out; a chart without series is drawn as a line that says so.
+    ``by`` tells if a series belongs to each torque: all but the chosen one are drawn pale.
     """
     shown = [
         {"name": label, "x": packed_exactly(at), "y": packed_exactly(values), "number": number}
@@ -75,8 +75,7 @@ def _greatest(table: Array) -> Array:
 def _weighted_mean(table: Array, weight: Array) -> Array:
     """Mean (torque, mesh_position) over the segments by their weight; NaN where nothing has weight.
 
-    Extremes over the segments jump as one after another begins and ceases to carry; a mean by force does not, as
-    segments begin and cease without force.
+    By force it does not jump, unlike extremes, as segments begin and cease to carry.
     """
     known = np.isfinite(table) & (weight > 0.0)
     whole = np.where(known, weight, 0.0).sum(axis=2)
@@ -122,16 +121,9 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
 def transmission_error_charts(
     tree: xr.DataTree, chosen: NDArray[Any], radius: float | None = None
 ) -> list[dict[str, Any]]:
-    """Without load, under load, about the mean, and its orders by number and over torque.
+    """Charts of the transmission error: without and under load, about its mean, its orders by number and torque.
 
-    Parameters
-    ----------
-    tree
-        A result.
-    chosen
-        Numbers of torques.
-    radius
-        Mean pitch radius of the gear [mm], for a second scale with lengths [um] along its pitch circle.
+    The mean pitch radius of the gear [mm] gives a second scale of lengths [um] along its pitch circle.
     """
     loaded = tree["loaded"].to_dataset()
     names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
@@ -295,16 +287,9 @@ def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[st
 
 
 def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int]) -> list[dict[str, Any]]:
-    """Efficiency over the mesh cycle, speed and torque; coefficient, film, sliding and p v over the mesh cycle.
+    """Charts of efficiency, and of coefficient, film, sliding and p v over the mesh cycle.
 
-    Parameters
-    ----------
-    tree
-        A result with friction.
-    chosen
-        Numbers of torques.
-    at
-        Numbers of speed, temperature and roughness.
+    ``chosen`` are numbers of torques; ``at`` holds those of speed, temperature and roughness.
     """
     loaded, friction = tree["loaded"].to_dataset(), tree["friction"].to_dataset()
     here = friction.isel(at)

@@ -52,29 +52,9 @@ def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
 
 
 def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
-    """Values of a triangulated surface at the nodes of an even grid.
+    """Values (*shape) at an even grid, linear in triangles (m, 3) of points (2, n), as fractions; NaN beside them.
 
-    Parameters
-    ----------
-    points
-        Fractions (2, n) of the corners.
-    values
-        Values there (n).
-    triangles
-        Corners (m, 3).
-    shape
-        Nodes lengthwise and along the profile.
-
-    Returns
-    -------
-    Array
-        Values (*shape), linear within a triangle, the greatest of those that overlap; NaN beside all of them.
-
-    Examples
-    --------
-    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    >>> rasterised(corners, np.array([0.0, 1.0, 2.0]), np.array([[0, 1, 2]]), (3, 3)).tolist()
-    [[0.0, 1.0, 2.0], [0.5, 1.5, nan], [1.0, nan, nan]]
+    Where triangles overlap the greatest value counts.
     """
     grid = np.full(shape[0] * shape[1], np.nan)
     corners = (points.T * (np.array(shape) - 1))[triangles]  # (m, 3, 2), in nodes
@@ -128,7 +108,7 @@ def on_lines(at_torque: xr.Dataset) -> tuple[NDArray[np.bool_], Array]:
 
 
 def scattered_rasters(points: Array, values: Array, view: ToothView) -> Array:
-    """Values (k, n) at points (2, n) of the gear flank, on its raster (k, *RASTER): linear between, else the nearest.
+    """Values (k, n) at points (2, n) of the gear flank, on its raster (k, *RASTER): linear between, else nearest.
 
     The page shows them where there is load; beyond, they keep the border even.
     """
@@ -221,16 +201,7 @@ def friction_fields(
 ) -> dict[str, Any]:
     """Fields under load on the gear flank, by name, torque and speed; ``None`` where nothing carries.
 
-    Parameters
-    ----------
-    tree
-        A result with friction.
-    chosen, speeds
-        Numbers of torques and speeds.
-    at
-        Numbers of temperature and roughness.
-    view
-        The gear's flank.
+    Torques and speeds are given by number, as are temperature and roughness in ``at``.
     """
     loaded = tree["loaded"].to_dataset()
     friction = tree["friction"].to_dataset().isel(at)
@@ -259,7 +230,7 @@ def friction_fields(
 def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, ...]) -> dict[str, Any]:
     """Loaded segments at each mesh position: place on both flanks, tooth pair, pressure and size.
 
-    Their numbers begin, at torque i of the chosen ones and mesh position k, at ``start[i][k]``.
+    Those at torque i of the chosen ones and mesh position k begin with number ``start[i][k]``.
     """
     order = ("mesh_position", "segment")
     starts, columns = [], []
@@ -291,17 +262,7 @@ STEP_COUNT_LIMIT, TORQUE_COUNT_LIMIT = 12, 3  # rows of the table of wear, and c
 
 
 def deviation_fields(tree: xr.DataTree, case: Case | None, views: tuple[ToothView, ...]) -> dict[str, Any]:
-    """Deviations [um of metal] of the flanks by member, with the variable each comes from; empty if there are none.
-
-    Parameters
-    ----------
-    tree
-        A result.
-    case
-        Its case.
-    views
-        Of gear and pinion.
-    """
+    """Deviations [um of metal] of the flanks by member, and the variable each comes from; empty without any."""
     ease_off = tree["ease_off"].to_dataset()
     fields: dict[str, Any] = {}
     for view in views:

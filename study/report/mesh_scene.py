@@ -33,7 +33,7 @@ def pair_of_result(tree: xr.DataTree, case: Case) -> GearPair:
 
 
 def member_turns(tree: xr.DataTree, pair: GearPair) -> dict[str, float]:
-    """Rotation [rad] from the stored position of each member to that at the pinion rotation zero.
+    """Rotation [rad] of each member from its stored position to that at the pinion rotation zero.
 
     The middle of the flank, by what ``/ease_off`` says, then makes contact at its own roll angle.
     """
@@ -75,13 +75,7 @@ def _azimuth(vectors: Array, axis: Array) -> Array:
 
 
 def turned(points: Array, axis: Array, origin: Array, angle: float) -> Array:
-    """Points (..., 3) turned about an axis through an origin by an angle [rad].
-
-    Examples
-    --------
-    >>> turned(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.zeros(3), np.pi / 2).round(9).tolist()
-    [0.0, 1.0, 0.0]
-    """
+    """Points (..., 3) turned about an axis through an origin by an angle [rad]."""
     x, y, z = axis / np.linalg.norm(axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     rotation = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
@@ -101,15 +95,7 @@ FLANK_NODES = (41, 15)  # of a drawn tooth along the face and the profile
 def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
     """Teeth of both members and their motion; ``None`` if a tooth's surface does not exist.
 
-    At the pinion rotation q of a mesh position the tooth of the pair p of a member stands, from its stored position,
-    turned about the member's axis by ``turn + rate * (q - p * pitch)``.
-
-    Parameters
-    ----------
-    tree
-        A result.
-    case
-        Its case.
+    At the pinion rotation q, the tooth of the pair p is turned by ``turn + rate * (q - p * pitch)`` about its axis.
     """
     try:
         pair = pair_of_result(tree, case)
@@ -150,9 +136,9 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
 
 
 def _from_toe(points: Array, corner: Array) -> tuple[Array, int]:
-    """A flank's grid (m, n, 3) with its first index from the toe and its second one from the root.
+    """Flank's grid (m, n, 3) with the first index from the toe and the second from the root, and its sense.
 
-    And 1 if the derivative along the first index times that along the second one points out of the tooth, else -1.
+    The sense is 1 if the first derivative times the second one points out of the tooth, else -1.
     """
     turned = [(points[::a, ::b], a * b) for a in (1, -1) for b in (1, -1)]
     return min(turned, key=lambda each: float(np.linalg.norm(each[0][0, 0] - corner)))

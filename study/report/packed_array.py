@@ -14,19 +14,7 @@ STEP_COUNT = 65534  # of 16 bits between the least and the greatest value; the c
 
 
 def packed(values: ArrayLike) -> dict[str, Any]:
-    """Array in 16 bits: rounded to 1/131068 of the distance from its least to its greatest value.
-
-    Parameters
-    ----------
-    values
-        Any shape; NaN where there is none.
-
-    Examples
-    --------
-    >>> stored = packed([0.0, np.nan, 3.0])
-    >>> stored["shape"], stored["low"], round(65534 * stored["step"], 9)
-    ([3], 0.0, 3.0)
-    """
+    """Array in 16 bits: rounded to 1/131068 of the distance from its least to its greatest value; NaN is kept."""
     array = np.asarray(values, dtype=float)
     finite = np.isfinite(array)
     low, high = (float(np.min(array[finite])), float(np.max(array[finite]))) if np.any(finite) else (0.0, 0.0)
@@ -37,13 +25,7 @@ def packed(values: ArrayLike) -> dict[str, Any]:
 
 
 def packed_exactly(values: ArrayLike) -> dict[str, Any]:
-    """Array in single precision, seven digits.
-
-    Examples
-    --------
-    >>> packed_exactly([1.0])
-    {'shape': [1], 'data': 'AACAPw=='}
-    """
+    """Array in single precision, seven digits."""
     array = np.asarray(values, dtype="<f4")
     return {"shape": list(array.shape), "data": _text(array)}
 

@@ -57,43 +57,17 @@ ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
 
 @dataclass(frozen=True)
 class GivenResults:
-    """Parts of a report by name.
+    """Parts of a report by name."""
 
-    Parameters
-    ----------
-    results
-        Of ``analyze``, those of load cases among them.
-    checks
-        V-H checks.
-    wear
-        Histories of wear.
-    load_cases
-        Analyses over load cases, for their tables.
-    notes
-        What the report has no pictures of.
-    """
-
-    results: dict[str, xr.DataTree] = field(default_factory=dict)
+    results: dict[str, xr.DataTree] = field(default_factory=dict)  # those of load cases among them
     checks: dict[str, xr.Dataset] = field(default_factory=dict)
     wear: dict[str, xr.Dataset] = field(default_factory=dict)
-    load_cases: dict[str, xr.DataTree] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    load_cases: dict[str, xr.DataTree] = field(default_factory=dict)  # for their tables
+    notes: list[str] = field(default_factory=list)  # on what the report has no pictures of
 
     @classmethod
     def of(cls, given: Mapping[str, xr.DataTree | xr.Dataset]) -> GivenResults:
-        """Parts of what is given by name.
-
-        Raises
-        ------
-        InputError
-            If something is no result, or there are too many.
-
-        Examples
-        --------
-        >>> from easeoff.study import vh_check
-        >>> list(GivenResults.of({"check": vh_check("fh-design-a")}).checks)
-        ['check']
-        """
+        """Parts of what is given by name, which must be results, and not too many."""
         found = cls()
         joined = {}
         for name, one in given.items():
@@ -140,13 +114,7 @@ class GivenResults:
 
 
 def kind_of(given: xr.DataTree | xr.Dataset) -> str:
-    """What is given: ``result``, ``sweep``, ``V-H check`` or ``wear``.
-
-    Examples
-    --------
-    >>> kind_of(xr.Dataset({"wear_depth": 0.0}))
-    'wear'
-    """
+    """Kind of what is given: ``result``, ``sweep``, ``V-H check`` or ``wear``."""
     if MARK in given.attrs:
         return "sweep"
     if isinstance(given, xr.Dataset):
@@ -155,13 +123,7 @@ def kind_of(given: xr.DataTree | xr.Dataset) -> str:
 
 
 def read_given(path: Path) -> xr.DataTree | xr.Dataset:
-    """A result, a V-H check or wear from its file.
-
-    Raises
-    ------
-    InputError
-        If it is none of them.
-    """
+    """Read a result, a V-H check or wear from its file."""
     tree = tree_or_none(path)
     return read_result(path) if tree is None else checked_given(tree, path)
 
@@ -178,13 +140,7 @@ def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
 
 
 def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
-    """Results by flank, or by title if these differ, with a number where they are alike.
-
-    Examples
-    --------
-    >>> list(by_name([xr.Dataset(attrs={"flank": "drive"}), xr.Dataset(attrs={"flank": "drive"})]))
-    ['1: drive', '2: drive']
-    """
+    """Results by flank, or by title if these differ, with a number where they are alike."""
     flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
     names = flanks if len(set(titles)) == 1 else titles
     if len(set(names)) < len(names):
@@ -220,15 +176,7 @@ VARIABLES = "v, h, pattern_centre_lengthwise, pattern_centre_profile, pattern_fr
 
 
 def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
-    """A V-H check for the page.
-
-    Examples
-    --------
-    >>> from easeoff.study import vh_check
-    >>> part = vh_part("check", vh_check("fh-design-a"))
-    >>> [one["name"] for one in part["places"]], part["grid"]
-    (['toe', 'middle', 'heel'], None)
-    """
+    """V-H check for the page."""
     plane = ordered(found, "in_plane", "plane_axis", *GRID)
     (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
     margin = MARGIN * (right - left)
@@ -287,7 +235,7 @@ def _grid(found: xr.Dataset) -> dict[str, Any]:
 
 
 def _print(excess: Array) -> dict[str, Any] | None:
-    """Where the gap is less than the compound is thick, negative; ``None`` where the flanks do not meet."""
+    """Gap less thickness of the compound, negative in the print; ``None`` where the flanks do not meet."""
     return packed(np.clip(excess, -1.0, 1.0)) if np.any(np.isfinite(excess)) else None
 
 

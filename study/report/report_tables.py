@@ -53,22 +53,9 @@ ROWS = {
 
 
 def implied_dimensions(case: Case) -> dict[str, dict[str, float]]:
-    """Dimensions of both members by name, as far as the case implies them.
+    """Dimensions of both members by name, as far as the case implies them; angles mid face on the pitch cone.
 
-    Angles are measured on the flanks, mid face on the pitch cone: the spiral angle between tooth trace and cone
-    element, as the mean of both flanks; pressure angles between the normal and the plane that touches the cone.
-
-    Parameters
-    ----------
-    case
-        A checked case.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> found = implied_dimensions(read_case("nasa-12x36"))
-    >>> round(found["pinion"]["mean_spiral_angle"]), round(found["gear"]["mean_spiral_angle"])
-    (35, 35)
+    Spiral angle: between tooth trace and cone element, mean of both flanks; pressure angle: normal to tangent plane.
     """
     case = with_blanks(case)
     try:
@@ -206,11 +193,7 @@ FIRST_OF_FRICTION = (
 
 
 def written(value: float, form: str) -> str:
-    """A number in a format; a dash if there is none.
-
-    >>> written(1.234, ".2f"), written(math.nan, ".2f")
-    ('1.23', '–')
-    """
+    """Number in a format; a dash if there is none."""
     return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
@@ -262,9 +245,9 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
 
 
 def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict[str, float] | None) -> dict[str, Any]:
-    """What a reader looks for first, from ``loaded_numbers``: heads, rows, and the operating condition in words.
+    """Main numbers, from ``loaded_numbers``: heads, rows, and the operating condition in words.
 
-    Power, loss and efficiency are those of the friction's condition (speed [1/min], temperature [°C], roughness [µm]).
+    Power, loss and efficiency are those at the condition (speed [1/min], temperature [°C], roughness [µm]).
     """
     torques = ordered(tree["loaded"].to_dataset(), "torque", "torque")
     ratio = float(tree.attrs["gear_teeth"]) / float(tree.attrs["pinion_teeth"])
@@ -313,10 +296,9 @@ def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]
 
 
 def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
-    """Transmission error as a length, and mesh stiffness by force, length and face width.
+    """Transmission error as a length, and mesh stiffness by force, length and face width, along the common normal.
 
-    Along the common normal, with the mean lever arm a [mm] of the common flank: a length is the angle times a, and a
-    stiffness that of the rotation over the square of a.
+    With the mean lever arm a [mm] of the common flank: angle times a, and stiffness of the rotation over a squared.
     """
     ease_off = tree["ease_off"].to_dataset()
     grid = ("lengthwise", "profile")
@@ -337,9 +319,9 @@ def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
 
 
 def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
-    """Table of the friction's numbers: heads, variables, a row an operating condition, and how many are left out.
+    """Table of friction: heads, variables, a row an operating condition, and the number of those left out.
 
-    What is the greatest over segments is so over those of contact lines that carry.
+    The greatest values over segments are over those that carry.
     """
     names = ("torque", "speed", "temperature", "roughness")
     columns: list[tuple[str, str, float, str]] = [
@@ -405,11 +387,7 @@ def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
 
 
 def with_signs(text: str) -> str:
-    """A text with the signs of its units, which terminals may lack.
-
-    >>> with_signs("0.8 um at 90 degC")
-    '0.8 µm at 90 °C'
-    """
+    """Text with the signs of its units, which terminals may lack."""
     return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
 
 

@@ -16,14 +16,7 @@ LEFT_OUT = ("friction", "load_cases")
 
 
 def stored_case(tree: xr.DataTree) -> Case | None:
-    """Case of a result without some of its tables; ``None`` if the result keeps none that can be read.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> stored_case(easeoff.analyze("nasa-12x36", torques=[100.0])).gear.number_of_teeth
-    36
-    """
+    """Case of a result without some of its tables; ``None`` if the result keeps none that can be read."""
     text = str(tree.attrs.get("case", ""))
     try:
         data: dict[str, Any] = tomllib.loads(text)

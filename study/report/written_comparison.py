@@ -27,15 +27,7 @@ STUDY_COLUMNS = ["problem_file", "problem", "problem_name", "solver", "settings"
 
 
 def is_of_another_study(dataset: xr.Dataset, folder: Path) -> bool:
-    """Whether a folder holds the report of a comparison of other problems or methods.
-
-    Parameters
-    ----------
-    dataset
-        Result of ``compare``.
-    folder
-        Folder of its report.
-    """
+    """True if a folder holds the report of a comparison of other problems or methods."""
     if not (folder / TABLE_FILE).exists():
         return False
     try:
@@ -46,15 +38,7 @@ def is_of_another_study(dataset: xr.Dataset, folder: Path) -> bool:
 
 
 def remove_left_files(folder: Path, written: Collection[Path]) -> list[Path]:
-    """Remove the tables and figures of a former report that the new one does not have; returns their paths.
-
-    Parameters
-    ----------
-    folder
-        Folder of the report.
-    written
-        Files of the new one.
-    """
+    """Remove tables and figures of a former report that the new one does not have; returns their paths."""
     known = [folder / TABLE_FOLDER / f"{name}.{suffix}" for name in TABLE_NAMES for suffix in ("csv", "tex")]
     known += [folder / FIGURE_FOLDER / f"{name}.{suffix}" for name in FIGURE_NAMES for suffix in FIGURE_FORMATS]
     left = [path for path in known if path not in written and path.is_file()]

@@ -29,26 +29,11 @@ SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasc
 
 @dataclass(frozen=True)
 class PublishedWork:
-    """A published work, or a file that names its own source.
-
-    Parameters
-    ----------
-    key
-        Key of its BibTeX entry.
-    kind
-        Kind of that entry: ``article``, ``phdthesis``, ``misc``, ...
-    fields
-        Fields of the entry in plain text, by name; authors are separated by ``and``.
-
-    Examples
-    --------
-    >>> print(PublishedWork("oil", "misc", {"title": "Gear oil", "note": "data sheet", "year": "2026"}).text())
-    Gear oil. 2026, data sheet
-    """
+    """Published work, or a file that names its own source, as an entry of BibTeX."""
 
     key: str
-    kind: str
-    fields: Mapping[str, str] = field(hash=False)
+    kind: str  # article, phdthesis, misc, ...
+    fields: Mapping[str, str] = field(hash=False)  # of the entry, in plain text; authors separated by 'and'
 
     def text(self) -> str:
         """One line for a list of references."""
@@ -77,13 +62,7 @@ def _escaped(text: str) -> str:
 
 
 def package() -> PublishedWork:
-    """The package itself, as ``CITATION.cff`` has it.
-
-    Examples
-    --------
-    >>> package().kind
-    'misc'
-    """
+    """The package itself, as ``CITATION.cff`` has it."""
     fields = {
         "author": "The easeoff developers",
         "title": "easeoff: contact of spiral bevel and hypoid gears",
@@ -324,41 +303,16 @@ OWN_SOLVER = "solver of this package, see solvers.md of its documentation"
 
 @dataclass(frozen=True)
 class ResultSource:
-    """What a result takes from a source.
-
-    Parameters
-    ----------
-    role
-        Part of the result.
-    model
-        Name of the model or of the data.
-    works
-        The sources; none if there is nothing published.
-    remark
-        Where else the model is described.
-    """
+    """Source of a part of a result; without works if there is nothing published."""
 
     role: str
     model: str
     works: tuple[PublishedWork, ...] = ()
-    remark: str = ""
+    remark: str = ""  # another place where the model is described
 
 
 def result_sources(tree: xr.DataTree) -> list[ResultSource]:
-    """Sources that a result rests on, in the order of the method, each once.
-
-    Parameters
-    ----------
-    tree
-        Content of a file of any command; what its attributes do not tell is left out.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=1500.0)
-    >>> [(source.role, source.model) for source in result_sources(tree)][1:3]
-    [('pair, by its title', 'nasa-12x36'), ('elastic teeth', 'solid shell')]
-    """
+    """Sources that a result rests on, as far as its attributes tell, in the order of the method, each once."""
     return list(dict.fromkeys(source for node in tree.subtree for source in _of_node(node)))
 
 
@@ -446,31 +400,12 @@ def _oil(attributes: Mapping[Any, Any]) -> ResultSource:
 
 
 def distinct_works(sources: list[ResultSource]) -> list[PublishedWork]:
-    """Works of the sources, each once.
-
-    Examples
-    --------
-    >>> [work.key for work in distinct_works([ResultSource("wear", "", _works("archard_1953"))] * 2)]
-    ['archard_1953']
-    """
+    """Works of the sources, each once."""
     return list({work.key: work for source in sources for work in source.works}.values())
 
 
 def citation(tree: xr.DataTree | None = None, *, bibtex: bool = False) -> str:
-    """How to cite the package, and with a result the sources that this rests on.
-
-    Parameters
-    ----------
-    tree
-        Content of a file of any command.
-    bibtex
-        Whether entries of BibTeX are wanted in place of lines of text.
-
-    Examples
-    --------
-    >>> print(citation().splitlines()[0])
-    If you publish results, please cite the program
-    """
+    """Advice on citing the package, and with a result its sources, as text or as entries of BibTeX."""
     sources = [] if tree is None else result_sources(tree)
     method = WORKS["kolivand_2009"]
     if bibtex:

@@ -32,18 +32,7 @@ CONDITION_LIMIT = 1e3  # above which settings are told to do nearly the same
 
 
 def correction_report(found: CaseCorrection) -> str:
-    """Report of the corrections of a case.
-
-    Parameters
-    ----------
-    found
-        The corrections.
-
-    Returns
-    -------
-    str
-        For every set-up the global errors of its flanks, the settings to be set, and the predicted rest.
-    """
+    """Global errors of the flanks, settings to be set and predicted rest of every set-up of a case."""
     parts = [
         "\n".join(_set_up_lines(name, correction))
         for name in MEMBERS
@@ -188,13 +177,7 @@ ROWS = (
 
 
 def modification_report(tree: xr.DataTree) -> str:
-    """Report of an optimal modification.
-
-    Parameters
-    ----------
-    tree
-        A result of ``modify``.
-    """
+    """Report of an optimal modification, from a result of ``modify``."""
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
     extent = np.abs(surface["modification"].values).max()
     parts = [
@@ -288,13 +271,7 @@ LIMIT_SHARE = 1e-3
 
 
 def setting_report(tree: xr.DataTree) -> str:
-    """Report of a search for settings.
-
-    Parameters
-    ----------
-    tree
-        A result of ``optimize``.
-    """
+    """Report of a search for settings, from a result of ``optimize``."""
     record = tree["optimal_settings"].to_dataset()
     parts = ["Settings", _settings(record), f"Objectives, form {record.attrs['form']}", _objectives(record)]
     if record.sizes["quantity_limit"]:
@@ -391,7 +368,7 @@ def _search_notes(record: xr.Dataset) -> list[str]:
 
 
 def _proposals(record: xr.Dataset) -> list[str]:
-    """What became of the settings that programmes proposed."""
+    """Lines on proposed settings: reasons of refusals, and if none was better than the start."""
     reasons, counts = np.unique([one for one in record["refusal"].values.tolist() if one], return_counts=True)
     count, refused = record.sizes["programme"], int(counts.sum())
     found = [

@@ -26,16 +26,6 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
     """Torques (t) [N m], rising from zero, and misalignments (t, k, 4) [mm, rad] over the mesh positions.
 
     ``None`` if the misalignment does not depend on the torque.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> torques, errors = misalignment_over_torque(easeoff.analyze(case, torques=[100.0], misalignment=axle))
-    >>> torques.tolist(), errors[:, 0, 0].tolist()
-    ([0.0, 100.0], [0.0, 0.025])
     """
     if "misalignment" not in tree.children:  # older results
         return None
@@ -49,27 +39,12 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
 
 
 def misalignment_words(attributes: Mapping[Any, Any]) -> str:
-    """The misalignment without torque in words, from the attributes of a result; empty if there is none.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> from easeoff.geometry import Misalignment
-    >>> from easeoff.study import CaseInMesh
-    >>> misalignment_words(CaseInMesh.of(read_case("nasa-12x36"), misalignment=Misalignment(-0.15, 0.12)).attributes)
-    'E -0.15 mm, P +0.12 mm'
-    """
+    """Misalignment without torque in words, from the attributes of a result; empty if there is none."""
     return ", ".join(words for words, value in zip(*error_words(attributes), strict=True) if value)
 
 
 def error_words(attributes: Mapping[Any, Any]) -> tuple[list[str], list[float]]:
-    """Assembly errors that the attributes of a result or sweep have, in words, and their values [mm, degree].
-
-    Examples
-    --------
-    >>> error_words({"misalignment_offset_mm": 0.1})
-    (['E +0.1 mm'], [0.1])
-    """
+    """Assembly errors in the attributes of a result or sweep, in words, and their values [mm, degree]."""
     values = {symbol: float(attributes[name]) for symbol, (_, name) in ERRORS.items() if name in attributes}
     if "Sigma" in values:
         values["Sigma"] = float(np.degrees(values["Sigma"]))
@@ -81,18 +56,7 @@ def error_words(attributes: Mapping[Any, Any]) -> tuple[list[str], list[float]]:
 
 
 def deflection_table(tree: xr.DataTree) -> str:
-    """Table of the misalignment, a row a torque, mean over the mesh cycle; empty if it does not depend on the torque.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> tree = easeoff.analyze(case, torques=[100.0], misalignment=axle)
-    >>> deflection_table(tree).splitlines()[-1].split()
-    ['100', '+0.0250', '0', '0', '0']
-    """
+    """Table of the mean misalignment of a mesh cycle, a row a torque; empty if it does not depend on the torque."""
     found = misalignment_over_torque(tree)
     if found is None:
         return ""

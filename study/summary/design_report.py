@@ -88,11 +88,7 @@ def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:
 
 
 def unit_of(name: str) -> str:
-    """Unit in which a free setting is printed; empty for a ratio.
-
-    >>> unit_of("cutter_tilt"), unit_of("radial_distance"), unit_of("ratio_of_roll")
-    ('deg', 'mm', '')
-    """
+    """Unit in which a free setting is printed; empty for a ratio."""
     if name == "blade_curvature":
         return "1/mm"
     if name == "ratio_of_roll" or name.startswith("modified_roll_"):

@@ -38,23 +38,7 @@ RESULTS = {
 
 
 def load_case_summary(tree: xr.DataTree) -> str:
-    """Summary of an analysis over load cases.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze_load_cases`` or ``read_result``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import LoadCase, read_case
-    >>> from easeoff.study import analyze_load_cases
-    >>> case = read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> tree = analyze_load_cases(case, [LoadCase(name="climb", torque=100.0)])
-    >>> load_case_summary(tree).splitlines()[3].split()[:4]
-    ['load', 'case', 'flank', 'torque']
-    """
+    """Summary of an analysis over load cases."""
     numbers = tree["load_cases"].to_dataset()
     title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
     parts = [
@@ -86,11 +70,7 @@ def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
 
 
 def variable_of(head: str) -> str:
-    r"""Variable of the group ``load_cases`` that a column shows, by its head.
-
-    >>> variable_of("load case"), variable_of("pressure\nMPa")
-    ('load_case', 'max_pressure')
-    """
+    r"""Variable of the group ``load_cases`` that a column shows, by its head."""
     named = {**ERRORS, **OPERATION, **RESULTS}
     return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
 
@@ -177,30 +157,12 @@ TEXT_LIMIT = 100
 
 
 def holds_problems(dataset: xr.Dataset) -> bool:
-    """Whether a dataset is that of a file of contact problems."""
+    """True if a dataset is that of a file of contact problems."""
     return str(dataset.attrs.get("format", "")) == FORMAT
 
 
 def problem_summary(path: Path) -> str:
-    """Lines that say what a file of contact problems holds.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from easeoff.contact import ContactProblem, write_problems
-    >>> problem = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with TemporaryDirectory() as folder:
-    ...     write_problems([problem], Path(folder, "one.nc"), {"name": ["springs"]})
-    ...     print(problem_summary(Path(folder, "one.nc")))
-    1 contact problem of 2 segments, compliance: dense matrix
-    torque about the gear axis  80 N m
-    names                       springs
-    """
+    """Content of a file of contact problems, in lines."""
     problems, labels, attributes = read_problems(path), read_labels(path), read_attributes(path)
     count, sizes = len(problems), [problem.size for problem in problems]
     structured = sum(problem.is_structured for problem in problems)

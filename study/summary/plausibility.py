@@ -39,25 +39,9 @@ COMMON_FLANK_LIMIT = 0.3
 
 
 def plausibility(tree: xr.DataTree) -> list[str]:
-    """Notes on the plausibility of a result: one each for ease-off, pressure, common flank and contradicting blanks.
+    """Notes on what is not plausible in a result: ease-off, pressure, common flank and contradicting blanks.
 
-    One more says how far root stresses are resolved, or why they are left out if they were asked for.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-
-    Returns
-    -------
-    list of str
-        No notes if all values are plausible and none is left out.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> plausibility(easeoff.analyze("nasa-12x36", torques=[100.0]))
-    []
+    One more tells the resolution of root stresses, or why they are left out if they were asked for.
     """
     ease_off = tree["ease_off"].to_dataset()
     distance, inside = (ordered(ease_off, name, "lengthwise", "profile") for name in ("ease_off", "inside"))
@@ -104,27 +88,7 @@ EDGE_SHARE_LIMIT = 0.1
 
 
 def edge_notes(loaded: xr.Dataset) -> list[str]:
-    """Note on the torque at which tooth edges carry most of the load, if more than ``EDGE_SHARE``.
-
-    It says more from ``EDGE_SHARE_LIMIT`` on.
-
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Returns
-    -------
-    list of str
-        One note, or none; none of results without contact of edges.
-
-    Examples
-    --------
-    >>> share = (("torque", "mesh_position"), np.array([[0.0, 0.2], [0.0, 0.05]]))
-    >>> notes = edge_notes(xr.Dataset({"edge_share": share}, coords={"torque": [50.0, 100.0]}))
-    >>> print(notes[0].partition(":")[2].partition(";")[0])
-     tooth edges carry up to 20 % of the load (50 N m)
-    """
+    """Note on the torque at which edges carry most, if more than ``EDGE_SHARE``; longer beyond ``EDGE_SHARE_LIMIT``."""
     if "edge_share" not in loaded:
         return []
     share = np.nan_to_num(loaded["edge_share"].max("mesh_position").values)
@@ -150,24 +114,9 @@ TOOTH_ENDS = (LineEnd.GEAR_TOE, LineEnd.GEAR_HEEL, LineEnd.PINION_TOE, LineEnd.P
 
 
 def end_notes(loaded: xr.Dataset) -> list[str]:
-    """Note on the torque whose greatest pressure is at the end of a contact line and exceeds that inside most.
+    """Note on the greatest pressure at the end of a contact line that exceeds that inside most.
 
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Returns
-    -------
-    list of str
-        One note; none if the greatest pressures are inside, or the result is too old to tell.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> (note,) = end_notes(easeoff.analyze("nasa-12x36", torques=[100.0])["loaded"].to_dataset())
-    >>> note.partition(" MPa")[2].partition(":")[0]
-    ', is at the end of a contact line (pinion tip)'
+    None if the greatest pressures are inside, or the result is too old to tell.
     """
     if "max_pressure_line_end" not in loaded:
         return []
@@ -195,20 +144,7 @@ def end_notes(loaded: xr.Dataset) -> list[str]:
 
 
 def execution_note(flanks: Sequence[str]) -> list[str]:
-    """Note, in one line or none, on flanks with settings to execute.
-
-    Parameters
-    ----------
-    flanks
-        ``corrected_flanks`` of a case.
-
-    Examples
-    --------
-    >>> execution_note(["gear convex"])[0].partition(":")[0]
-    'Note'
-    >>> execution_note([])
-    []
-    """
+    """Note, in one line or none, on flanks with settings to execute, from ``corrected_flanks`` of a case."""
     if not flanks:
         return []
     return [
@@ -218,14 +154,7 @@ def execution_note(flanks: Sequence[str]) -> list[str]:
 
 
 def executed_settings(tree: xr.DataTree) -> list[str]:
-    """The note for a result, from the case that it keeps.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> executed_settings(easeoff.analyze("nasa-12x36", torques=[100.0]))
-    []
-    """
+    """Note on settings to execute, from the case that a result keeps."""
     try:
         named = tomllib.loads(str(tree.attrs.get("case", ""))).get("corrected_flanks")
     except tomllib.TOMLDecodeError:  # a case that was changed by hand
@@ -246,26 +175,9 @@ MESH_POSITION_MINIMUM = 16  # with fewer the course itself changes as much from 
 
 
 def pressure_jumps(loaded: xr.Dataset) -> Array:
-    """Part by which the greatest pressure at a mesh position exceeds the greater of those at its neighbours.
+    """Excess (torque, mesh_position) of greatest pressures over the greater of both neighbours', as a fraction.
 
-    The first and the last position of a cycle are neighbours.
-
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Returns
-    -------
-    Array
-        Over (torque, mesh_position), negative where a neighbour has more; NaN where one of the three is not certified.
-
-    Examples
-    --------
-    >>> course = np.array([[[500.0], [510.0], [765.0], [505.0]]])
-    >>> loaded = xr.Dataset({"pressure": (("torque", "mesh_position", "segment"), course)})
-    >>> pressure_jumps(loaded).round(2).tolist()
-    [[-0.02, -0.33, 0.5, -0.34]]
+    First and last position are neighbours. Negative where a neighbour has more; NaN where one is not certified.
     """
     pressure = loaded["pressure"].transpose("torque", "mesh_position", "segment").values
     greatest = np.where(np.isfinite(pressure), pressure, -np.inf).max(axis=2)
@@ -275,24 +187,7 @@ def pressure_jumps(loaded: xr.Dataset) -> Array:
 
 
 def jump_notes(loaded: xr.Dataset) -> list[str]:
-    """Note on the mesh position whose greatest pressure exceeds that at its neighbours most, if by ``JUMP_LIMIT``.
-
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Returns
-    -------
-    list of str
-        One note, or none.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> jump_notes(easeoff.analyze("nasa-12x36", torques=[100.0])["loaded"].to_dataset())
-    []
-    """
+    """Note on the mesh position whose greatest pressure exceeds its neighbours' most, if by ``JUMP_LIMIT``."""
     if loaded.sizes["mesh_position"] < MESH_POSITION_MINIMUM:
         return []
     jumps = np.nan_to_num(pressure_jumps(loaded), nan=-1.0)
@@ -335,26 +230,9 @@ TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet
 
 
 def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> list[str]:
-    """Notes on what of the power loss is beyond the range of a model: one each for formula, oil, temperature and film.
+    """Notes on power loss beyond the range of a model: one each for formula, oil, temperature and film.
 
-    Parameters
-    ----------
-    friction
-        The group ``/friction``.
-    at
-        Numbers of torque, speed, temperature and roughness; all conditions if left out, of which the worst is named.
-
-    Returns
-    -------
-    list of str
-        No notes if everything is within, or the result is of an older version.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=10.0)
-    >>> range_notes(tree["friction"].to_dataset())[0].partition(" lies")[0]
-    'Note: 100 % of the power loss at 100 N m, 10 1/min, 0.8 um'
+    ``at`` holds numbers of torque, speed, temperature and roughness; without it the worst condition is named.
     """
     if "film_thinning" not in friction:
         return []
@@ -472,43 +350,14 @@ SHARED_LOAD_SHARE = 0.1
 
 
 def supports_notes(tree: xr.DataTree) -> list[str]:
-    """Notes on the supports of a pair, if it has some.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-
-    Returns
-    -------
-    list of str
-        None, or one each for supports shipped for another pair, bearings between toe and heel of their member, and
-        bearings of a member that share its axial load in one sense.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> notes = supports_notes(easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41"))
-    >>> notes[0]
-    'Note: the supports axle-fm-11x41 are those of another pair, fm-11x41: are places and stiffness right for this one?'
-    """
+    """Notes on supports of another pair, bearings within the teeth, and bearings that share an axial load."""
     if "supports" not in tree.children:
         return []
     return [*_other_pair(tree), *_within_face(tree), *_pulled(tree)]
 
 
 def axial_face(tree: xr.DataTree, member: str) -> tuple[float, float]:
-    """Where a member's flank lies on its axis [mm], from its crossing point, positive towards the heel.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> first, last = axial_face(easeoff.analyze("nasa-12x36", torques=[100.0]), "pinion")
-    >>> round(first), round(last)
-    (64, 89)
-    """
+    """Range of a member's flank on its axis [mm], from its crossing point, positive towards the heel."""
     position = tree["flanks"].to_dataset()["position"].sel(member=member, xyz="z").values  # in the member's own frame
     return float(np.nanmin(position)), float(np.nanmax(position))
 

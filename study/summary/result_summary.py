@@ -66,7 +66,7 @@ def unloaded_rows(numbers: xr.Dataset) -> list[tuple[str, str]]:
 
 
 def with_edges(numbers: xr.Dataset) -> bool:
-    """Whether edges beside the contact lines carry: a pair is then in contact longer than it has contact lines."""
+    """True if edges beside the lines carry: a pair is then in contact longer than it has contact lines."""
     return "max_edge_share" in numbers and bool((numbers["max_edge_share"].values > 0.0).any())
 
 
@@ -128,7 +128,7 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
 
 
 def end_name(value: int) -> str:
-    """Where the contact line of the greatest pressure ends, as text."""
+    """End of the contact line at which the greatest pressure is, as text."""
     end = LineEnd(int(value))
     return "-" if end == LineEnd.UNKNOWN else end.name.lower().replace("_", " ")
 
@@ -198,7 +198,7 @@ def efficiencies(friction: xr.Dataset) -> str:
 
 
 def is_rough(friction: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether much of the power loss is outside the range of the friction formula, over the operating conditions."""
+    """True where much of the power loss is outside the range of the formula, over the operating conditions."""
     names = ("torque", "speed", "temperature", "roughness")
     if "extrapolated_share" not in friction:
         return np.zeros([friction.sizes[name] for name in names], dtype=bool)
@@ -288,14 +288,7 @@ def _searched(loaded: xr.Dataset) -> list[str]:
 
 
 def outcome(tree: xr.DataTree) -> str:
-    """Outcome of an analysis in one line: certified mesh positions, torques and greatest pressure.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> outcome(easeoff.analyze("nasa-12x36", torques=[100.0])).partition(";")[0]
-    '32 of 32 mesh positions certified at 100 N m'
-    """
+    """Outcome of an analysis in one line: certified mesh positions, torques and greatest pressure."""
     loaded = tree["loaded"].to_dataset()
     status, torques = loaded["status"].values, loaded["torque"].values
     at = ", ".join(f"{torque:g}" for torque in torques)
@@ -350,19 +343,7 @@ def result_notes(tree: xr.DataTree) -> list[str]:
 
 
 def result_summary(tree: xr.DataTree) -> str:
-    """Summary of a result.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> print(result_summary(easeoff.analyze("nasa-12x36", torques=[100.0])).splitlines()[3])
-    pair          12 x 36, left-hand pinion, drive flanks
-    """
+    """Summary of a result of ``analyze`` or ``read_result``."""
     tree = in_memory(tree)
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]

@@ -153,7 +153,7 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
 
 
 def effect_line(side: FlankName, effect: float) -> str:
-    """What rounding changes of the ease-off of a side, in one line; the effect in mm."""
+    """Effect [mm] of rounding on the ease-off of a side, in one line."""
     return f"{side}: rounding the settings changes the ease-off by up to {1e3 * effect:.2f} um"
 
 

@@ -31,33 +31,15 @@ OVER = ("torque", "mesh_position")
 
 @dataclass(frozen=True)
 class TorqueTable:
-    """Table with a row a torque.
-
-    Parameters
-    ----------
-    title
-        What it shows.
-    heads
-        Head of each column, its unit after a line break.
-    rows
-        Cells (rows, columns) as text.
-    variables
-        Variables of the result that it shows.
-    """
+    """Table with a row a torque."""
 
     title: str
-    heads: tuple[str, ...]
+    heads: tuple[str, ...]  # unit after a line break
     rows: tuple[tuple[str, ...], ...]
-    variables: tuple[str, ...]
+    variables: tuple[str, ...]  # of the result
 
     def text(self) -> str:
-        """The table in characters, with its title.
-
-        Examples
-        --------
-        >>> print(TorqueTable("Loads", ("torque", "head"), (("100", "8000"),), ()).text().splitlines()[-1])
-             100    8000
-        """
+        """The table in characters, with its title."""
         right = ("right",) * len(self.heads)
         table = tabulate(self.rows[:ROW_COUNT_LIMIT], headers=self.heads, disable_numparse=True, colalign=right)
         left = len(self.rows) - ROW_COUNT_LIMIT
@@ -65,20 +47,7 @@ class TorqueTable:
 
 
 def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
-    """Tables of a pair on supports, means over the mesh cycle: shares of the gear's rotation, and bearing loads.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
-    >>> shares, loads = supports_tables(tree)
-    >>> [head.split()[0] for head in shares.heads]
-    ['torque', 'whole', 'teeth', 'contact', 'supports', 'ease-off']
-    >>> supports_tables(easeoff.analyze("nasa-12x36", torques=[100.0]))
-    []
-    """
+    """Tables of a pair on supports, means over the mesh cycle: shares of the gear's rotation, and bearing loads."""
     if "supports" not in tree.children:
         return []
     group = tree["supports"].to_dataset().sortby("torque")
@@ -110,20 +79,9 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
 
 
 def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
-    """Names of the bearings, and the radial and the axial force (bearing, torque, mesh_position) [N] on each.
+    """Names of bearings, and radial and axial force (bearing, torque, mesh_position) [N] on each, torques rising.
 
-    Torques rise. The axial force is positive from the member's crossing point towards its heel. No bearings where
-    matrices hold the members.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
-    >>> names, radial, axial = bearing_loads(tree)
-    >>> len(names), radial.shape == axial.shape == (len(names), 1, 3)
-    (4, True)
+    Axial forces are positive from the crossing point to the heel. No bearings where matrices hold the members.
     """
     group = tree["supports"].to_dataset().sortby("torque")
     if "bearing_force" not in group:
@@ -138,17 +96,7 @@ def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
 
 
 def supports_words(tree: xr.DataTree) -> str:
-    """How the members are held, in words; empty without supports.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> tree = easeoff.analyze(case, torques=[100.0], supports="gearbox-nasa-12x36")
-    >>> supports_words(tree).partition(";")[0]
-    'gearbox-nasa-12x36: pinion on bearings head, tail'
-    """
+    """Supports of the members in words; empty without supports."""
     if "supports" not in tree.children:
         return ""
     name = str(tree.attrs.get("supports_name", ""))
@@ -156,20 +104,9 @@ def supports_words(tree: xr.DataTree) -> str:
 
 
 def added_notes(tree: xr.DataTree) -> list[str]:
-    """Note that the misalignment of the case is added to that of the supports, if it is that of the result.
+    """Note that the misalignment of the case, if the result has it, is added to that of the supports.
 
-    A published misalignment may stand for deflections under load, which would then count twice.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> case = easeoff.read_case("fm-11x41")
-    >>> shells = case.compliance.model_copy(update={"model": "shell"})
-    >>> contact = case.contact.model_copy(update={"mesh_positions": 3})
-    >>> case = case.model_copy(update={"contact": contact, "compliance": shells})
-    >>> tree = easeoff.analyze(case, torques=[100.0], supports="axle-fm-11x41")
-    >>> print(added_notes(tree)[0].partition(" and ")[0])
-    Note: the case's misalignment E -0.15 mm, P +0.12 mm stands without torque
+    A published one may stand for deflections under load, which would then count twice.
     """
     if "supports" not in tree.children or "deflections" in tree.attrs:
         return []
@@ -192,7 +129,7 @@ def added_notes(tree: xr.DataTree) -> list[str]:
 
 
 def _held(tree: xr.DataTree) -> str:
-    """What holds each member."""
+    """Bearings or matrix that hold each member, in words."""
     table = stored_table(tree, "supports")
     if "housing" in table:
         return "both members by one matrix, with the housing"

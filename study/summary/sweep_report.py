@@ -48,14 +48,7 @@ SENSITIVITY_NOTE = (
 
 
 def outcome(dataset: xr.Dataset) -> str:
-    """Outcome of a sweep in one line: how many points are certified, and how the others ended.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> outcome(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0]))
-    '3 of 3 points certified'
-    """
+    """Outcome of a sweep in one line: number of points that are certified, and of others by their end."""
     status = dataset["status"].values
     counts = {one: int(np.count_nonzero(status == one)) for one in PointStatus}
     said = [f"{counts[PointStatus.CERTIFIED]} of {status.size} points certified"]
@@ -69,35 +62,12 @@ def outcome(dataset: xr.Dataset) -> str:
 
 @dataclass(frozen=True)
 class SweepTable:
-    """A table of the report of a sweep.
-
-    Attributes
-    ----------
-    title
-        Its heading.
-    heads
-        Names of the columns.
-    rows
-        The rows, a text a column.
-    names
-        Number of columns that name the row, on the left.
-    note
-        What the columns mean, if they do not say so.
-
-    Examples
-    --------
-    >>> print(SweepTable("Points", ["E"], [["0.1"]], 0).text())
-    Points
-    <BLANKLINE>
-      E
-    ---
-    0.1
-    """
+    """Table of the report of a sweep."""
 
     title: str
     heads: list[str]
     rows: list[list[str]]
-    names: int = 1
+    names: int = 1  # number of columns on the left that name the row
     note: str = ""
 
     def text(self) -> str:
@@ -108,19 +78,7 @@ class SweepTable:
 
 
 def sweep_summary(dataset: xr.Dataset) -> str:
-    """Summary of a sweep.
-
-    Parameters
-    ----------
-    dataset
-        From ``sweep`` or ``read_sweep``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> print(sweep_summary(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])).splitlines()[3])
-    E             3 values from 0 to 0.04 mm
-    """
+    """Summary of a sweep, from ``sweep`` or ``read_sweep``."""
     title = textwrap.wrap(sweep_title(dataset), WIDTH) or ["untitled"]
     head = "\n".join(f"{name:<13} {words}" for name, words in sweep_head(dataset))
     parts = ["\n".join(title), "=" * max(map(len, title)), "", head, "", outcome(dataset)]
@@ -256,11 +214,7 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
 
 
 def _per(units: str, unit: str) -> str:
-    """Unit of a slope.
-
-    >>> _per("urad", "mm"), _per("1", "mm"), _per("MPa", "1")
-    ('urad/mm', '1/mm', 'MPa')
-    """
+    """Unit of a slope."""
     if unit in ("", "1"):
         return "" if units == "1" else units
     return f"{units}/{unit}" if "/" not in unit else f"{units}/({unit})"
@@ -289,24 +243,7 @@ def _word(value: Any) -> str:
 
 
 def wear_summary(history: xr.Dataset) -> str:
-    """Lines on a history of wear, those of ``easeoff wear`` and ``easeoff show``.
-
-    Parameters
-    ----------
-    history
-        Of ``study.wear``, or read from its file.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> from easeoff.study import WearLaw, wear
-    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
-    >>> case = easeoff.read_case("nasa-12x36")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> history = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=100.0)
-    >>> print(wear_summary(history).splitlines()[1].partition(":")[0])
-    largest depth
-    """
+    """Lines on a history of wear, those of ``easeoff wear`` and ``easeoff show``."""
     last = history.isel(step=-1)
     depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
     steps = history.sizes["step"] - 1
@@ -332,19 +269,7 @@ SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the c
 
 
 def vh_table(found: xr.Dataset) -> str:
-    """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached.
-
-    Parameters
-    ----------
-    found
-        Of ``study.vh_check``.
-
-    Examples
-    --------
-    >>> from easeoff.study import vh_check
-    >>> print(vh_table(vh_check("fh-design-a")).splitlines()[-1].partition(":")[0])
-    toe to heel
-    """
+    """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached."""
     table = tabulate(vh_rows(found), headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))
     lines = [table, *reasons(found), "", totals(found)]
     return "\n".join(lines)
