@@ -21,10 +21,7 @@ NEIGHBOUR_DISTANCE_LIMIT = 0.2  # fraction of the flank; points farther apart do
 
 @dataclass(frozen=True)
 class PairErrors:
-    """Gap of every tooth pair by itself, a pair before the first and one after the last included.
-
-    Those two may touch at an edge.
-    """
+    """Gap of each tooth pair by itself, also of one before the first and one after the last, which may touch edges."""
 
     flanks: TurnedFlanks
     mesh: MeshLines

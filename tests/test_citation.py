@@ -28,7 +28,9 @@ from easeoff.study.summary.citation import (
     SOLVER_WORKS,
     WORKS,
     PublishedWork,
+    ResultSource,
     citation,
+    distinct_works,
     package,
     result_sources,
 )
@@ -144,12 +146,20 @@ def test_attributes_of_any_kind_and_length_are_taken() -> None:
 
 def test_command_prints_both_and_refuses_what_is_no_file(tmp_path: Path) -> None:
     assert "The easeoff developers" in output_of("cite")
+    assert output_of("cite").startswith("If you publish results, please cite the program\n")
     assert list(entries(output_of("cite", "--bibtex"))) == ["easeoff", "kolivand_2009"]
     assert "there is no such file" in refusal_of("cite", tmp_path / "x.nc")
 
 
 def test_work_without_author_is_named_by_its_title() -> None:
-    assert PublishedWork("x", "misc", {"title": "Oil", "year": "2026"}).text() == "Oil. 2026"
+    oil = {"title": "Oil", "year": "2026"}
+    assert PublishedWork("x", "misc", oil).text() == "Oil. 2026"
+    assert PublishedWork("x", "misc", oil | {"note": "data sheet"}).text() == "Oil. 2026, data sheet"
+
+
+def test_work_of_two_sources_is_cited_once() -> None:
+    work = PublishedWork("x", "misc", {"title": "Oil", "year": "2026"})
+    assert distinct_works([ResultSource("oil", "", (work,)), ResultSource("wear", "", (work,))]) == [work]
 
 
 def test_library_file_and_comparison_name_what_they_are_of(tmp_path: Path) -> None:
@@ -192,6 +202,7 @@ def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
     said = output_of("show", file)
     assert "3 contact problems of" in said
     assert "E 0.05 mm" in said
+    assert re.search(r"torque about the gear axis +450 N m", said)  # 150 N m at the pinion of 12 x 36 teeth
     assert f"{names[0]} to {names[-1]}" in said
     output_of("convert", file, "-o", tmp_path / "qps", "--format", "qps")
     for name in names:

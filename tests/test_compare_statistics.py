@@ -44,7 +44,10 @@ from easeoff.study.report.comparison_figures import (
 from easeoff.study.report.comparison_report import (
     ReportTable,
     comparison_report,
+    milliseconds,
+    ratio,
     report_sections,
+    residual,
     size_groups,
     waiting_note,
 )
@@ -244,6 +247,16 @@ def test_spread_and_parts_of_the_run_time_are_told() -> None:
     np.testing.assert_allclose(float(parts["set-up [ms]"]), 0.1 * float(parts["whole [ms]"]), rtol=1e-2)
     once = tables(invented(["fast"], repetitions=1))["run_time"]
     assert dict(zip(once.head, once.rows[0], strict=True))["spread"] == "-"
+
+
+@pytest.mark.parametrize(
+    ("shown", "value", "text"),
+    [(milliseconds, 1.2345e-3, "1.23"), (milliseconds, 12.3456, "12346"), (ratio, 1.23456, "1.23")],
+)
+def test_numbers_of_the_report_have_three_digits_and_no_exponent(shown: Any, value: float, text: str) -> None:
+    assert shown(value) == text
+    assert shown(math.nan) == shown(math.inf) == residual(math.nan) == "-"
+    assert residual(1.23e-6) == "1.2e-06"
 
 
 def test_tables_are_the_same_in_markdown_csv_and_latex(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 import easeoff
 from easeoff import InputError
-from easeoff.study.report.contact_mesh import export_contact
+from easeoff.study.report.contact_mesh import band_pressure, export_contact
 
 Array = NDArray[Any]
 TORQUE, POSITION = 100.0, 0.25
@@ -92,6 +92,12 @@ def test_segments_have_the_values_of_the_result(written: Written, here: xr.Datas
     np.testing.assert_allclose(
         written.area(SEGMENT, BOTH)[wide], (2.0 * here["length"] * here["half_width"]).values[wide], rtol=1e-9
     )
+
+
+def test_pressure_across_a_strip_is_the_half_ellipse_of_hertz() -> None:
+    strip = np.array([[[-1.0, -0.2, 0.0], [1.0, -0.2, 0.0], [1.0, 0.2, 0.0], [-1.0, 0.2, 0.0]]])
+    line = np.array([[[0.0, y, 0.0] for y in (0.0, 0.12, 0.3)]])
+    np.testing.assert_allclose(band_pressure(line, strip, np.array([1000.0])), [[1000.0, 800.0, 0.0]], atol=1e-9)
 
 
 def test_segments_lie_on_the_gear_flank_of_the_result(tree: xr.DataTree, written: Written, here: xr.Dataset) -> None:

@@ -17,6 +17,7 @@ from easeoff.cases.load_cases import load_case_misalignment
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, equivalent_torque, key_numbers
 from easeoff.study.load_case_analysis import DAMAGE_EXPONENTS, duty_means
+from easeoff.study.summary.load_case_summary import variable_of
 
 ROWS = (
     LoadCase(name="cruise", torque=100.0, speed=2500.0, share=90.0),
@@ -130,11 +131,17 @@ def test_a_result_is_read_as_it_was_written(tmp_path: Path, tree: xr.DataTree) -
     assert "torque of equal damage, coast flanks: 80 N m (p = 6.61)" in str(tree.easeoff.summary())
 
 
+@pytest.mark.parametrize(("head", "variable"), [("load case", "load_case"), ("pressure\nMPa", "max_pressure")])
+def test_the_head_of_a_column_tells_its_variable(head: str, variable: str) -> None:
+    assert variable_of(head) == variable
+
+
 def test_a_result_is_shown_unless_it_lacks_a_load_case(tmp_path: Path, plain: xr.DataTree) -> None:
     file = tmp_path / "duty.nc"
     easeoff.write_result(plain, file)
     said = output_of("show", file)
     assert said.strip() == str(plain.easeoff.summary()).strip()
+    assert said.splitlines()[3].split()[:4] == ["load", "case", "flank", "torque"]
     lacking = plain.copy()
     del lacking["results"]["1"]
     easeoff.write_result(lacking, file)

@@ -26,7 +26,7 @@ from easeoff.contact.evaluation.pressure_map import LineEnd
 from easeoff.core.import_hooks import after_import, show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers
-from easeoff.study.notebook.result_accessor import html_text
+from easeoff.study.notebook.result_accessor import html_table, html_text
 from easeoff.study.summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, result_summary, unloaded_rows
 from easeoff.study.summary.supports_report import bearing_loads
 from easeoff.study.summary.sweep_report import sweep_head, sweep_summary, sweep_tables
@@ -109,6 +109,12 @@ def test_tables_hold_the_key_numbers_in_the_units_people_read(tree: xr.DataTree,
     kept = duty["load_cases"].to_dataset()["misalignment_shaft_angle"]
     assert kept.attrs["units"] == "rad"
     assert kept.values.tolist() == pytest.approx([math.radians(0.1), 0.0])
+
+
+def test_names_of_rows_are_on_the_left_and_numbers_under_heads_on_the_right() -> None:
+    left, right = '<td style="text-align:left">a</td>', '<td style="text-align:right">1</td>'
+    assert html_table([], [["a"]]) == f"<table><tbody><tr>{left}</tr></tbody></table>"
+    assert f"<tbody><tr>{left}{right}</tr></tbody>" in html_table(["name", "value"], [["a", "1"]])
 
 
 def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:

@@ -39,19 +39,19 @@ from easeoff.study.plot.contact_pattern_chart import (
 from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
 from easeoff.study.plot.friction_charts import (
     GRID,
-    draw_efficiency as draw_efficiency,
+    draw_efficiency,
     loaded_map,
     roughness_name,
     velocity_maps,
 )
 from easeoff.study.plot.mesh_cycle_charts import (
-    draw_transmission_error as draw_transmission_error,
+    draw_transmission_error,
     mean_pairs_in_contact,
     share_passage,
 )
-from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
+from easeoff.study.plot.page import even_lines, evenly_chosen, small_print, torque_name
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
-from easeoff.study.plot.tooth_view import ToothView, tooth_view
+from easeoff.study.plot.tooth_view import ToothView, tick_step, tooth_view
 from easeoff.study.plot.written_pictures import PICTURES
 
 Array = NDArray[Any]
@@ -513,6 +513,17 @@ def test_torques_are_chosen_evenly_with_both_ends() -> None:
     assert np.all(np.diff(torques[chosen]) > 0.0)
     assert (torques[chosen[0]], torques[chosen[-1]]) == (10.0, 500.0)
     assert evenly_chosen(np.array([7.0])).tolist() == [0]
+
+
+@pytest.mark.parametrize(("torque", "shown"), [(108.9899, "109 N m"), (12000.0, "12000 N m")])
+def test_torques_are_shown_rounded_and_without_an_exponent(torque: float, shown: str) -> None:
+    assert torque_name(torque) == shown
+
+
+@pytest.mark.parametrize("extent", [0.7, 11.0, 30.0, 250.0])
+def test_round_ticks_divide_an_axis_into_about_six_parts(extent: float) -> None:
+    assert f"{tick_step(extent):e}"[0] in "125"
+    assert 3.5 < extent / tick_step(extent) < 8.5
 
 
 def test_small_print_names_flanks_and_misalignment(tree: xr.DataTree) -> None:

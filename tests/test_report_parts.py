@@ -29,8 +29,8 @@ from easeoff.cases import LoadCase
 from easeoff.core.attributes import labelled, ordered, units_of, variable_attributes
 from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report import report_file
-from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, report_page
-from easeoff.study.report.report_tables import load_case_rows
+from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, by_name, report_page
+from easeoff.study.report.report_tables import load_case_rows, with_signs
 from easeoff.study.summary.result_summary import result_summary
 from easeoff.study.summary.supports_report import bearing_loads, supports_tables, supports_words
 from easeoff.study.vh import write_vh_check
@@ -128,6 +128,7 @@ def test_the_axial_thrust_of_a_left_hand_pinion_that_drives_points_to_its_heel(s
 def test_the_summary_names_the_supports_and_has_a_line_a_torque(supported: xr.DataTree) -> None:
     text = result_summary(supported)
     assert "supports      axle-fm-11x41: pinion on bearings head, tail; gear on bearings flange side, far side" in text
+    assert "pair          11 x 41, left-hand pinion, drive flanks" in text
     shares, loads = supports_tables(supported)
     for table in (shares, loads):
         assert table.title in text
@@ -264,6 +265,17 @@ def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch:
 
 
 # --- files
+
+
+def test_results_of_one_flank_are_numbered() -> None:
+    flanks = ("drive", "coast", "drive")
+    given = [xr.Dataset(attrs={"flank": flank}) for flank in flanks]
+    assert list(by_name(given[:2])) == ["drive", "coast"]
+    assert list(by_name(given[::2])) == ["1: drive", "2: drive"]
+
+
+def test_units_on_the_page_have_their_signs() -> None:
+    assert with_signs("0.8 um at 90 degC") == "0.8 µm at 90 °C"
 
 
 @pytest.mark.thorough

@@ -34,6 +34,7 @@ from easeoff.study import key_numbers
 from easeoff.study.analysis.swept_quantity import swept_quantity
 from easeoff.study.plot import page, written_pictures
 from easeoff.study.plot.page import small_print
+from easeoff.study.summary.sweep_report import SweepTable, _per
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, worst_points
 from easeoff.study.sweep.axis import Distribution, Sampler, sample_values
 from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
@@ -372,6 +373,17 @@ def test_sweep_names_what_every_point_departs_by() -> None:
     assert "lengthwise crowning +10 µm" in words
     assert "bias" not in words
     checked_sweep(dataset, "sweep.nc")
+
+
+@pytest.mark.parametrize(
+    ("units", "unit", "slope"), [("urad", "mm", "urad/mm"), ("1", "mm", "1/mm"), ("MPa", "1", "MPa")]
+)
+def test_slopes_have_the_quotient_of_the_units(units: str, unit: str, slope: str) -> None:
+    assert _per(units, unit) == slope
+
+
+def test_numbers_of_a_table_end_under_the_end_of_its_heads() -> None:
+    assert SweepTable("Points", ["E"], [["0.1"]], 0).text().splitlines() == ["Points", "", "  E", "---", "0.1"]
 
 
 def test_command_sweeps_shows_and_keeps_the_worst(case: str, tmp_path: Path) -> None:

@@ -380,7 +380,7 @@ def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Table in HTML; the first column names the rows."""
+    """Table in HTML; the first column names the rows, others are on the right if they have heads."""
     head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
     body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
     lines = "".join(f"<tr>{cells}</tr>" for cells in body)

@@ -70,7 +70,7 @@ def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
 
 
 def variable_of(head: str) -> str:
-    r"""Variable of the group ``load_cases`` that a column shows, by its head."""
+    """Variable of the group ``load_cases`` that a column shows, by its head."""
     named = {**ERRORS, **OPERATION, **RESULTS}
     return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
 
