@@ -33,7 +33,7 @@ def chart(
 ) -> dict[str, Any]:
     """Chart for the page, without series that have no finite value.
 
-    ``by`` tells if a series belongs to each torque: all but the chosen one are drawn pale.
+    ``by`` "torque": a series a torque, all but the chosen one pale; "only" and "each": those of the chosen one alone.
     """
     shown = [
         {"name": label, "x": packed_exactly(at), "y": packed_exactly(values), "number": number}

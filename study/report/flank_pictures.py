@@ -52,7 +52,7 @@ def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
 
 
 def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
-    """Values (*shape) at an even grid, linear in triangles (m, 3) of points (2, n), as fractions; NaN beside them.
+    """Values (*shape) on an even grid, linear in triangles (m, 3) of points (2, n), as fractions; NaN beside them.
 
     Where triangles overlap the greatest value counts.
     """

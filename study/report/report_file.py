@@ -235,7 +235,7 @@ def _grid(found: xr.Dataset) -> dict[str, Any]:
 
 
 def _print(excess: Array) -> dict[str, Any] | None:
-    """Gap less thickness of the compound, negative in the print; ``None`` where the flanks do not meet."""
+    """Gap minus thickness of the compound, so negative in the print; ``None`` where the flanks do not meet."""
     return packed(np.clip(excess, -1.0, 1.0)) if np.any(np.isfinite(excess)) else None
 
 

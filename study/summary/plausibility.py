@@ -114,7 +114,7 @@ TOOTH_ENDS = (LineEnd.GEAR_TOE, LineEnd.GEAR_HEEL, LineEnd.PINION_TOE, LineEnd.P
 
 
 def end_notes(loaded: xr.Dataset) -> list[str]:
-    """Note on the greatest pressure at the end of a contact line that exceeds that inside most.
+    """Note on the torque whose greatest pressure, at the end of a contact line, exceeds that inside most.
 
     None if the greatest pressures are inside, or the result is too old to tell.
     """
