@@ -42,24 +42,12 @@ FoundationSource = Literal["weber", "odonnell"]
 
 
 class FoundationConstants(NamedTuple):
-    """Dimensionless constants of the plane strain formula.
+    """Dimensionless constants of the plane strain formula."""
 
-    Parameters
-    ----------
-    rotation
-        a, rotation under moment.
-    coupling
-        b, twice the coupling between rotation and deflection.
-    deflection
-        c, deflection under shear force.
-    axial_share
-        k, axial over deflection flexibility.
-    """
-
-    rotation: float
-    coupling: float
+    rotation: float  # a, under moment
+    coupling: float  # b, twice that between rotation and deflection
     deflection: float
-    axial_share: float
+    axial_share: float  # k, axial over deflection flexibility
 
 
 @dataclass(frozen=True)

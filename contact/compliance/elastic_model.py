@@ -38,16 +38,9 @@ EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
 @frozen_arrays
 @dataclass(frozen=True)
 class BodyCoupling:
-    """Compliance between tooth pairs through the bodies of the members.
+    """Compliance between tooth pairs through the bodies of the members."""
 
-    Parameters
-    ----------
-    members
-        Of each member the compliance between the modes of its teeth by their distance (N, q, q) [mm/N], see
-        ``SharedBody``, and the pitches from the tooth of one pair to that of the next.
-    """
-
-    members: tuple[tuple[Array, int], ...]
+    members: tuple[tuple[Array, int], ...]  # modes by distance (N, q, q) [mm/N], pitches from pair to pair
     known: dict[tuple[int, ...], Array] = field(default_factory=dict, repr=False, compare=False)
 
     def compliance(self, pairs: Sequence[int] | NDArray[np.int64]) -> Array:
@@ -66,17 +59,7 @@ class BodyCoupling:
     def shared_modes(
         self, pairs: Sequence[int] | NDArray[np.int64], segments: Sequence[NDArray[np.intp]], loads: Array
     ) -> SharedModes:
-        """Modes of the bodies that tooth pairs share.
-
-        Parameters
-        ----------
-        pairs
-            Numbers of the pairs (p).
-        segments
-            Segments of each pair.
-        loads
-            Unit loads on the segments in the modes of the bodies (n, q).
-        """
+        """Modes of the bodies that tooth pairs (p) share, with unit loads (n, q) on their segments in these modes."""
         root = self._root(tuple(int(pair) for pair in pairs))
         on_root = np.concatenate([loads[rows] @ own for rows, own in zip(segments, root, strict=True)])
         values, vectors = np.linalg.eigh(on_root.T @ on_root)
@@ -153,28 +136,7 @@ def solid_shells(
 ) -> ElasticModel:
     """Elastic model of the teeth of a pair as solid shells, made once and kept on disk.
 
-    Deviations of the flanks are left out: they are no part of how a tooth bends.
-
-    Parameters
-    ----------
-    pair
-        The gear pair; its misalignment has no part in it.
-    pinion, gear
-        Materials.
-    neighbours
-        Whether the teeth of a member share their body, or each has one of its own.
-
-    Raises
-    ------
-    GeometryError
-        If a tooth cannot be filled with bricks: pointed, undercut, cut through by its own fillets.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> model = solid_shells(gear_pair(read_case("nasa-12x36")))
-    >>> model.pinion == STEEL, [tooth.profile.shape[1] for tooth in model.condensed]
-    (True, [11, 11])
+    Deviations of the flanks and misalignment are left out; with ``neighbours`` the teeth of a member share their body.
     """
     of_pinion, of_gear = (replace(member, loaded=member.loaded.designed) for member in (pair.pinion, pair.gear))
     designed = replace(pair, pinion=of_pinion, gear=of_gear)
@@ -226,25 +188,7 @@ def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth,
 
 @dataclass(frozen=True)
 class ElasticTeeth:
-    """Elastic teeth of a pair, built when they are first asked for: unloaded contact does without them.
-
-    Parameters
-    ----------
-    plates
-        The geometry's ``teeth``.
-    given
-        Elastic model; ``None`` for solid shells of steel.
-    pair
-        The gear pair; it may be ``None`` with a model.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> [type(tooth).__name__ for tooth in ElasticTeeth(geometry.teeth, None, geometry.pair).both]
-    ['FlankCompliance', 'FlankCompliance']
-    """
+    """Elastic teeth of a pair, built when they are first asked for: unloaded contact does without them."""
 
     plates: xr.Dataset
     given: ElasticModel | None
@@ -301,26 +245,10 @@ def unit_loads(
     points: tuple[Array, Array],
     weights: Array,
 ) -> tuple[list[Array], Array]:
-    """Unit loads of each member on segments, whitened: their inner products are bending compliances.
+    """Unit loads on segments: Y (n, k) of both members, and (n, q) in the modes of both bodies, the pinion's first.
 
-    Parameters
-    ----------
-    elastic
-        Pinion and gear from ``elastic_teeth``.
-    splines
-        Splines that include ``tooth_fields``.
-    points
-        Quadrature points (2, n, g) of n segments where pinion and gear are loaded, as fractions on the gear; see
-        ``closest_approach.pinion_points``.
-    weights
-        Quadrature weights (g), adding up to one: load and deflection are both averaged over a segment.
-
-    Returns
-    -------
-    tuple
-        Y (n, k) of pinion and gear, such that the compliance of segments on one tooth pair is the sum of Y Y^T [mm/N]
-        (Kolivand 2009, Eq. 3.11), but for that of the bodies which teeth share; and the loads (n, q) in the modes of
-        the bodies of both members, the pinion's first, see ``body_coupling``.
+    The sum of Y Y^T is the compliance [mm/N] on one tooth pair, but for the shared bodies (Kolivand 2009, Eq. 3.11).
+    Points (2, n, g) are fractions on the gear; the weights (g) add up to one.
     """
     own, on_bodies = [], []
     for member, tooth, at in zip(MEMBERS, elastic, points, strict=True):
@@ -350,39 +278,22 @@ def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | 
 class Loads:
     """Unit loads on segments (n).
 
-    Parameters
-    ----------
-    own
-        Whitened, in parts (n, k): the inner products of rows, summed over the parts, are bending compliances of
-        segments on one tooth pair. They are not one array, which would take longer to fill than to use.
-    on_bodies
-        In the modes of the bodies of both members (n, q).
+    Inner products of the rows of ``own``, summed over its parts, are bending compliances on one tooth pair [mm/N].
     """
 
-    own: tuple[Array, ...]
+    own: tuple[Array, ...]  # (n, k) each; one array would take longer to fill than to use
     on_bodies: Array
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class UnitLoads:
-    """Unit loads on both teeth, and the bodies through which tooth pairs are coupled.
-
-    Parameters
-    ----------
-    on_lines
-        Of the segments of contact lines (n).
-    on_edges
-        Of pieces of edges (m), whose numbers follow those of the segments of lines; ``None`` for none.
-    coupling
-        Of tooth pairs through the bodies; ``None`` if each tooth has a body of its own.
-    known
-        Compressed blocks of segments of lines, by the numbers of these: kept for the next mesh with other edges.
-    """
+    """Unit loads on both teeth, and the bodies through which tooth pairs are coupled."""
 
     on_lines: Loads
-    on_edges: Loads | None = None
-    coupling: BodyCoupling | None = None
+    on_edges: Loads | None = None  # (m), numbered after the segments of lines
+    coupling: BodyCoupling | None = None  # None if each tooth has a body of its own
+    #: blocks of segments of lines by their numbers, for the next mesh
     known: dict[bytes, Array] = field(default_factory=dict, repr=False, compare=False)
 
     def with_edges(self, on_edges: Loads) -> UnitLoads:
@@ -390,15 +301,7 @@ class UnitLoads:
         return replace(self, on_edges=on_edges)
 
     def bending(self, pairs: NDArray[np.int64], rows: NDArray[np.int64]) -> ModalBasis:
-        """Bending compliance of the segments (s) of a mesh position.
-
-        Parameters
-        ----------
-        pairs
-            Their tooth pairs (s).
-        rows
-            Their numbers (s), those on lines before those on edges.
-        """
+        """Bending compliance of the segments (s) of a mesh position; ``rows`` number those on lines before edges."""
         numbers = np.unique(pairs)
         blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
         shared = None

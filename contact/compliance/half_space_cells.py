@@ -92,21 +92,10 @@ class HalfSpaceCompliance(LinearOperator):
 
 
 def even_pressure_integral(first: Array, second: Array, half_first: Array, half_second: Array) -> Array:
-    """Integral of 1 / r over a rectangle: its even pressure deflects the surface by (1 - nu^2) / (pi E) times this.
+    """Integral of 1 / r over a rectangle [mm]: even pressure deflects the surface by (1 - nu^2) / (pi E) times this.
 
-    A. E. H. Love 1929; K. L. Johnson, Contact Mechanics, Eq. 3.25.
-
-    Parameters
-    ----------
-    first, second
-        Place of the point from the middle of the rectangle (...) [mm].
-    half_first, half_second
-        Half sides (...) [mm].
-
-    Returns
-    -------
-    Array
-        (...) [mm].
+    ``first`` and ``second`` count from the middle of the rectangle [mm]. A. E. H. Love 1929; K. L. Johnson, Contact
+    Mechanics, Eq. 3.25.
     """
     right, left = first + half_first, first - half_first
     top, bottom = second + half_second, second - half_second

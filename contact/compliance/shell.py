@@ -60,22 +60,7 @@ class PolynomialFamily(Protocol):
 
 
 def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
-    """Values and derivatives of the first ``count`` shifted Legendre polynomials on the unit interval.
-
-    Parameters
-    ----------
-    relative
-        Position relative to the interval [-], any shape; 0 and 1 are its ends. Outside, the polynomials continue.
-    count
-        Number of polynomials, of degree 0 to ``count`` - 1.
-    order
-        Highest derivative with respect to ``relative``.
-
-    Returns
-    -------
-    Array
-        Shape (order + 1, shape of relative, count).
-    """
+    """Shifted Legendre polynomials and derivatives (order + 1, ..., count) at positions (...), 0 and 1 the ends."""
     values = np.zeros((order + 1, *relative.shape, count))
     t = 2.0 * relative - 1.0
     values[0, ..., 0] = 1.0
@@ -101,25 +86,9 @@ def rooted_polynomials(
     order: int = 0,
     family: PolynomialFamily = legendre,
 ) -> FloatArray:
-    """Polynomials times a power of the relative height, which vanishes at the root as the support demands.
+    """Polynomials times a power of the relative height, and their derivatives (order + 1, ..., count).
 
-    Parameters
-    ----------
-    relative
-        Height above the root divided by a reference height [-], any shape.
-    count
-        Number of functions.
-    root_power
-        0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
-    order
-        Highest derivative with respect to ``relative``.
-    family
-        Polynomials behind the power.
-
-    Returns
-    -------
-    Array
-        Shape (order + 1, shape of relative, count).
+    ``root_power`` 0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
     """
     plain = family(relative, count, order=order)
     if root_power == 0:
@@ -145,22 +114,9 @@ class TrialFunctions:
     """Trial space of the Rayleigh-Ritz method: functions over the height and along the trace.
 
     Degrees of freedom are ordered (field, height function, lengthwise function), the last fastest.
-
-    Parameters
-    ----------
-    reference_height
-        Height that scales x in the height functions [mm].
-    trace_length
-        Length that scales y in the lengthwise functions [mm].
-    height_count, length_count
-        Number of functions in each direction.
-    root_powers
-        Power of the relative height in front of each field.
-    family
-        Polynomials used.
     """
 
-    reference_height: float
+    reference_height: float  # scale of x [mm]
     trace_length: float
     height_count: int
     length_count: int
@@ -215,27 +171,10 @@ def stiffness_matrix(
     shear_factor: float = 1.0,
     foundation: ElasticFoundation | None = None,
 ) -> FloatArray:
-    """Ritz stiffness matrix of a tooth (Kolivand 2009, Eq. 3.6-3.10).
+    """Ritz stiffness matrix (n_dof, n_dof) [N/mm] of a tooth (Kolivand 2009, Eq. 3.6-3.10).
 
-    Parameters
-    ----------
-    dimensions
-        The tooth.
-    material
-        Its material.
-    kinematics
-        The displacement assumption.
-    functions
-        The trial space.
-    shear_factor
-        Factor on the energy of the two transverse shear strains [-].
-    foundation
-        Springs along the root line; None for a clamped root.
-
-    Returns
-    -------
-    Array
-        Symmetric, shape (n_dof, n_dof) [N/mm], one unit of every coefficient being one millimetre (or radian).
+    Coefficients are in mm (or rad); ``shear_factor`` is on the energy of both transverse shear strains; without
+    ``foundation`` the root is clamped.
     """
     height_count, powers = functions.height_count, functions.root_powers
     station, station_weight = _unit_gauss(functions.length_count + EXTRA_LENGTH_POINTS)

@@ -76,24 +76,10 @@ class DisplacementTerm:
 
 @dataclass(frozen=True)
 class Kinematics:
-    """A displacement assumption: its fields, strains, root conditions and mid-surface displacements.
-
-    Parameters
-    ----------
-    field_names
-        The unknown fields, in the order of the degrees of freedom.
-    clamped_powers, sprung_powers
-        Power of the relative height in front of each field when the root is clamped, and when it rests on springs.
-    strain_terms
-        All terms of all strains.
-    root_terms
-        Root quantities on which an elastic foundation acts.
-    displacement_terms
-        The displacements on which a load does work.
-    """
+    """A displacement assumption: its fields, strains, root conditions and mid-surface displacements."""
 
     field_names: tuple[str, ...]
-    clamped_powers: tuple[int, ...]
+    clamped_powers: tuple[int, ...]  # exponents of the relative height, by field
     sprung_powers: tuple[int, ...]
     strain_terms: tuple[StrainTerm, ...]
     root_terms: tuple[RootTerm, ...]
@@ -117,12 +103,7 @@ DisplacementAssumption = Callable[[float, float], Kinematics]
 def five_field(curvature: float, fanning: float) -> Kinematics:
     """First-order shear theory with mid-surface displacements: W, b_x, b_y, u0, v0.
 
-    Parameters
-    ----------
-    curvature
-        Curvature of the tooth trace, 1 / r_c [1/mm].
-    fanning
-        See ``ToothDimensions.fanning`` [1/mm].
+    ``curvature`` is 1 / r_c of the tooth trace [1/mm], ``fanning`` that of ``ToothDimensions`` [1/mm].
     """
     w, bx, by, u0, v0 = range(5)
     # As in polar coordinates: what moves up the tooth gets longer, and turning with the heights is no shear.

@@ -75,50 +75,16 @@ SAMPLES = np.linspace(0.0, 1.0, 9)  # of the flank in either direction, for mean
 @frozen_arrays
 @dataclass(frozen=True)
 class SpreadDeflection:
-    """Spread deflection of one member.
+    """Spread deflection of one member."""
 
-    Parameters
-    ----------
-    depth
-        Name of the field with the depth of the member's mid-surface.
-    flexibility
-        (1 - nu^2) / E [1/MPa].
-    direction
-        Unit vector (3) along the contact lines in the middle of the flank.
-    nodes
-        Middles of the Gaussians (k) along it [mm], evenly spaced.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import STEEL
-    >>> from easeoff.contact.loaded import loaded_splines
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    >>> spread = SpreadDeflection.of(fields, "gear", STEEL)
-    >>> spread.loads(fields, middle := np.full((2, 4, 1), 0.5), middle, np.ones(1)).shape == (spread.nodes.size, 4)
-    True
-    """
-
-    depth: str
-    flexibility: float
+    depth: str  # name of the field with the depth of the mid-surface
+    flexibility: float  # (1 - nu^2) / E [1/MPa]
     direction: Array
-    nodes: Array
+    nodes: Array  # middles of the Gaussians (k) along it, evenly spaced [mm]
 
     @classmethod
     def of(cls, splines: FlankSplines, member: str, material: Material) -> SpreadDeflection:
-        """The spread deflection of a member.
-
-        Parameters
-        ----------
-        splines
-            Splines from ``loaded_splines``.
-        member
-            ``"pinion"`` or ``"gear"``.
-        material
-            Its material.
-        """
+        """Spread deflection of a member, from the splines of ``loaded_splines``."""
         middle = np.array([[0.5], [0.5]])
         roll = [splines("roll_angle", middle, d)[0] for d in ((1, 0), (0, 1))]
         tangents = [splines("position", middle, d)[:, 0] for d in ((1, 0), (0, 1))]
@@ -134,23 +100,10 @@ class SpreadDeflection:
         return cls(depth, 1.0 / material.plane_strain_modulus, direction, nodes)
 
     def loads(self, splines: FlankSplines, points: Array, loaded: Array, weights: Array) -> Array:
-        """Unit loads on segments: their inner products are the compliances.
+        """Unit loads Y (k, n) on segments: Y^T Y is the compliance between them [mm/N].
 
-        Parameters
-        ----------
-        splines
-            Splines from ``loaded_splines``.
-        points
-            Quadrature points (2, n, g) of n segments, as fractions on the gear.
-        loaded
-            Where the member is loaded there (2, n, g), see ``closest_approach.pinion_points``.
-        weights
-            Quadrature weights (g), adding up to one.
-
-        Returns
-        -------
-        Array
-            Y (k, n) such that Y^T Y is the compliance between the segments [mm/N].
+        ``points`` and ``loaded`` (2, n, g) are fractions on the gear, these those at which the member is loaded, see
+        ``closest_approach.pinion_points``; the weights (g) add up to one.
         """
         along = np.einsum("x,x...->...", self.direction, splines("position", points))
         spacing = self.nodes[1] - self.nodes[0]
@@ -160,8 +113,8 @@ class SpreadDeflection:
 def gaussians(nodes: Array, along: Array, depth: Array, scale: float) -> Array:
     """Gaussians (k, ...) about nodes (k) at places (...) along a line, over depths (...) [mm].
 
-    With nodes of even spacing d and a ``scale`` of (1 - nu^2) d / E, the sum of their products over the nodes is the
-    compliance between two places [mm/N].
+    With node spacing d and a ``scale`` of (1 - nu^2) d / E, their products summed over the nodes are the compliance
+    between two places [mm/N].
     """
     spacing = nodes[1] - nodes[0]
     spread = np.maximum(SPREAD_PER_DEPTH * depth, SMALLEST_SPREAD * spacing)
@@ -186,20 +139,9 @@ COSINE_MINIMUM = math.sqrt(0.5)  # of the angle between line and end's normal: f
 
 
 def end_strength(slant: float, material: Material) -> float:
-    """What an end adds near itself, as a part of what a mirror image would.
+    """Compliance kappa [-] that an end adds near itself, over that of a mirror image.
 
-    Parameters
-    ----------
-    slant
-        Angle of the end face against the normal of the flank [rad], positive where the tooth is a sharp wedge.
-    material
-        Of the tooth.
-
-    Examples
-    --------
-    >>> from easeoff.contact import STEEL
-    >>> [round(end_strength(math.radians(a), STEEL), 2) for a in (-35.0, 0.0, 20.0)]
-    [0.2, 1.67, 5.41]
+    ``slant`` is the end face's angle against the normal of the flank [rad], positive where the tooth is a sharp wedge.
     """
     limited = _limited(slant)
     exponent = SLANT_FACTORS[0] * limited + SLANT_FACTORS[1] * limited**3
@@ -207,13 +149,7 @@ def end_strength(slant: float, material: Material) -> float:
 
 
 def end_decay(slant: float) -> tuple[float, float]:
-    """How what an end adds falls off: the numbers k and c of a slant.
-
-    Examples
-    --------
-    >>> [tuple(round(n, 2) for n in end_decay(math.radians(a))) for a in (0.0, 30.0, 45.0)]
-    [(2.0, 1.0), (1.0, 1.0), (0.62, 0.9)]
-    """
+    """Numbers k and c by which the compliance added at an end of a slant [rad] falls off."""
     sharp = max(_limited(slant), 0.0)
     return DECAY / (1.0 + (sharp / HALVING_SLANT) ** 2), min(REACH / max(math.tan(sharp), REACH), STEEPEST)
 
@@ -227,28 +163,8 @@ def end_loads(
 ) -> Array:
     """Unit loads (k, ...): their inner products are the compliances that an end adds [mm/N].
 
-    Parameters
-    ----------
-    depth
-        Distance along the contact normal from the contact to the mid-surface of the tooth (...) [mm].
-    distance
-        From the end, along the flank at right angles to its edge (...) [mm]; not negative.
-    height
-        Above the root, along the end of the tooth (...) [mm].
-    slant, material
-        As of ``end_strength``.
-    middle_depth
-        The depth at half the height of this end [mm].
-
-    Examples
-    --------
-    Under an even load from the end on, in units of q (1 - nu^2) / E, a third of the depth from the end:
-
-    >>> from easeoff.contact import STEEL
-    >>> places = np.arange(0.05, 20.0, 0.1)
-    >>> loads = end_loads(np.full(200, 3.0), places, np.full(200, 9.0), 0.0, STEEL)
-    >>> round(float(loads[:, 10] @ loads.sum(axis=1) * 0.1 * STEEL.plane_strain_modulus), 2)
-    0.15
+    ``depth`` goes along the normal to the mid-surface, ``distance`` from the end at right angles to its edge,
+    ``height`` from the root; ``middle_depth`` is the depth at half of this end's height [mm].
     """
     step = math.log(RANGE) / (MODES - 1)
     exponents = LEAST_EXPONENTS * np.exp(step * (np.arange(MODES) - 0.5))
@@ -268,34 +184,15 @@ def end_loads(
 def remaining_depth(depth: Array, load_end: Array, material: Material, cosine: Array | float = 1.0) -> Array:
     """Depth of the line contact near the end of a load, over that of the mid-surface.
 
-    Parameters
-    ----------
-    depth, material
-        As of ``end_loads``.
-    load_end
-        Distance from the end of the load, at right angles to its edge [mm].
-    cosine
-        Of the angle between contact line and the normal of the end's edge.
-
-    Examples
-    --------
-    >>> from easeoff.contact import STEEL
-    >>> remaining_depth(np.full(3, 3.0), np.array([0.1, 0.5, 3.0]), STEEL).round(2).tolist()
-    [0.41, 0.72, 1.0]
+    ``load_end`` is the distance from that end at right angles to its edge [mm], ``cosine`` that of the angle between
+    line and normal of the edge.
     """
     along = load_end / np.maximum(cosine, COSINE_MINIMUM)
     return np.asarray(np.exp(-0.5 * math.pi * np.maximum(missing_approach(depth, along, material), 0.0)))
 
 
 def missing_approach(depth: Array, distance: Array, material: Material) -> Array:
-    """What an even load from a distance on has in the approach of flank and foot, in units of q (1 - nu^2) / E.
-
-    Examples
-    --------
-    >>> from easeoff.contact import STEEL
-    >>> missing_approach(np.full(2, 3.0), np.array([0.5, 3.0]), STEEL).round(2).tolist()
-    [0.21, -0.01]
-    """
+    """Part m in the approach of flank and foot of an even load from a distance on, in units of q (1 - nu^2) / E."""
     away = np.hypot(distance, NEAREST_END * depth)
     along = np.log(0.5 * depth / away) + np.arcsinh(away / depth)
     strained = 0.5 * (1.0 - away / np.hypot(away, depth)) / (1.0 - material.poisson_ratio)

@@ -64,19 +64,9 @@ FloatArray = NDArray[np.float64]
 
 
 def strip_half_width(overhang: FloatArray, squared: FloatArray) -> FloatArray:
-    """Half-widths of strips cut by an edge, or whole where the overhang is NaN [mm].
+    """Half-widths of strips cut by an edge [mm]; ``squared`` are squares of the whole ones under the same line load.
 
-    Parameters
-    ----------
-    overhang
-        Distance of the strip's middle beyond the edge [mm], negative before it; NaN if there is no edge.
-    squared
-        Square of the half-width b of the whole strip under the same line load [mm^2].
-
-    Examples
-    --------
-    >>> strip_half_width(np.array([np.nan, 0.0]), np.array([0.04, 0.12]))
-    array([0.2, 0.2])
+    ``overhang`` is the distance of the strip's middle beyond the edge [mm], negative before it; NaN without an edge.
     """
     half = np.sqrt(squared)
     whole = ~(overhang > -half)
@@ -101,54 +91,20 @@ _OF_SEGMENTS = (
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class WeberLineContact:
-    """Local compliance of line contact segments, one independent spring each.
+    """Local compliance of line contact segments, one independent spring each; all arrays broadcast to one shape.
 
-    All arrays broadcast together to one shape, (n,) or any other; n may be zero.
-
-    Parameters
-    ----------
-    length
-        Length of the segments [mm].
-    equivalent_radius
-        Relative radius of curvature across the contact line, 1 / (1/R_1 + 1/R_2) with signed radii [mm].
-    depth_pinion, depth_gear
-        Distance along the contact normal from the contact to the mid-surface of each tooth [mm].
-    material_pinion, material_gear
-        Materials of the two members.
-    foot_correction
-        Added to the deflection, in units of q (1 - nu^2) / E per body [-]. Zero is Weber's formula; see
-        ``FOOT_OF_NORMAL_CORRECTION``.
-    floor_ratio
-        Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
-        load of about 0.03 N/mm for ordinary steel teeth.
-    overhang
-        Distance beyond the edge of a tooth at which the bodies would come closest [mm], negative before it; NaN if no
-        edge is near.
-
-    Raises
-    ------
-    InputError
-        If an array is not positive and finite (the overhang: finite or NaN), the shapes do not broadcast, or an option
-        is out of range.
-
-    Examples
-    --------
-    >>> from easeoff.contact import Material
-    >>> steel = Material(206000.0, 0.3)
-    >>> contact = WeberLineContact(np.array([1.0, 2.0]), 30.0, 3.0, 4.0, steel, steel)
-    >>> contact.pressure([200.0, 400.0]).round()
-    array([490., 490.])
+    The relative radius is 1 / (1/R_1 + 1/R_2) with signed radii. Lengths, radii and depths must be positive.
     """
 
     length: FloatArray
-    equivalent_radius: FloatArray
-    depth_pinion: FloatArray
+    equivalent_radius: FloatArray  # across the contact line [mm]
+    depth_pinion: FloatArray  # along the contact normal to the mid-surface [mm]
     depth_gear: FloatArray
     material_pinion: Material
     material_gear: Material
-    foot_correction: float = 0.0
-    floor_ratio: float = 1e-3
-    overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    foot_correction: float = 0.0  # in q (1 - nu^2) / E per body, added to Weber's
+    floor_ratio: float = 1e-3  # half-width over mean depth, below it quadratic; 1e-3 is some 0.03 N/mm
+    overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))  # beyond an edge [mm], NaN without one
     _floor: FloatArray = field(init=False, repr=False)
     _start: FloatArray = field(init=False, repr=False)
     _bend: FloatArray = field(init=False, repr=False)
@@ -217,9 +173,8 @@ class WeberLineContact:
     def parameters(self) -> FloatArray:
         """The formula's numbers (n, 14), as the compiled contact solution reads them.
 
-        Length; depths, deflections per line load over the logarithm and contractions of pinion and gear; square of the
-        half-width per line load; overhang; the floor, and start and bend of the quadratic below it; what foot of the
-        normal adds; what a cut adds.
+        Length; depths, deflections per line load over the logarithm, contractions of pinion and gear; squared
+        half-width per line load; overhang; floor, start and bend of the quadratic below it; additions of foot and cut.
         """
         table, correction = np.empty((self.length.size, 14)), self.foot_correction * self.flexibility
         columns: list[ArrayLike] = [self.length, self.depth_pinion, self.depth_gear, *self._units, *self._contractions]
@@ -268,91 +223,36 @@ class WeberLineContact:
         return np.asarray(np.asarray(force, dtype=np.float64) / self.length)
 
     def secant(self, force: ArrayLike) -> FloatArray:
-        """Secant compliance: deflection over force, at zero force its limit.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
-
-        Returns
-        -------
-        Array
-            Secant compliance [mm/N], positive.
-        """
+        """Secant compliance [mm/N]: deflection over force [N], at zero force its limit."""
         return np.asarray(self._by_load(self._line_load(force), self.parameters)[0] / self.length)
 
     def deflection(self, force: ArrayLike) -> FloatArray:
-        """Approach of the two mid-surfaces by local deformation.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
-
-        Returns
-        -------
-        Array
-            Deflection along the contact normal [mm].
-        """
+        """Approach of the two mid-surfaces by local deformation [mm], along the contact normal, under forces [N]."""
         return np.asarray(self.secant(force) * np.asarray(force, dtype=np.float64))
 
     def tangent(self, force: ArrayLike) -> FloatArray:
-        """Tangent compliance: derivative of the deflection by the force.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
-
-        Returns
-        -------
-        Array
-            Tangent compliance [mm/N], positive.
-        """
+        """Tangent compliance [mm/N]: derivative of the deflection by the force [N]."""
         return np.asarray(self._by_load(self._line_load(force), self.parameters)[1] / self.length)
 
     def energy(self, force: ArrayLike) -> FloatArray:
-        """Elastic energy of every segment, the integral of the deflection over the force.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
-
-        Returns
-        -------
-        Array
-            Energy [N mm], strictly convex in the force; NaN where an edge is near: it is not in closed form.
-        """
+        """Elastic energy [N mm], the deflection integrated over the force [N]; NaN near an edge: no closed form."""
         line_load = self._line_load(force)
         above = self._whole_energy(np.maximum(line_load, self._floor)) + self._floor_energy
         energy = np.where(line_load < self._floor, self._quadratic_energy(line_load), above)
         return np.where(np.isnan(self.overhang), energy * self.length, np.nan)
 
     def half_width(self, force: ArrayLike) -> FloatArray:
-        """Half-width of the pressed strip [mm]; zero where the force is not positive.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
-        """
+        """Half-width of the pressed strip [mm] under forces [N]; zero where the force is not positive."""
         line_load = self._line_load(force)
         pressed = line_load > 0.0
         squared = self._width_squared * np.where(pressed, line_load, 1.0)
         return np.where(pressed, strip_half_width(self.overhang, squared), 0.0)
 
     def pressure(self, force: ArrayLike) -> FloatArray:
-        """Largest Hertzian pressure, 2 q / (pi b) [MPa]; zero where the force is not positive.
+        """Largest Hertzian pressure 2 q / (pi b) [MPa]; zero where the force [N] is not positive.
 
-        NaN where the bodies come closest on an edge: at a sharp edge the pressure has no limit. Where an edge cuts the
-        side of a strip it is that of the whole strip.
-
-        Parameters
-        ----------
-        force
-            Normal force on every segment [N].
+        NaN where the bodies come closest on an edge: at a sharp edge it has no limit. Where an edge cuts the side of a
+        strip it is that of the whole strip.
         """
         whole = 2.0 / math.pi * np.sqrt(np.maximum(self._line_load(force), 0.0) / self._width_squared)
         return np.where(self.overhang >= 0.0, np.nan, whole)

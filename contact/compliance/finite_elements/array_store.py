@@ -41,10 +41,7 @@ def cache_folder() -> Path | None:
 
 
 def key_of(*parts: Any) -> str:
-    """Hexadecimal key of numbers, texts, arrays, and dataclasses, tuples and lists of these, by their values.
-
-    The code that makes the arrays is part of it: another release finds nothing that this one kept.
-    """
+    """Hexadecimal key of numbers, texts, arrays, dataclasses, tuples and lists by value, and of this release's code."""
     digest = hashlib.sha256(code_digest().encode())
     for part in parts:
         _add(digest, part)
@@ -93,18 +90,8 @@ def code_digest() -> str:
 def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     """Arrays by name, read from disk if they are there, else made and kept.
 
-    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file holds its key and the
-    digest of key and arrays: one that cannot be read, is of another key, or whose arrays are not those that were kept,
-    is made anew and replaced. If it cannot be written, a warning says so, and the arrays are returned all the same.
-
-    Parameters
-    ----------
-    key
-        From ``key_of``, of everything the arrays depend on.
-    shapes
-        Shapes of the arrays.
-    make
-        Makes them.
+    A file that is damaged or of another key is replaced; the longest unused go beyond ``FOLDER_SIZE_LIMIT`` bytes; a
+    file that cannot be written gives a warning only.
     """
     folder = cache_folder()
     if folder is None:

@@ -42,10 +42,7 @@ def quadratic(x: Array) -> tuple[Array, Array]:
 
 
 def shape_functions(points: Array) -> tuple[Array, Array]:
-    """Shape functions (n, 27) and their gradients (n, 27, 3) at points (n, 3) of the cube from -1 to 1.
-
-    Nodes are in the order of an array (3, 3, 3).
-    """
+    """Shape functions (n, 27) and gradients (n, 27, 3) at points (n, 3) of the cube -1 to 1; nodes as (3, 3, 3)."""
     (a, da), (b, db), (c, dc) = (quadratic(points[:, k]) for k in range(3))
 
     def product(x: Array, y: Array, z: Array) -> Array:
@@ -90,28 +87,9 @@ def _refuse_inside_out(corners: Array, determinant: Array) -> None:
 def brick_stiffness(
     nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
 ) -> tuple[NDArray[np.int64], Array]:
-    """Stiffness of every brick.
+    """Nodes (m, q) with shape functions, and stiffness (m, 3 q, 3 q) [N/mm] of every brick, x y z of a node together.
 
-    Parameters
-    ----------
-    nodes
-        Points (n, 3) [mm].
-    cells
-        Nodes (m, 3, 3, 3) of every brick.
-    material
-        Its material.
-    functions
-        Shape functions of a brick.
-
-    Returns
-    -------
-    tuple
-        Nodes (m, q) that have shape functions, and stiffness (m, 3 q, 3 q) [N/mm], x y z of a node together.
-
-    Raises
-    ------
-    GeometryError
-        If a brick is turned inside out somewhere.
+    A ``GeometryError`` refuses a brick that is turned inside out somewhere.
     """
     points, weights = gauss_rule()
     _, gradients = functions(points)
@@ -139,9 +117,9 @@ def brick_stiffness(
 def stiffness(
     nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
 ) -> csc_array:
-    """Stiffness matrix of a body of bricks: symmetric (3 n, 3 n) [N/mm], x y z of a node together.
+    """Stiffness matrix of a body of bricks (3 n, 3 n) [N/mm], x y z of a node together.
 
-    Arguments and errors as ``brick_stiffness``; a node without a shape function gets rows of zeros.
+    A node without a shape function gets rows of zeros.
     """
     from scipy.sparse import csc_array
 
@@ -161,41 +139,21 @@ NO_NODES = np.empty(0, dtype=np.int64)
 @frozen_arrays
 @dataclass(frozen=True)
 class Elimination:
-    """Displacements that were eliminated when pieces were joined.
+    """Displacements that were eliminated when pieces were joined."""
 
-    Parameters
-    ----------
-    inner, border
-        Those eliminated (n), and those of the border (m).
-    factor
-        Cholesky factor L (n, n) of the stiffness of the inner ones, lower.
-    coupling
-        L^-1 times the stiffness between inner ones and border (n, m).
-    """
-
-    inner: Integers
+    inner: Integers  # (n), eliminated
     border: Integers
-    factor: Array
-    coupling: Array
+    factor: Array  # lower Cholesky factor L (n, n) of the inner stiffness
+    coupling: Array  # L^-1 times the stiffness between inner and border (n, m)
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class Substructures:
-    """A factored body of bricks.
-
-    Parameters
-    ----------
-    kept
-        Nodes (k) that were not eliminated.
-    stiffness
-        Of the body against the displacements of these (3 k, 3 k) [N/mm].
-    eliminations
-        In the order in which displacements were eliminated.
-    """
+    """A factored body of bricks."""
 
     kept: Integers
-    stiffness: Array
+    stiffness: Array  # (3 k, 3 k) [N/mm]
     eliminations: tuple[Elimination, ...]
 
     @property
@@ -243,41 +201,9 @@ class _Bricks:
 def substructures(
     cells: Integers, nodes: Integers, stiffness: Array, held: Integers, kept: Integers = NO_NODES
 ) -> Substructures:
-    """Factor a body of bricks.
+    """Factor a body of bricks, keeping the nodes ``kept`` (k); the nodes ``held`` do not move.
 
-    Parameters
-    ----------
-    cells
-        Nodes (m, 3, 3, 3) of every brick.
-    nodes
-        Those (m, q) of its shape functions.
-    stiffness
-        Of every brick (m, 3 q, 3 q) [N/mm], x y z of a node together.
-    held
-        Nodes that do not move.
-    kept
-        Nodes (k) that are not eliminated, in any order.
-
-    Raises
-    ------
-    GeometryError
-        If held and kept nodes leave a part of the body free to move.
-
-    Examples
-    --------
-    Two bricks of 1 mm, held at one end and pulled at the other; without contraction a bar.
-
-    >>> from easeoff.contact import Material
-    >>> from easeoff.contact.compliance.finite_elements.elastic_body import brick_stiffness
-    >>> points = np.stack(np.meshgrid(*(0.5 * np.arange(n) for n in (5, 3, 3)), indexing="ij"), axis=-1)
-    >>> numbers = np.arange(45).reshape(5, 3, 3)
-    >>> cells = np.stack([numbers[:3], numbers[2:]])
-    >>> nodes, stiffness = brick_stiffness(points.reshape(-1, 3), cells, Material(200000.0, 0.0))
-    >>> body = substructures(cells, nodes, stiffness, held=numbers[0].ravel())
-    >>> pull = np.zeros((5, 3, 3, 3))
-    >>> pull[-1, ..., 0] = np.outer([1, 4, 1], [1, 4, 1]) / 36
-    >>> print(f"{body.solve(pull.reshape(-1, 1)).max():.3g}")
-    1e-05
+    A ``GeometryError`` refuses held and kept nodes that leave a part of the body free to move.
     """
     fate = np.zeros(max(nodes.max(), cells.max()) + 1, dtype=np.int64)
     fate[held] = -1
@@ -292,10 +218,7 @@ def substructures(
 
 
 def lattice_places(cells: Integers) -> Integers:
-    """Places (m, 3) of bricks (m, 3, 3, 3), counted along their own axes from neighbour to neighbour.
-
-    Neighbours have the node in the middle of a face in common.
-    """
+    """Places (m, 3) of bricks, counted along their own axes; neighbours share the node in the middle of a face."""
     middles = np.stack([cells[:, 0, 1, 1], cells[:, 1, 0, 1], cells[:, 1, 1, 0]])
     middles = np.stack([middles, np.stack([cells[:, 2, 1, 1], cells[:, 1, 2, 1], cells[:, 1, 1, 2]])])  # (end, axis, m)
     order = np.argsort(middles, axis=None, kind="stable")
@@ -384,16 +307,7 @@ COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
 def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
     """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
 
-    Parameters
-    ----------
-    count
-        Nodes of the body.
-    nodes
-        Nodes (m, q) that share in each of them.
-    weights
-        Their shares (m, q).
-    direction
-        Directions (m, 3), or one for every share (m, q, 3).
+    Each is a mean over nodes (m, q) by weights (m, q), in one direction (m, 3) or one for every node (m, q, 3).
     """
     from scipy.sparse import csc_array
 
@@ -406,20 +320,10 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """Factored body of bricks with some nodes held.
-
-    Parameters
-    ----------
-    nodes
-        Points (n, 3) [mm].
-    cells
-        Nodes (m, 3, 3, 3) of every brick.
-    parts
-        The body in substructures.
-    """
+    """Factored body of bricks with some nodes held."""
 
     nodes: Array
-    cells: NDArray[np.int64]
+    cells: NDArray[np.int64]  # nodes (m, 3, 3, 3) of every brick
     parts: Substructures
 
     def solve(self, loads: Array) -> Array:
@@ -442,18 +346,5 @@ def elastic_body(
     *,
     functions: ShapeFunctions = shape_functions,
 ) -> ElasticBody:
-    """Assemble and factor.
-
-    Parameters
-    ----------
-    nodes, cells, material, functions
-        As ``brick_stiffness``.
-    held
-        Nodes that do not move.
-
-    Raises
-    ------
-    GeometryError
-        If a brick is turned inside out, or the held nodes leave a part of the body free to move.
-    """
+    """Assemble and factor a body of bricks."""
     return ElasticBody(nodes, cells, substructures(cells, *brick_stiffness(nodes, cells, material, functions), held))

@@ -72,20 +72,11 @@ class SolidShell:
     """Factored Rayleigh-Ritz model of a solid tooth on its body.
 
     Degrees of freedom are ordered (along, through, up, xyz), the last fastest.
-
-    Parameters
-    ----------
-    tooth
-        Nodes (l, t, u) of the lattice's tooth.
-    functions
-        Values (l t u, m) of the trial functions there.
-    factor, scale
-        L and d such that the stiffness is d^-1 L L^T d^-1, a diagonal d.
     """
 
     tooth: NDArray[np.int64]
-    functions: Array
-    factor: Array
+    functions: Array  # values (l t u, m) at these
+    factor: Array  # L; the stiffness is d^-1 L L^T d^-1, d the scale
     scale: Array
 
     def whiten(self, functionals: csc_array) -> Array:
@@ -104,22 +95,7 @@ class SolidShell:
 
 
 def solid_shell(lattice: ToothLattice, material: Material, counts: Counts) -> SolidShell:
-    """Assemble and factor.
-
-    Parameters
-    ----------
-    lattice
-        The tooth on its body; of its bricks only the body's are used.
-    material
-        Its material.
-    counts
-        Number of trial functions along, through and up the tooth.
-
-    Raises
-    ------
-    GeometryError
-        If a brick of the body is turned inside out, or the tooth is.
-    """
+    """Assemble and factor; of the lattice's bricks only the body's are used."""
     tooth = lattice.column[:, :, lattice.root_row :]
     fractions = (lattice.lengthwise, lattice.through, lattice.upward)
     along, through, up = (legendre(p, c)[0] for p, c in zip(fractions, counts, strict=True))
@@ -155,22 +131,7 @@ def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array], limits: Cou
 def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     """Stiffness (3 m, 3 m) [N/mm] of a solid of Legendre polynomials, m = the product of ``counts``.
 
-    At each Gauss station along the face the gradients of the functions through and up are multiplied out; those along
-    come in afterwards by one matrix product, as in the shell.
-
-    Parameters
-    ----------
-    shape
-        From ``tooth_shape``.
-    counts
-        Number of functions in each direction.
-    material
-        Its material.
-
-    Raises
-    ------
-    GeometryError
-        If the solid is turned inside out somewhere.
+    Gradients through and up are multiplied out at each Gauss station along the face, those along in one matrix product.
     """
     rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_GAUSS_POINTS, strict=True)]
     points = [0.5 * (x + 1.0) for x, _ in rules]
@@ -212,19 +173,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
 
 
 def body_stiffness(lattice: ToothLattice, joint: NDArray[np.int64], functions: Array, material: Material) -> Array:
-    """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth.
-
-    Parameters
-    ----------
-    lattice
-        The tooth on its body.
-    joint
-        Nodes (n) of the joint.
-    functions
-        Values there (n, r) of the functions that each of the three displacements may follow.
-    material
-        Its material.
-    """
+    """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth, as functions (n, r)."""
     cells = lattice.cells[: lattice.body_bricks]
     body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.held, joint)
     motions = np.kron(functions, np.eye(3))
@@ -244,28 +193,18 @@ FULL_MATRICES = 4.2  # of that size at once
 
 @dataclass(frozen=True)
 class FiniteElementTooth:
-    """Compliance and root stress of one member's tooth by finite elements.
-
-    Parameters
-    ----------
-    flank
-        Compliance of its loaded flank.
-    root
-        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough, and for a sharp root.
-    no_root
-        Why there is no stress; empty if there is.
-    """
+    """Compliance and root stress of one member's tooth by finite elements."""
 
     flank: FlankCompliance
-    root: StressResponse | None
-    no_root: str = ""
+    root: StressResponse | None  # None for a solid shell and for a sharp root
+    no_root: str = ""  # reason why there is no stress
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
     """Number of bricks that leaves an error of about 1 % in the compliance.
 
-    A third of the tooth's height long; and through the tooth no fewer than the brick lengths by which its sections,
-    at right angles to the blank, slant against its normal.
+    Bricks are a third of the tooth's height long; through the tooth as many as the brick lengths by which its sections
+    slant against its normal, at least.
     """
     one = named_member(pair, member)
     trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
@@ -291,33 +230,10 @@ def finite_element_tooth(
     neighbours: bool = True,
     web: Web | None = None,
 ) -> FiniteElementTooth:
-    """Compliance and root stress of one member's tooth.
+    """Compliance and root stress of one member's tooth, made once and kept on disk.
 
-    Made once and kept on disk, see ``array_store.cache_folder``.
-
-    Parameters
-    ----------
-    pair
-        The gear pair.
-    member
-        ``"pinion"`` or ``"gear"``.
-    material
-        Its material.
-    fineness
-        Multiplies the number of bricks in every direction.
-    rim_depth
-        Depth of the elastic body below this member's root [mm]; ``None`` for 1.2 times the tooth's height.
-    neighbours
-        Whether the teeth share their body, or each has a sector of its own.
-    web
-        Web that carries the shared body and is held at its bore; ``None`` for a body that is held at its bottom.
-
-    Raises
-    ------
-    GeometryError
-        If the tooth cannot be filled with bricks: pointed, undercut, cut through by its own fillets.
-    InputError
-        If a number is out of range, or the finite elements need more memory than is free.
+    ``fineness`` multiplies the bricks in every direction; ``rim_depth`` [mm] is 1.2 times the tooth's height by
+    default; a body without ``web`` is held at its bottom.
     """
     _check(fineness)
     size = _long_enough(usual_size(pair, member).finer(fineness))
@@ -367,16 +283,9 @@ def solid_shell_tooth(
     neighbours: bool = True,
     web: Web | None = None,
 ) -> FiniteElementTooth:
-    """Compliance of one member's tooth as a solid shell.
+    """Compliance of one member's tooth as a solid shell, made once and kept on disk; see ``finite_element_tooth``.
 
-    Made once and kept on disk, see ``array_store.cache_folder``.
-
-    Parameters
-    ----------
-    pair, member, material, rim_depth, neighbours, web
-        As ``finite_element_tooth``, which also says what is raised.
-    fineness
-        Multiplies the number of functions and of bricks in every direction.
+    ``fineness`` multiplies the number of functions and of bricks in every direction.
     """
     _check(fineness)
     size, counts = solid_shell_size(pair, member, fineness)
@@ -399,10 +308,7 @@ def solid_shell_tooth(
 
 
 def require_solid_shell(pair: GearPair, member: MemberName) -> None:
-    """Refuse a tooth that cannot be a solid shell on the body of all teeth, without building it.
-
-    Raises as ``solid_shell_tooth``.
-    """
+    """Refuse a tooth that cannot be a solid shell on the body of all teeth, without building it."""
     lattice = tooth_lattice(pair, member, solid_shell_size(pair, member)[0])
     try:
         require_right_way_round(lattice.nodes, lattice.cells[: lattice.body_bricks])
@@ -415,7 +321,7 @@ def require_solid_shell(pair: GearPair, member: MemberName) -> None:
 
 
 def _tooth(pair: GearPair, member: MemberName) -> tuple[Any, ...]:
-    """What decides the shape of a tooth; the other member and the assembly do so by its thickness alone."""
+    """Data that decide the shape of a tooth; the other member and the assembly do so by its thickness alone."""
     one = named_member(pair, member)
     return one.teeth, one.section, one.loaded, one.opposite, tooth_angle(pair, member)
 

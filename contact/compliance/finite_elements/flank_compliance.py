@@ -42,60 +42,29 @@ EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach t
 class SharedBody:
     """The body that all teeth (N) of a member share, in modes (q) on the nodes of a flank.
 
-    Parameters
-    ----------
-    shapes
-        Values of the modes at the nodes (q, nt nh).
-    coupling
-        Compliance between the modes of one tooth and those of the tooth k pitches further, from the loaded side
-        through the tooth (N, q, q) [mm/N]; of k = 0 the body's part in the tooth's own. Between any teeth of the
-        member it is positive semidefinite.
+    ``coupling`` [mm/N] counts from the loaded side through the tooth; at 0 it is the body's part in the tooth's own
+    compliance.
     """
 
     shapes: Array
-    coupling: Array
+    coupling: Array  # with the tooth k pitches further (N, q, q)
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankCompliance:
-    """Bending of one tooth between points of its loaded flank.
-
-    Parameters
-    ----------
-    lengthwise
-        Lengthwise fractions (nt) of the nodes.
-    profile
-        Profile fractions (nt, nh) of the nodes.
-    factor
-        Z (k, nt nh): the compliance between nodes is Z^T Z [mm/N].
-    body
-        The body shared with the other teeth, whose compliance comes to that of ``factor``; ``None`` if each tooth is on
-        a body of its own.
-    ends
-        Toe and heel face; ``None`` leaves out what free ends add.
-    """
+    """Bending of one tooth between points of its loaded flank: Z^T Z [mm/N] between nodes, with Z the ``factor``."""
 
     lengthwise: Array
-    profile: Array
-    factor: Array
-    body: SharedBody | None = None
-    ends: tuple[EndFace, EndFace] | None = None
+    profile: Array  # (nt, nh)
+    factor: Array  # Z (k, nt nh)
+    body: SharedBody | None = None  # adds to Z^T Z; None if each tooth has its own
+    ends: tuple[EndFace, EndFace] | None = None  # toe and heel; None leaves out what they add
 
     def whitened(self, points: Array, weights: Array) -> Array:
-        """Whitened unit loads on segments: their inner products are the compliances.
+        """Whitened unit loads Y (k, n): Y^T Y is the compliance of segments [mm/N], but for that of the shared body.
 
-        Parameters
-        ----------
-        points
-            Quadrature points (2, n, g): lengthwise and profile fractions on this member.
-        weights
-            Quadrature weights (g), adding up to one.
-
-        Returns
-        -------
-        Array
-            (k, n), such that Y^T Y is the compliance between the segments [mm/N], but for that of the shared body.
+        Points (2, n, g) are fractions on this member; the weights (g) add up to one.
         """
         return self.unit_loads(points, weights)[0].T
 
@@ -146,8 +115,7 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
 def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
     """As ``flank_shares``, of forces spread evenly over the length of a brick along the face (n, 9 k each).
 
-    A lattice sees no closer: next to a force the stress depends on whether that is on a corner of a brick or in the
-    middle between two, but not so once it is spread over a whole brick.
+    So the stress next to a force does not depend on whether that is on a corner or in the middle of a brick.
     """
     nodes = np.arange(lengthwise.size)
     at = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, nodes)
@@ -161,19 +129,11 @@ def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDA
 
 @dataclass(frozen=True)
 class Feet:
-    """Points at which the normals of n flank nodes meet the middle surface of the tooth.
-
-    Parameters
-    ----------
-    nodes, shares
-        Nodes of the middle surface and their shares (n, 9).
-    depth
-        Distance from the flank (n) [mm].
-    """
+    """Points at which the normals of n flank nodes meet the middle surface of the tooth."""
 
     nodes: NDArray[np.int64]
     shares: Array
-    depth: Array
+    depth: Array  # from the flank (n) [mm]
 
 
 def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
@@ -238,19 +198,10 @@ STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 @frozen_arrays
 @dataclass(frozen=True)
 class StressResponse:
-    """Stress at the root of the loaded side under unit forces on the nodes of the flank.
-
-    Parameters
-    ----------
-    lengthwise
-        Lengthwise fractions (s) of the stations.
-    stress
-        xx, yy, zz, yz, xz, xy (s, p, 6, k) [MPa] at p points around the fillet by a unit force at each of k nodes of
-        the flank.
-    """
+    """Stress at the root of the loaded side under unit forces on the nodes (k) of the flank."""
 
     lengthwise: Array
-    stress: Array
+    stress: Array  # xx, yy, zz, yz, xz, xy around the fillet (s, p, 6, k) [MPa/N]
 
     def largest(self, forces: Array) -> Array:
         """Largest tensile stress (s, n) [MPa] at each station, for n sets of forces (k, n) [N] on the nodes."""

@@ -39,30 +39,14 @@ SIDE_MISFIT_LIMIT = 1e-6  # [mm], between one side of a pitch and the other, tur
 
 @dataclass(frozen=True)
 class RingCompliance:
-    """Compliance between loads (n) on a tooth and the same on every other tooth of the member (N).
+    """Compliance between loads (n) on a tooth and the same on every other tooth of the member (N)."""
 
-    Parameters
-    ----------
-    alone
-        Of one pitch with both its sides held (n, n) [mm/N].
-    shared
-        What the motion of the sides adds: displacements of the tooth k pitches further, in the order of the lattice
-        from the loaded side through the tooth, under loads on the first (N, n, n) [mm/N]. All waves of it are positive
-        semidefinite.
-    """
-
-    alone: Array
-    shared: Array
+    alone: Array  # of one pitch with both sides held (n, n) [mm/N]
+    shared: Array  # added by the sides' motion, k pitches further through the tooth (N, n, n)
 
 
 def pitch_angle(lattice: ToothLattice, teeth: int) -> float:
-    """Angle about the member's axis from one pitch of the body to that next to its opposite side [rad].
-
-    Raises
-    ------
-    GeometryError
-        If the sides of the lattice do not lie one pitch apart.
-    """
+    """Angle about the member's axis from one pitch of the body to that next to its opposite side [rad]."""
     start, end = (lattice.nodes[side].reshape(-1, 3).T for side in lattice.sides)
     for angle in (2.0 * np.pi / teeth, -2.0 * np.pi / teeth):
         if np.abs(rotate_z(np.full(start.shape[1], angle), start) - end).max() < SIDE_MISFIT_LIMIT:
@@ -77,25 +61,9 @@ def ring_compliance(
     loads: csc_array,
     held: NDArray[np.int64],
 ) -> RingCompliance:
-    """Compliance of all teeth of a member on one body.
+    """Compliance of all teeth of a member on one body, from a lattice of one pitch, mid slot to mid slot.
 
-    Parameters
-    ----------
-    lattice
-        One pitch, from mid slot to mid slot (``LatticeSize(beside=0)``).
-    teeth
-        Number of teeth N.
-    material
-        Its material.
-    loads
-        Unit loads on its tooth (3 m, n), also the displacements that are wanted.
-    held
-        Nodes that do not move; of the sides the same on both.
-
-    Raises
-    ------
-    GeometryError
-        If a brick is turned inside out, or the sides do not lie one pitch apart.
+    The unit loads (3 m, n) are also the displacements wanted; ``held`` are the same nodes on both sides.
     """
     from scipy.linalg import cho_factor, cho_solve
 
@@ -168,20 +136,10 @@ def body_modes(
     rim_depth: float | None = None,
     web: Web | None = None,
 ) -> tuple[ToothLattice, dict[str, Array]]:
-    """Coupling of the teeth of a member by its body, in modes of the nodes of a lattice of one pitch.
+    """Lattice of one pitch, and the coupling of the teeth of a member by its body, in modes (q) of the flank's nodes.
 
-    Parameters
-    ----------
-    pair, member, material, rim_depth, web
-        As ``finite_element_tooth.finite_element_tooth``.
-    size
-        From ``ring_size``.
-
-    Returns
-    -------
-    tuple
-        The lattice, and arrays by name: ``shapes`` (q, nodes), the modes on the nodes of its flank; ``coupling``
-        (N, q, q), see ``SharedBody``; ``own`` (q, q), what of that the sector of a single tooth contains already.
+    ``shapes`` (q, nodes); ``coupling`` (N, q, q), see ``SharedBody``; ``own`` (q, q), the part of it that the sector of
+    a single tooth contains already.
     """
     lattice = ring_lattice(pair, member, size, rim_depth)
     teeth, loads = named_member(pair, member).teeth, flank_loads(lattice)
@@ -216,23 +174,14 @@ def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, NDArray[np.int6
 
 
 def _right_way_round(lattice: ToothLattice) -> bool:
-    """Whether the bricks of a lattice count from toe to heel, not from heel to toe."""
+    """True if the bricks of a lattice count from toe to heel."""
     return bool(np.any(lattice.cells[0][0] == lattice.body[0, 0, 0]))
 
 
 def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> dict[str, Array]:
-    """The modes that hold most of the coupling of all teeth and of the change of the own one.
+    """Modes (``count``) that hold most of the coupling of all teeth and of the change of the own compliance.
 
-    Parameters
-    ----------
-    ring
-        Compliance of all teeth on one body.
-    single
-        That of a tooth on a sector of its own (n, n) [mm/N].
-    areas
-        Weights (n) of the loads.
-    count
-        Number of modes q.
+    ``single`` is that of a tooth on a sector of its own (n, n) [mm/N]; ``areas`` are weights of the loads (n).
     """
     own = 0.5 * (single + single.T) - ring.alone
     weights = np.sqrt(areas)
@@ -257,15 +206,7 @@ def nodal_areas(lattice: ToothLattice) -> Array:
 
 
 def with_body(flank: FlankCompliance, lattice: ToothLattice, modes: Mapping[str, Array]) -> FlankCompliance:
-    """A tooth on a sector of its own, put on the body that it shares with its neighbours.
-
-    Parameters
-    ----------
-    flank
-        Compliance of the tooth on its sector.
-    lattice, modes
-        From ``body_modes``.
-    """
+    """A tooth on a sector of its own, put on the body that it shares with its neighbours."""
     along = np.broadcast_to(flank.lengthwise[:, None], flank.profile.shape)
     nodes, shares = flank_shares(lattice.lengthwise, lattice.profile, np.stack([along.ravel(), flank.profile.ravel()]))
     shapes = np.einsum("qnk,nk->qn", modes["shapes"][:, nodes], shares)
