@@ -88,6 +88,13 @@ def test_without_lateral_contraction_a_square_end_is_a_mirror() -> None:
     assert end_strength(0.0, nothing) == 1.0
 
 
+def test_the_sharper_an_end_the_more_it_adds_and_the_farther_it_reaches() -> None:
+    strength = [end_strength(math.radians(degrees), STEEL) for degrees in (-35.0, 0.0, 20.0)]
+    decay = [end_decay(math.radians(degrees)) for degrees in (0.0, 30.0, 45.0)]
+    np.testing.assert_allclose(strength, [0.2, 1.67, 5.41], atol=0.005)
+    np.testing.assert_allclose(decay, [(2.0, 1.0), (1.0, 1.0), (0.62, 0.9)], atol=0.005)
+
+
 @pytest.mark.parametrize("degrees", [-30.0, 0.0, 43.0])
 def test_the_unit_loads_are_those_of_the_kernel(degrees: float) -> None:
     """Products of unit loads against f(s / h) f(t / h) / (s + t), where distances do not level off."""

@@ -21,6 +21,7 @@ from easeoff.contact import AssemblyRounds, ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.cycle_numbers import (
     contact_time,
+    load_spot,
     loaded_contact_ratio,
     mesh_stiffness,
     with_loaded_numbers,
@@ -230,6 +231,14 @@ def test_without_unloaded_contact_the_numbers_are_nan() -> None:
     for name in ("contact_ratio", "pattern_length", "pattern_centre_profile"):
         assert math.isnan(found[name].item())
     assert np.all(np.isnan(found["least_gap"]))
+
+
+def test_centre_and_extent_of_the_load_weigh_places_by_force() -> None:
+    dims = ("torque", "mesh_position", "segment")
+    loaded = xr.Dataset({"status": (dims[:2], [[0]]), "force": (dims, [[[1.0, 3.0]]])})
+    loaded = loaded.assign(lengthwise=(dims, [[[0.2, 0.6]]]), profile=(dims, [[[0.5, 0.5]]]))
+    found = [value[0] for _, value in load_spot(loaded).values()]
+    np.testing.assert_allclose(found, [0.5, 0.5, math.sqrt(0.03), 0.0], atol=1e-12)
 
 
 # --- the contact ratio
@@ -619,6 +628,7 @@ def test_the_share_of_a_flank_does_not_depend_on_the_grid(angle: float) -> None:
         assert abs(flank_share(inside(nodes)) - exact) < 0.015
         assert abs(flank_share(inside(nodes)) - exact) < abs(inside(nodes).mean() - exact) + 0.004
     assert flank_share(np.ones((7, 5), dtype=bool)) == 1.0
+    assert flank_share(np.arange(5) + np.zeros((11, 1)) > 0) == 0.875  # half a row of cells is outside
 
 
 # --- what is stored is what was used

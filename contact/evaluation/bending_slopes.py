@@ -33,41 +33,17 @@ PLACE_STEP = 1e-5  # [mm], of the places and depths of a Gaussian some millimetr
 
 @dataclass(frozen=True)
 class MemberLoads:
-    """Unit loads on one member's teeth and their derivatives, n segments of g points.
+    """Unit loads on one member's teeth and their derivatives, n segments of g points."""
 
-    Parameters
-    ----------
-    loads
-        Whitened and in the modes of the body (n, k).
-    by_point
-        Derivatives by the fractions of each point (2, n, g, k).
-    motion
-        Derivatives of these fractions by the settings (2, n, g, j).
-    own
-        How many of the columns are whitened loads.
-    """
-
-    loads: Array
-    by_point: Array
+    loads: Array  # whitened, then in the modes of the body (n, k)
+    by_point: Array  # derivatives by the fractions of each point (2, n, g, k)
     motion: Array
-    own: int
+    own: int  # number of whitened columns
 
 
 @dataclass(frozen=True)
 class BendingSlopes:
-    """Changes of deflections under held forces; ``of`` makes one.
-
-    Parameters
-    ----------
-    on_lines
-        Segments of the contact lines.
-    members
-        Unit loads of both members.
-    weights
-        Of the quadrature points of a segment (g).
-    beside
-        Unit loads (n, k) of the spread deflection and of the free ends, and their derivatives (j, n, k).
-    """
+    """Changes of deflections under held forces; ``of`` makes one."""
 
     on_lines: LineSegments
     members: tuple[MemberLoads, ...]
@@ -76,13 +52,7 @@ class BendingSlopes:
 
     @classmethod
     def of(cls, directions: FieldDirections, segments: SegmentSlopes) -> BendingSlopes:
-        """Derivatives at the points where the segments are loaded.
-
-        Raises
-        ------
-        InputError
-            If the teeth are plates.
-        """
+        """Derivatives at the points where the segments are loaded; an ``InputError`` refuses teeth that are plates."""
         on_lines = segments.segments.on_lines
         points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
         change = directions.slopes.evaluate(list(PINION_FRACTIONS), points[0])
@@ -102,16 +72,9 @@ class BendingSlopes:
         return cls(on_lines, tuple(members), weights, (both[0], both[1]))
 
     def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
-        """Changes of the deflections (s, j) [mm] by the settings, under held forces.
+        """Changes of the deflections (s, j) [mm] by the settings under held forces (s) [N], at one mesh position.
 
-        Parameters
-        ----------
-        pair
-            Tooth pairs of segments of one mesh position (s).
-        chosen
-            Their numbers among all segments (s).
-        force
-            Their forces (s) [N].
+        ``chosen`` numbers its segments (s) among all.
         """
         result = np.zeros((force.size, self.members[0].motion.shape[-1]))
         coupling, pairs = self.on_lines.teeth.coupling, np.unique(pair)

@@ -24,27 +24,10 @@ FINE_STEP_COUNT = 32  # between two mesh positions
 @frozen_arrays
 @dataclass(frozen=True)
 class CarryingError:
-    """Transmission error of a tooth pair over its passage through the mesh, and the least of all pairs.
-
-    Parameters
-    ----------
-    passage
-        Transmission error of one pair [rad] by steps of the mesh cycle.
-    start
-        Pinion rotation of step 0 [rad].
-    pinion_pitch
-        Angular pitch of the pinion [rad].
-
-    Examples
-    --------
-    >>> parabola = ToothPassage(-4, 4, 0.01 * np.linspace(-1.0, 1.0, 9) ** 2)
-    >>> error = CarryingError(parabola, 0.0, 0.5)
-    >>> error.of_pair(np.array([0.125])).round(6), error.least(np.array([0.0, 0.25])).round(6)
-    (array([0.000625]), array([0.    , 0.0025]))
-    """
+    """Transmission error of a tooth pair over its passage through the mesh, and the least of all pairs."""
 
     passage: ToothPassage
-    start: float
+    start: float  # pinion rotation of step 0 [rad]
     pinion_pitch: float
 
     @classmethod
@@ -56,7 +39,7 @@ class CarryingError:
 
     @property
     def is_known(self) -> bool:
-        """Whether there are enough values to interpolate."""
+        """True if there are enough values to interpolate."""
         return bool(np.sum(np.isfinite(self.passage.values)) > 1)
 
     @property
@@ -79,14 +62,7 @@ class CarryingError:
         return np.asarray(np.interp(self.step(rotation) % self.passage.per_cycle, time, values))
 
     def greatest_near(self, rotation: Array, reach: float) -> Array:
-        """Bound (...) [rad] that ``least`` nowhere exceeds within ``reach`` [rad] of pinion rotations (...) [rad].
-
-        Examples
-        --------
-        >>> parabola = ToothPassage(-4, 4, 0.01 * np.linspace(-1.0, 1.0, 9) ** 2)
-        >>> CarryingError(parabola, 0.0, 0.5).greatest_near(np.array([0.1, 0.2]), 0.05).round(4)
-        array([0.0009, 0.0025])
-        """
+        """Bound (...) [rad] that ``least`` nowhere exceeds within ``reach`` [rad] of pinion rotations (...) [rad]."""
         values, count = self.over_cycle[:-1], self.passage.per_cycle
         cells = math.ceil(reach / self.pinion_pitch * values.size)
         around = np.pad(values, (cells, cells + 1), mode="wrap")

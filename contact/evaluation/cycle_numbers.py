@@ -45,34 +45,9 @@ PATH = ("path_lengthwise", "path_profile")
 def unloaded_contact_ratio(
     splines: FlankSplines, unloaded: xr.Dataset, error: CarryingError, limits: tuple[float, float], separation: float
 ) -> float:
-    """Contact ratio without load: where a pair is no further apart than a separation, measured along the normal.
+    """Contact ratio without load: over which a pair's gap along the normal is no wider than ``separation`` [um].
 
-    NaN if the pair's transmission error is not known.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_lines.contact_splines``.
-    unloaded
-        The group ``/unloaded``.
-    error
-        Transmission error of the pair, from ``unloaded``.
-    limits
-        From ``MeshCycle.roll_limits``.
-    separation
-        Widest gap that counts as contact [um].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> unloaded = cycle.unloaded()
-    >>> error = CarryingError.of(unloaded, cycle.pinion_pitch)
-    >>> [round(unloaded_contact_ratio(cycle.fields, unloaded, error, cycle.roll_limits, s), 1) for s in (1e-6, 1e6)]
-    [1.0, 2.6]
+    NaN if the pair's transmission error is not known. ``limits`` are the roll limits of the mesh cycle [rad].
     """
     if not error.is_known:
         return float("nan")
@@ -88,22 +63,9 @@ def unloaded_contact_ratio(
 
 
 def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
-    """Contact ratio under load; NaN if a mesh position has no certified solution.
+    """Contact ratio at one torque; NaN if a mesh position has no certified solution.
 
-    Parameters
-    ----------
-    at_torque
-        The group ``/loaded`` at one torque.
-    limits
-        From ``MeshCycle.roll_limits``, in steps of the mesh cycle (2).
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
-    >>> ratio = loaded_contact_ratio(tree["loaded"].to_dataset().isel(torque=0), np.array([-40.0, 30.0]))
-    >>> 1.0 < ratio < 2.0
-    True
+    ``limits`` (2) are the roll limits in steps of the mesh cycle.
     """
     order = ("mesh_position", "segment")
     names = ("tooth", "separation", "lever_arm")
@@ -123,22 +85,8 @@ def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
 def contact_time(time: Array, margin: Array, limits: Array) -> float:
     """Time over which a margin is positive, straight between its values; NaN where there is no contact line.
 
-    At either end of the values contact goes on to where the margin leads to zero, or to the time at which the contact
-    lines end, at most one unit.
-
-    Parameters
-    ----------
-    time
-        Times (n), evenly spaced, by one or less.
-    margin
-        Values (n).
-    limits
-        First and last time (2) with a contact line.
-
-    Examples
-    --------
-    >>> contact_time(np.arange(4.0), np.array([-1.0, 1.0, 0.5, np.nan]), np.array([0.0, 2.4]))
-    1.9
+    At either end of the evenly spaced times, by one or less, it goes on to where the margin leads to zero or the
+    contact lines end (``limits``), at most one unit.
     """
     total, spacing = 0.0, float(time[1] - time[0])
     known = np.concatenate([[False], np.isfinite(margin), [False]])
@@ -159,34 +107,10 @@ def contact_time(time: Array, margin: Array, limits: Array) -> float:
 
 
 def mesh_stiffness(case: LoadedCase) -> float:
-    """Tangent of the torque over the rotation at a certified solution.
+    """Tangent of the torque over the rotation at a solution [N m/urad], r . (B + D)^-1 r; NaN if it is not certified.
 
-    With the segments in contact fixed, their gaps stay closed: ``(B + D) dF = r dtheta`` and ``dT = r . dF``, so that
-    ``dT / dtheta = r . (B + D)^-1 r`` with the bending compliance B, the tangent D of the line contacts and the lever
-    arms r; see ``line_contact_sensitivity``. Where a segment is about to touch, this is the stiffness before it does:
-    the tangent jumps as the segment enters, while the rotation is continuous.
-
-    Parameters
-    ----------
-    case
-        A solved torque at a mesh position.
-
-    Returns
-    -------
-    float
-        Stiffness [N m/urad]; NaN if the solution is not certified.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
-    >>> low, high = (cycle.solved([torque])[0] for torque in (109.0, 111.0))
-    >>> secant = 3.0 * 2.0 / (1e6 * (high.solution.rotation - low.solution.rotation))
-    >>> bool(np.isclose(mesh_stiffness(cycle.solved([110.0])[0]), secant, rtol=1e-3))
-    True
+    B bending compliance, D tangent of the line contacts, r lever arms of the touching segments. Where a segment is
+    about to touch, it is the stiffness before it does.
     """
     return float(mesh_stiffnesses([case])[0])
 
@@ -211,27 +135,9 @@ WAYS = ("lengthwise", "profile")
 
 
 def load_spot(loaded: xr.Dataset) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Load-weighted centre and root-mean-square extents at every torque, with their dimensions.
+    """Load-weighted centre and root-mean-square extents on the gear at every torque (fractions), with dimensions.
 
-    Parameters
-    ----------
-    loaded
-        From ``MeshCycle.loaded``.
-
-    Returns
-    -------
-    dict
-        ``load_centre_lengthwise`` and ``load_centre_profile``, mean fractions on the gear over the forces of all mesh
-        positions; ``load_extent_lengthwise`` and ``load_extent_profile``, the root of the mean squared distance from
-        them. NaN at a torque where a mesh position is not certified.
-
-    Examples
-    --------
-    >>> dims = ("torque", "mesh_position", "segment")
-    >>> loaded = xr.Dataset({"status": (dims[:2], [[0]]), "force": (dims, [[[1.0, 3.0]]])})
-    >>> loaded = loaded.assign(lengthwise=(dims, [[[0.2, 0.6]]]), profile=(dims, [[[0.5, 0.5]]]))
-    >>> [round(float(value[0]), 3) for _, value in load_spot(loaded).values()]
-    [0.5, 0.5, 0.173, 0.0]
+    Over the forces of all mesh positions; NaN at a torque where one is not certified.
     """
     dims = ("torque", "mesh_position", "segment")
     force = np.nan_to_num(ordered(loaded, "force", *dims))
@@ -257,21 +163,7 @@ READ_BY_TORQUE = [
 def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
     """The group ``/unloaded`` with contact ratios, marking print, and the error referred to the pinion.
 
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    unloaded
-        Of ``cycle.unloaded``; its ``separation`` is the thickness of the marking compound.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> with_unloaded_numbers(cycle, cycle.unloaded())["contact_ratio"].dims
-    ()
+    Its ``separation`` is the thickness of the marking compound.
     """
     error = CarryingError.of(unloaded, cycle.pinion_pitch)
     limits = cycle.roll_limits
@@ -293,24 +185,7 @@ def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
 
 
 def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[LoadedCase]) -> xr.Dataset:
-    """The group ``/loaded`` with contact ratio, pattern, place of load and greatest pressure, and mesh stiffness.
-
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    loaded, cases
-        Of ``cycle.loaded``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
-    >>> with_loaded_numbers(cycle, *cycle.loaded([100.0], edge_contact=False))["mesh_stiffness"].dims
-    ('torque', 'mesh_position')
-    """
+    """The group ``/loaded`` with contact ratio, pattern, place of load and greatest pressure, and mesh stiffness."""
     by_torque = [loaded[READ_BY_TORQUE].isel(torque=i) for i in range(loaded.sizes["torque"])]
     positions = loaded.sizes["mesh_position"]
     start = float(loaded["pinion_rotation"].values[0])

@@ -59,30 +59,17 @@ SIZES = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang"
 @frozen_arrays
 @dataclass(frozen=True)
 class CaseSlopes:
-    """Derivatives of one torque at one mesh position by settings (j), of which the last is the torque at the pinion.
+    """Derivatives of one case of n segments by settings (j), of which the last is the torque at the pinion.
 
-    Parameters
-    ----------
-    case
-        The solved case, of n segments.
-    rotation
-        Of the gear (j) [rad].
-    force, pressure
-        Of the segments (n, j) [N, MPa].
-    moment
-        Of the segments' moments about the gear axis (n, j) [N mm].
-    place, pinion_place
-        Of the places where gear and pinion are loaded (2, n, j), see ``Segments``.
-    length, equivalent_radius
-        Of these (n, j) [mm]. As the places those of edges without load are left at zero.
+    Places and lengths of edges without load are left at zero.
     """
 
     case: LoadedCase
-    rotation: Array
-    force: Array
+    rotation: Array  # of the gear (j) [rad]
+    force: Array  # (n, j) [N]
     pressure: Array
     moment: Array
-    place: Array
+    place: Array  # where the gear is loaded (2, n, j)
     pinion_place: Array
     length: Array
     equivalent_radius: Array
@@ -91,21 +78,9 @@ class CaseSlopes:
 def case_slopes(
     slopes: SegmentSlopes, bending: BendingSlopes, cases: Sequence[LoadedCase], torque_slope: float
 ) -> list[CaseSlopes]:
-    """Derivatives of solved cases.
+    """Derivatives of solved cases; an ``InputError`` refuses one that is not certified, or is supported.
 
-    Parameters
-    ----------
-    slopes, bending
-        Derivatives of the segments, and of their bending.
-    cases
-        From ``MeshCycle.loaded``.
-    torque_slope
-        Torque about the gear axis per torque at the pinion [N mm / (N m)].
-
-    Raises
-    ------
-    InputError
-        If a case is not certified, or is supported.
+    ``torque_slope`` is the torque about the gear axis per torque at the pinion [N mm / (N m)].
     """
     result = []
     for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
@@ -191,15 +166,7 @@ def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
 def load_spot_slopes(
     spot: Mapping[str, tuple[tuple[str, ...], Array]], found: Sequence[CaseSlopes]
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Derivatives of load-weighted centre and extents, with their dimensions.
-
-    Parameters
-    ----------
-    spot
-        From ``load_spot``.
-    found
-        Derivatives of the cases by settings, and last by the torque (j).
-    """
+    """Derivatives of load-weighted centre and extents, with their dimensions; ``spot`` is that of ``load_spot``."""
     torques, count = spot[f"load_centre_{WAYS[0]}"][1].size, found[0].rotation.size
     centre, extent = (np.stack([spot[f"load_{name}_{way}"][1] for way in WAYS]) for name in ("centre", "extent"))
     whole = np.zeros(torques)
@@ -241,15 +208,7 @@ OF_LOAD = (
 
 
 def load_variables(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str, Any]:
-    """Derivatives of the variables ``OF_LOAD``, with their dimensions.
-
-    Parameters
-    ----------
-    loaded
-        From ``MeshCycle.loaded``.
-    found
-        Derivatives of its cases.
-    """
+    """Derivatives of the variables ``OF_LOAD``, with their dimensions."""
     cycle, count = (loaded.sizes["torque"], loaded.sizes["mesh_position"]), found[0].rotation.size
     pairs, size = loaded["pair"].values, loaded.sizes["segment"]
     rotation = np.full((*cycle, count), np.nan)
@@ -296,19 +255,7 @@ def root_stress_slopes(
     found: Sequence[CaseSlopes],
     stress: xr.Dataset,
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions.
-
-    Parameters
-    ----------
-    directions
-        Fields and their derivatives.
-    teeth
-        Pinion and gear by finite elements.
-    found
-        Derivatives of solved cases by settings, and last by the torque (j).
-    stress
-        From ``tooth_root_stress`` of the same cases.
-    """
+    """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions."""
     pairs, count = stress["pair"].values, found[0].rotation.size
     history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values
     slopes = np.full((*history.shape, count), np.nan)
@@ -372,15 +319,7 @@ ON_FLANK = ("ease_off", "ease_off_angle", "roll_angle", "lever_arm")
 
 
 def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions.
-
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    slopes
-        From ``geometry.pair.field_slopes``.
-    """
+    """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions."""
     told = cycle.geometry.ease_off
     angle, arm = (ordered(told, name, *_GRID)[..., None] for name in ("ease_off_angle", "lever_arm"))
     fields = {name: slopes[name] for name in ("ease_off_angle", "roll_angle", "lever_arm")}
@@ -391,21 +330,7 @@ def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, 
 @frozen_arrays
 @dataclass(frozen=True)
 class CycleSlopes:
-    """Derivatives of a mesh cycle by settings, and last by the torque; ``of`` makes them.
-
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    settings
-        By what is differentiated, beside the torque (j).
-    nodes
-        Derivatives at the nodes of the gear flank, from ``geometry.pair.field_slopes``.
-    directions
-        Splines of the fields and of their derivatives.
-    cases
-        Derivatives of every torque and mesh position (j + 1).
-    """
+    """Derivatives of a mesh cycle by settings, and last by the torque; ``of`` makes them."""
 
     cycle: MeshCycle
     settings: tuple[PairSetting, ...]
@@ -456,15 +381,7 @@ def cycle_values(
     roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
     unloaded: UnloadedSlopes | None = None,
 ) -> xr.Dataset:
-    """Values of the variables that ``cycle_slopes`` differentiates.
-
-    Parameters
-    ----------
-    cycle, loaded, cases, roots
-        As of ``cycle_slopes``.
-    unloaded
-        From ``unloaded_slopes``; ``None`` to leave the unloaded transmission error out.
-    """
+    """Values of the variables that ``cycle_slopes`` differentiates; the unloaded error only with ``unloaded``."""
     told = cycle.geometry.ease_off
     values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
     values |= load_spot(loaded)
@@ -486,42 +403,9 @@ def cycle_slopes(
     cases: Sequence[LoadedCase],
     roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Numbers of a mesh cycle, and their derivatives by settings, and last by the torque.
+    """Numbers of a mesh cycle, and their derivatives by settings, and last by the torque at the pinion [N m].
 
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    settings
-        By what to differentiate, beside the torque.
-    loaded, cases
-        From ``cycle.loaded``.
-    roots
-        Teeth by finite elements whose root stress is differentiated as well.
-
-    Returns
-    -------
-    tuple
-        Variables of ``loaded``, of the unloaded contact and of the ease-off; and their derivatives, over ``setting`` as
-        well, by mm, rad or the unit of the setting, last by the torque at the pinion [N m]. NaN where the contact has a
-        kink.
-
-    Raises
-    ------
-    InputError
-        If the teeth are plates, or a case is not one with rigid supports.
-    GeometryError
-        If a contact line ends at a hole of the flank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
-    >>> settings = [PairSetting("pinion", "radial_distance"), PairSetting("assembly", "offset")]
-    >>> values, slopes = cycle_slopes(cycle, settings, *cycle.loaded([100.0]))
-    >>> dict(slopes["transmission_error"].sizes)
-    {'torque': 1, 'mesh_position': 2, 'setting': 3}
+    By mm, rad or the setting's unit; NaN where the contact has a kink. Refuses plates, cases not on rigid supports
+    (``InputError``), and lines that end at a hole (``GeometryError``).
     """
     return CycleSlopes.of(cycle, settings, cases).datasets(loaded, roots)

@@ -24,28 +24,16 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class ProjectionPlane:
-    """Bilinear map from the fractions of a flank to its projection plane.
+    """Bilinear map from the fractions t and h of a flank to its projection plane [mm]."""
 
-    Parameters
-    ----------
-    coefficients
-        Coefficients (2, 4) of 1, t, h and t h, for both coordinates of the plane [mm].
-
-    Examples
-    --------
-    >>> plane = ProjectionPlane(np.array([[0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 8.0, 2.0]]))
-    >>> plane(np.array([1.0, 1.0])).tolist()
-    [30.0, 10.0]
-    """
-
-    coefficients: Array
+    coefficients: Array  # of 1, t, h and t h (2, 4) [mm]
 
     @classmethod
     def of(cls, flanks: xr.Dataset, member: MemberName = "gear") -> ProjectionPlane:
         """Plane of a flank of ``geometry.pair_geometry``; the nodes that have a position are enough.
 
-        The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower
-        of the root's corners.
+        The first coordinate runs from the toe (zero) to the heel at half height; the second is zero at the lower of the
+        root's corners.
         """
         own = int(np.flatnonzero(ordered(flanks, "member", "member") == member)[0])
         position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[own]
@@ -74,27 +62,11 @@ class ProjectionPlane:
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankRegion:
-    """Part of a flank, such as a contact pattern.
+    """Part of a flank, such as a contact pattern."""
 
-    Parameters
-    ----------
-    centre
-        Centroid of the area in the projection plane, as lengthwise and profile fractions (2); NaN if there is no area.
-    extent
-        Least and greatest lengthwise and profile fraction (2, 2): by the fraction, then from least to greatest.
-    area
-        In the projection plane [mm^2].
-
-    Examples
-    --------
-    >>> region = FlankRegion(np.array([0.5, 0.4]), np.array([[0.2, 0.8], [0.1, 0.9]]), 120.0)
-    >>> region.size.round(3).tolist()
-    [0.6, 0.8]
-    """
-
-    centre: Array
-    extent: Array
-    area: float
+    centre: Array  # centroid of the area, as fractions (2); NaN without area
+    extent: Array  # least and greatest by fraction (2, 2)
+    area: float  # in the projection plane [mm^2]
 
     @property
     def size(self) -> Array:
@@ -102,10 +74,7 @@ class FlankRegion:
         return np.asarray(self.extent[:, 1] - self.extent[:, 0])
 
     def reaching(self, points: Array) -> FlankRegion:
-        """The region with an extent that includes points (2, n) without an area of their own, such as those of edges.
-
-        A region without area stays one.
-        """
+        """The region, if it has an area, with an extent that includes points (2, n) without area, as of edges."""
         if not self.area > 0.0 or points.shape[1] == 0:
             return self
         least, greatest = points.min(axis=1), points.max(axis=1)
@@ -116,30 +85,7 @@ class FlankRegion:
 def region_below(
     points: Array, values: Array, triangles: NDArray[np.int64], level: float, plane: ProjectionPlane
 ) -> FlankRegion:
-    """Region of a flank on which values lie below a level; they are linear on every triangle.
-
-    Parameters
-    ----------
-    points
-        Lengthwise and profile fractions (2, n).
-    values
-        Values at the points (n).
-    triangles
-        Corners (m, 3).
-    level
-        The level.
-    plane
-        In which areas count.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
-    >>> plane = ProjectionPlane(np.array([[0.0, 20.0, 0.0, 0.0], [0.0, 0.0, 10.0, 0.0]]))
-    >>> halves = np.array([[0, 1, 2], [0, 2, 3]])
-    >>> found = region_below(square, square[0], halves, 0.25, plane)
-    >>> round(found.area, 9), found.centre.round(9).tolist(), found.size.round(9).tolist()
-    (50.0, [0.125, 0.5], [0.25, 1.0])
-    """
+    """Region of a flank on which values (n) at points (2, n) lie below a level; they are linear on triangles (m, 3)."""
     reached_ones = (values < level)[triangles].any(axis=1)  # few of a fine grid
     corners, height = points[:, triangles[reached_ones]], values[triangles[reached_ones]] - level  # (2, m, 3), (m, 3)
     below = height < 0.0
@@ -165,13 +111,7 @@ def region_below(
 
 
 def grid_triangles(shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first.
-
-    Examples
-    --------
-    >>> grid_triangles((2, 2)).tolist()
-    [[0, 2, 3], [0, 3, 1]]
-    """
+    """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first."""
     number = np.arange(shape[0] * shape[1]).reshape(shape)
     low, right, far, up = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     return np.concatenate([np.stack([low, right, far], axis=1), np.stack([low, far, up], axis=1)])
@@ -184,17 +124,7 @@ def _areas(corners: Array) -> Array:
 
 
 def flank_share(inside: NDArray[np.bool_]) -> float:
-    """Share of a flank that has a property at the nodes of its grid (m, n), those at its border counting half.
-
-    A mean of the nodes would count the border, where flanks seldom meet, twice: it is 2 % less at 31 by 21 nodes.
-
-    Examples
-    --------
-    >>> inside = np.ones((11, 5), dtype=bool)
-    >>> inside[:, 0] = False  # half a row of cells
-    >>> flank_share(inside)
-    0.875
-    """
+    """Share of a flank that has a property at the nodes of its grid (m, n), those at its border counting half."""
     weights = [np.ones(size) for size in inside.shape]
     for weight in weights:
         weight[[0, -1]] = 0.5

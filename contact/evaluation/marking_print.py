@@ -33,18 +33,7 @@ _GAP_FIELDS = ("roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS)
 
 
 def checked_thickness(marking: Any) -> float:
-    """Thickness of a marking compound [um], refused if no compound has it.
-
-    Raises
-    ------
-    InputError
-        If it is no number from ``THICKNESS_MINIMUM`` to below ``THICKNESS_LIMIT``.
-
-    Examples
-    --------
-    >>> checked_thickness(6)
-    6.0
-    """
+    """Thickness of a marking compound [um], refused outside ``THICKNESS_MINIMUM`` to below ``THICKNESS_LIMIT``."""
     thickness = number("marking", marking, "um", above=0.0, below=THICKNESS_LIMIT)
     if thickness < THICKNESS_MINIMUM:
         raise InputError(f"marking = {thickness:g}: must be at least {THICKNESS_MINIMUM:g} [um]")
@@ -52,32 +41,10 @@ def checked_thickness(marking: Any) -> float:
 
 
 def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Array:
-    """Least gap (...) [um] at points of the gear flank over the mesh, the carrying pair in contact.
+    """Least gap (...) [um] at points (2, ...) of the gear flank over the mesh, the carrying pair in contact.
 
-    A point whose pinion rotation is ``d`` beyond its roll angle has the gap ``a - e + c d^2 / 2 + s d^3 / 6`` with its
-    ease-off a, the transmission error e of the carrying pair at that rotation, separation curvature c and skew s. It is
-    least beside the roll angle where e changes.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_lines.contact_splines``.
-    error
-        Transmission error of the unloaded pair.
-    points
-        Lengthwise and profile fractions (2, ...) on the gear.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
-    >>> middle, corner = least_gap(cycle.fields, error, np.array([[0.65, 0.02], [0.3, 0.98]]))
-    >>> bool(middle < 6.0 < corner)
-    True
+    At a rotation d beyond its roll angle a point has the gap a - e + c d^2 / 2 + s d^3 / 6: ease-off a, transmission
+    error e of the carrying pair there, separation curvature c and skew s.
     """
     gaps = _Gaps.of(splines.evaluate(list(_GAP_FIELDS), np.reshape(points, (2, -1))), error)
     gap = gaps.at_roll_angle.copy()
@@ -87,17 +54,14 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Arr
 
 @dataclass(frozen=True)
 class _Gaps:
-    """Gap at points (n) when the pinion is at their roll angle, and what is needed to search where it is least.
-
-    The least gap is no further from there than ``reach`` [rad], and smaller by no more than ``gain`` [um].
-    """
+    """Gap at points (n) when the pinion is at their roll angle, and the data to search where it is least."""
 
     error: CarryingError
     value: Mapping[str, Array]
     curvature: Array
     skew: Array
     at_roll_angle: Array
-    reach: Array
+    reach: Array  # of the least gap from there [rad]
     gain: Array
 
     @classmethod
@@ -147,32 +111,10 @@ def _least_beside(
 @frozen_arrays
 @dataclass(frozen=True)
 class MarkingPrint:
-    """Print of a marking compound on the gear flank.
-
-    Parameters
-    ----------
-    points
-        Lengthwise and profile fractions of a grid (2, nt, nh).
-    excess
-        Negative within the print, zero on its border (nt, nh): the gap over the thickness, less one, or the
-        distance beyond the common flank if that is greater.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
-    >>> thin, thick = (MarkingPrint.of(cycle.fields, error, thickness) for thickness in (3.0, 6.0))
-    >>> plane = ProjectionPlane.of(geometry.flanks)
-    >>> thin.region(plane).area < thick.region(plane).area
-    True
-    """
+    """Print of a marking compound on the gear flank."""
 
     points: Array
-    excess: Array
+    excess: Array  # gap over thickness less one, or distance beyond the flank (nt, nh); negative within
 
     @classmethod
     def of(
@@ -184,19 +126,10 @@ class MarkingPrint:
         *,
         whole: bool = True,
     ) -> MarkingPrint:
-        """Print of a marking compound.
+        """Print of a marking compound of a thickness [um], on a grid of a shape (along the face, the profile).
 
-        Parameters
-        ----------
-        splines, error
-            As of ``least_gap``.
-        thickness
-            Of the compound [um].
-        shape
-            Points of the grid along the face and the profile.
-        whole
-            Whether the gap is the least one at every point where it is below twice the thickness, or only in the cells
-            through which the border of the print runs; then it is elsewhere on the right side of the thickness.
+        Unless ``whole``, gaps are the least only in the cells on the border of the print; elsewhere they are but on the
+        right side of the thickness.
         """
         axes = [np.linspace(0.0, 1.0, n) for n in shape]
         points = np.stack(np.meshgrid(*axes, indexing="ij"))

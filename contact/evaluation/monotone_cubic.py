@@ -19,24 +19,11 @@ Array = NDArray[Any]
 class MonotoneCubic:
     """Piecewise cubic with a continuous slope, monotone wherever the values are.
 
-    Its slope at a value is the weighted harmonic mean of those of the chords beside it, zero at an extreme; at the ends
-    that of the parabola through three values, limited to keep the shape.
-
-    Parameters
-    ----------
-    places
-        Where the values are (n), increasing, at least two.
-    values
-        The values (n).
-
-    Examples
-    --------
-    >>> curve = MonotoneCubic(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 1.0]))
-    >>> curve(np.array([0.5, 1.0, 1.5, 3.0])).tolist()
-    [0.6875, 1.0, 1.0, nan]
+    Slopes are weighted harmonic means of those of the chords beside, zero at an extreme; at the ends that of the
+    parabola through three values, limited to keep the shape.
     """
 
-    places: Array
+    places: Array  # (n), increasing, at least two
     values: Array
 
     @cached_property

@@ -31,19 +31,9 @@ END_DISTANCE_MINIMUM = 0.05  # over the distance to the next segment or line; le
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Surface of pressure, as triangles.
+    """Surface of pressure, as triangles between the loaded parts of the lines of neighbouring mesh positions."""
 
-    Parameters
-    ----------
-    points
-        Fractions (2, n) on the gear flank: the middles of the loaded segments, and where the load ends.
-    pressure
-        Pressure at the points (n) [MPa].
-    triangles
-        Corners (m, 3) of the triangles, between the loaded parts of the lines of neighbouring mesh positions.
-    """
-
-    points: Array
+    points: Array  # fractions on the gear (2, n)
     pressure: Array
     triangles: NDArray[np.int64]
 
@@ -60,17 +50,9 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Line:
-    """Contact line with its pressure.
+    """Contact line with its pressure at its ends and the middles of its segments, zero where there is no load."""
 
-    Parameters
-    ----------
-    points
-        Fractions (2, k) of its ends and the middles of its segments.
-    pressure
-        Pressure at the points (k) [MPa], zero where there is no load.
-    """
-
-    points: Array
+    points: Array  # fractions (2, k)
     pressure: Array
 
     @cached_property
@@ -87,18 +69,14 @@ class Line:
         return np.asarray(self.points.mean(axis=1))
 
     def runs_against(self, other: Line) -> bool:
-        """Whether the two lines count their points in opposite directions."""
+        """True if the two lines count their points in opposite directions."""
         return bool((self.points[:, -1] - self.points[:, 0]) @ (other.points[:, -1] - other.points[:, 0]) < 0.0)
 
 
 def pressure_map(at_torque: xr.Dataset) -> PressureMap:
-    """Pressure map of the mesh cycle at one torque.
+    """Pressure map of the mesh cycle, from the group ``loaded`` at one torque.
 
-    Parameters
-    ----------
-    at_torque
-        The group ``loaded`` at one torque: variables over (mesh_position, segment). Mesh positions without a certified
-        solution are NaN and leave a gap in the surface.
+    Mesh positions without a certified solution are NaN and leave a gap in the surface.
     """
     positions = at_torque.sizes["mesh_position"]
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
@@ -138,8 +116,7 @@ def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
 def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
     """Loaded part of each contact line; ``None`` if there is no load.
 
-    Towards its end a load falls off in proportion to the distance, and with it the square of the pressure; the last two
-    loaded segments say where that leads to zero.
+    It ends where the square of the pressure of the last two loaded segments, linear in the distance, leads to zero.
     """
     found: list[Line | None] = [None] * len(lines)
     sizes = [line.pressure.size for line in lines]
@@ -234,10 +211,9 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
 
 
 def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int64]]:
-    """Triangles between pairs of lines, given with the indices of their first points.
+    """Triangles between pairs of lines, given with the indices of their first points; every point is a corner.
 
-    The points of both lines are taken in turn, in their order along the lines, so that the ends meet the ends and
-    every point is a corner.
+    The points of both lines are taken in turn along the lines, so that the ends meet the ends.
     """
     if not pairs:
         return []
@@ -276,13 +252,7 @@ EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are eq
 
 
 class LineEnd(StoredStatus):
-    """Whether a contact line ends near a segment, and at which border of the common flank.
-
-    Examples
-    --------
-    >>> LineEnd(0).name, LineEnd.PINION_TIP.value
-    ('INSIDE', 8)
-    """
+    """Border of the common flank at which a contact line ends near a segment, or none."""
 
     INSIDE = 0
     GEAR_TOE = 1
@@ -299,36 +269,12 @@ class LineEnd(StoredStatus):
 
 @dataclass(frozen=True)
 class PressurePlace:
-    """Place of the greatest pressure of a mesh cycle.
-
-    Parameters
-    ----------
-    mesh_position
-        Fraction of the mesh cycle.
-    pair
-        Tooth pair.
-    point
-        Lengthwise and profile fractions on the gear (2).
-    line_end
-        Whether the contact line ends there, or within ``LINE_END_SHARE`` of its length, or the flank within
-        ``BORDER_SHARE``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
-    >>> loaded, _ = cycle.loaded([100.0], edge_contact=False)
-    >>> PressurePlace.of(loaded.isel(torque=0), cycle.fields).line_end.name
-    'PINION_TIP'
-    """
+    """Place of the greatest pressure of a mesh cycle."""
 
     mesh_position: float
     pair: float
     point: Array
-    line_end: LineEnd
+    line_end: LineEnd  # within LINE_END_SHARE of its length, or BORDER_SHARE of the flank
 
     @classmethod
     def of(cls, at_torque: xr.Dataset, splines: FlankSplines) -> PressurePlace:
@@ -377,25 +323,7 @@ def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines:
 
 
 def nearest_border(splines: FlankSplines, point: Array) -> LineEnd:
-    """Border of the common flank that is nearest to a point (2), in fractions.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_lines.contact_splines``.
-    point
-        Lengthwise and profile fractions on the gear.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> fields = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields
-    >>> nearest_border(fields, np.array([0.99, 0.5])).name
-    'GEAR_HEEL'
-    """
+    """Border of the common flank that is nearest to a point (2) of the gear, in fractions."""
     blade = splines("blade_distance", np.clip(point, 0.0, 1.0)[:, None])
     return LineEnd(1 + int(np.argmin([*_margins(splines, point), *blade])))
 
@@ -409,25 +337,9 @@ def _margins(splines: FlankSplines, point: Array) -> Array:
 
 
 def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether a segment is among the outer ones of its contact line, or at the border of the gear flank.
+    """True for segments among the outer ones of a contact line or at the border of the gear flank.
 
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Returns
-    -------
-    Array
-        Over (torque, mesh_position, segment); those on no line are not.
-
-    Examples
-    --------
-    >>> shape = ("torque", "mesh_position", "segment")
-    >>> line = {"pressure": 500.0, "tooth": 0.0, "length": 1.0, "lengthwise": 0.5, "profile": 0.5}
-    >>> loaded = xr.Dataset({name: (shape, np.full((1, 1, 5), value)) for name, value in line.items()})
-    >>> at_line_end(loaded)[0, 0].tolist()
-    [True, False, False, False, True]
+    Over (torque, mesh_position, segment); those on no line are not.
     """
     pressure, tooth, length, lengthwise, profile = (
         ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")
@@ -447,20 +359,7 @@ def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def max_inner_pressure(loaded: xr.Dataset) -> Array:
-    """Greatest pressure [MPa] away from the ends of the contact lines, over (torque); NaN where nothing carries there.
-
-    Parameters
-    ----------
-    loaded
-        The group ``/loaded``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> loaded = easeoff.analyze("nasa-12x36", torques=[100.0])["loaded"].to_dataset()
-    >>> bool(max_inner_pressure(loaded)[0] < loaded["max_pressure"].values[0])
-    True
-    """
+    """Greatest pressure [MPa] (torque) away from the ends of the contact lines; NaN where nothing carries there."""
     pressure = ordered(loaded, "pressure", *OVER)
     inner = np.where(np.isfinite(pressure) & ~at_line_end(loaded), pressure, -np.inf).max(axis=(1, 2))
     return np.where(inner > 0.0, inner, np.nan)

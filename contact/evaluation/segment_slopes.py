@@ -41,22 +41,9 @@ Array = NDArray[Any]
 
 
 def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
-    """Derivatives of mean level, peak to peak, harmonics and rms of a transmission error, with their dimensions.
+    """Derivatives of mean level, peak to peak, harmonics and rms of a transmission error (t, k), with dimensions.
 
-    Parameters
-    ----------
-    error
-        Transmission error (t, k).
-    slopes
-        Its derivatives (t, k, j).
-    orders
-        Number of harmonics.
-
-    Examples
-    --------
-    >>> error = np.array([[0.0, 2.0, 1.0, 1.0]])
-    >>> rotation_slopes(error, error[..., None], 1)["peak_to_peak"]
-    (('torque', 'setting'), array([[2.]]))
+    ``slopes`` are the derivatives of the error (t, k, j), ``orders`` the number of harmonics.
     """
     rows, count = np.arange(len(error)), error.shape[1]
     spectrum, change = np.fft.rfft(error, axis=1), np.fft.rfft(slopes, axis=1)
@@ -82,17 +69,9 @@ def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
 
 
 def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of the unloaded transmission error [urad], and their derivatives, which by the torque are zero.
+    """Numbers of the unloaded transmission error [urad] and their derivatives, which by the torque are zero.
 
-    Parameters
-    ----------
-    found
-        The error and its derivatives by settings.
-
-    Returns
-    -------
-    tuple
-        Both by name with their dimensions; the names begin with ``unloaded_``.
+    Both by names that begin with ``unloaded_``, with their dimensions.
     """
     fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
@@ -124,17 +103,7 @@ BEND_STEP = 1e-4  # of the greatest change of curvature and skew, in a differenc
 
 @dataclass(frozen=True)
 class FieldDirections:
-    """Fields of a pair and their derivatives by settings (j).
-
-    Parameters
-    ----------
-    base
-        Splines of the ``FIELDS``.
-    slopes
-        Splines of their derivatives, the settings last.
-    count
-        Number of settings.
-    """
+    """Splines of the ``FIELDS`` of a pair and of their derivatives by settings (j), which come last."""
 
     base: FlankSplines
     slopes: FlankSplines
@@ -142,21 +111,9 @@ class FieldDirections:
 
     @classmethod
     def of(cls, fields: FlankSplines, ease_off: Mapping[str, Array], slopes: Mapping[str, Array]) -> FieldDirections:
-        """Splines through derivatives at the nodes.
+        """Splines through derivatives at the nodes (nt, nh), ``slopes`` from ``geometry.pair.field_slopes``.
 
-        Parameters
-        ----------
-        fields
-            Splines from ``loaded_splines``.
-        ease_off
-            Separation curvature and skew at the nodes (nt, nh).
-        slopes
-            From ``geometry.pair.field_slopes``.
-
-        Raises
-        ------
-        GeometryError
-            If a node that has a conjugate point has no derivatives.
+        A ``GeometryError`` refuses a node that has a conjugate point but no derivatives.
         """
         curvature, skew = ease_off["separation_curvature"][..., None], ease_off["separation_skew"][..., None]
         by_curvature, by_skew = slopes["separation_curvature"], slopes["separation_skew"]
@@ -200,35 +157,14 @@ LENGTH_STEP = 1e-5  # [mm], of the points of a line in a difference of lengths
 
 @dataclass(frozen=True)
 class LineMotion:
-    """Derivatives of contact lines (m) by settings (j).
+    """Derivatives of contact lines (m) by settings (j)."""
 
-    Parameters
-    ----------
-    points
-        Of the points along the lines (2, m, k, j), as fractions.
-    length
-        Of their lengths (m, j) [mm].
-    """
-
-    points: Array
+    points: Array  # as fractions (2, m, k, j)
     length: Array
 
 
 def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:
-    """Motion of contact lines.
-
-    Parameters
-    ----------
-    directions
-        The fields and their derivatives.
-    mesh
-        Contact lines of the fields, from ``lines_in_mesh``.
-
-    Raises
-    ------
-    GeometryError
-        If a line ends within the flank, at a hole of it.
-    """
+    """Motion of contact lines; a ``GeometryError`` refuses a line that ends at a hole within the flank."""
     points, base = mesh.lines.points, directions.base
     roll = np.stack([d["roll_angle"] for d in base.derivatives(["roll_angle"], points, SLOPES)])
     tangents = [d["position"] for d in base.derivatives(["position"], points, SLOPES)]
@@ -299,15 +235,9 @@ NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *DE
 
 @dataclass(frozen=True)
 class EdgePieces:
-    """Pieces of edges (n) in contact over a mesh cycle, in the order of their keys.
+    """Pieces of edges (n) in contact over a mesh cycle, in the order of their keys."""
 
-    Parameters
-    ----------
-    keys
-        Mesh position, tooth pair, edge and element (n, 4), see ``Segments``.
-    """
-
-    keys: NDArray[np.int64]
+    keys: NDArray[np.int64]  # mesh position, tooth pair, edge and element (n, 4)
 
     @classmethod
     def of(cls, cases: Sequence[LoadedCase]) -> EdgePieces:
@@ -330,48 +260,20 @@ def _keys(case: LoadedCase) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class SegmentSlopes:
-    """Derivatives of the segments of contact lines, and of pieces of edges after these (n), by settings (j).
-
-    Parameters
-    ----------
-    segments
-        Those of the contact lines.
-    pieces
-        Pieces of edges.
-    slopes
-        Derivatives (n, j) by name; NaN where the setting at hand takes a line away.
-    points
-        Where pinion and gear are loaded (2, n, g), as fractions on the gear, see ``Segments``.
-    motion
-        Derivatives of these points (2, n, g, j).
-    steps
-        Step of every setting (j) that moves points and fields by about ``STEP`` of their ranges.
-    """
+    """Derivatives of the segments of contact lines, and of pieces of edges after these (n), by settings (j)."""
 
     segments: CycleSegments
     pieces: EdgePieces
-    slopes: dict[str, Array]
-    points: tuple[Array, Array]
+    slopes: dict[str, Array]  # (n, j); NaN where a setting takes a line away
+    points: tuple[Array, Array]  # where pinion and gear are loaded (2, n, g), on the gear
     motion: tuple[Array, Array]
-    steps: Array
+    steps: Array  # of settings (j), moving points and fields by some STEP of their ranges
 
     @classmethod
     def of(
         cls, segments: CycleSegments, directions: FieldDirections, motion: LineMotion, pieces: EdgePieces | None
     ) -> SegmentSlopes:
-        """Derivatives of segments that move with their lines.
-
-        Parameters
-        ----------
-        segments
-            Of the contact lines as they are traced.
-        directions
-            Fields and their derivatives.
-        motion
-            Of the lines.
-        pieces
-            Pieces of edges, up to which the lines go then; ``None`` for contact on lines alone.
-        """
+        """Derivatives of segments that move with their lines, which with ``pieces`` of edges go up to these."""
         known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
         own = segments if pieces is None else segments.to_edges
         here = _Loaded.of(segments, own, known)

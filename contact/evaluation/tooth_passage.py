@@ -23,21 +23,11 @@ STEP_POINT_COUNT = 8  # points of a curve a mesh position
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothPassage:
-    """Values of a tooth pair from entering the mesh to leaving it.
+    """Values of a tooth pair from entering the mesh to leaving it, by steps of the mesh cycle."""
 
-    Parameters
-    ----------
-    first
-        Step of the first value; step n of pair 0 is mesh position n of the cycle, and n / per_cycle in cycles.
-    per_cycle
-        Steps in one mesh cycle.
-    values
-        Values (m, ...) at consecutive steps, NaN where there are none.
-    """
-
-    first: int
+    first: int  # step n of pair 0 is mesh position n
     per_cycle: int
-    values: Array
+    values: Array  # at consecutive steps (m, ...), NaN where there are none
 
     @property
     def steps(self) -> NDArray[np.int64]:
@@ -59,15 +49,7 @@ class ToothPassage:
 
 
 def tooth_passage(pairs: Array, table: Array) -> ToothPassage:
-    """Passage of a tooth pair from a table of all pairs over one cycle.
-
-    Parameters
-    ----------
-    pairs
-        Numbers of the tooth pairs (p).
-    table
-        Values (p, mesh positions, ...).
-    """
+    """Passage of a tooth pair from a table (p, mesh positions, ...) of all pairs (p) over one cycle."""
     pairs = np.asarray(pairs).astype(int)
     count = table.shape[1]
     values = np.full(((int(np.ptp(pairs)) + 1) * count, *table.shape[2:]), np.nan)

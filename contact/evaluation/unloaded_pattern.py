@@ -12,27 +12,7 @@ from .marking_print import PRINT_GRID, MarkingPrint
 
 @dataclass(frozen=True)
 class UnloadedPattern:
-    """Marking print of a pair on the gear flank.
-
-    Parameters
-    ----------
-    printed
-        The print.
-    region
-        Its centre, extent and area.
-    peak_to_peak
-        Of the unloaded transmission error [urad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
-    >>> pattern = UnloadedPattern.of(cycle, 6.0)
-    >>> bool(0.0 < pattern.region.centre[0] < 1.0)
-    True
-    """
+    """Marking print of a pair on the gear flank."""
 
     printed: MarkingPrint
     region: FlankRegion
@@ -42,10 +22,7 @@ class UnloadedPattern:
     def of(cls, cycle: MeshCycle, thickness: float, shape: tuple[int, int] = PRINT_GRID) -> UnloadedPattern:
         """Pattern of a marking compound of a thickness [um], on a grid of a shape.
 
-        Raises
-        ------
-        GeometryError
-            If no tooth pair comes near contact at any rotation.
+        A ``GeometryError`` refuses a pair that comes near contact at no rotation.
         """
         unloaded = cycle.unloaded(separation=thickness)
         error = CarryingError.of(unloaded, cycle.pinion_pitch)

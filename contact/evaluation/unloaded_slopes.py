@@ -39,17 +39,9 @@ PEAK_ROUNDS = 4  # of Newton's method to where courses cross or are level
 
 @dataclass(frozen=True)
 class UnloadedSlopes:
-    """Unloaded transmission error of the pair that carries, and its derivatives by settings (j).
+    """Unloaded transmission error of the pair that carries, and its derivatives by settings (j)."""
 
-    Parameters
-    ----------
-    error, slopes
-        At ``ENVELOPE_REFINEMENT`` times as many rotations as mesh positions (n), (n, j) [rad].
-    peak_to_peak, peak_slopes
-        Its peak to peak [rad], and the derivatives (j).
-    """
-
-    error: Array
+    error: Array  # (n) [rad], ENVELOPE_REFINEMENT times the mesh positions
     slopes: Array
     peak_to_peak: float
     peak_slopes: Array
@@ -58,23 +50,9 @@ class UnloadedSlopes:
 def unloaded_slopes(
     geometry: PairGeometry, mesh: MeshLines, settings: Sequence[PairSetting], slopes: Mapping[str, Array]
 ) -> UnloadedSlopes:
-    """Unloaded transmission error of the pair that carries, and its derivatives.
+    """Unloaded transmission error of the pair that carries, and its derivatives by settings (j).
 
-    Parameters
-    ----------
-    geometry
-        The pair.
-    mesh
-        Contact lines, whose rotations (k) and tooth pairs count.
-    settings
-        By what to differentiate (j).
-    slopes
-        From ``geometry.pair.field_slopes``.
-
-    Returns
-    -------
-    UnloadedSlopes
-        NaN where the end of a blade touches, or another part of a flank begins, which move with the settings.
+    NaN where the end of a blade touches, or another part of a flank begins, which move with the settings.
     """
     errors = PairErrors.of(TurnedFlanks(geometry), mesh)
     moving = _TouchingMotion(geometry, errors, settings, slopes)
@@ -150,7 +128,7 @@ class _TouchingMotion:
 
 
 def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Multipliers of the bounds (b, n) that hold smallest gaps, and whether these bounds are toe, heel, root or tip.
+    """Multipliers of the bounds (b, n) that hold smallest gaps, and True where these are toe, heel, root or tip.
 
     The gap's slope (2, n) is the sum of the slopes of the margins (b, 2, n) times the multipliers.
     """
@@ -171,19 +149,11 @@ def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[A
 
 @dataclass(frozen=True)
 class _Extreme:
-    """Greatest or least value of the carrying pair's error: two pairs' courses cross there, or one is level.
+    """Greatest or least value of the carrying pair's error: two pairs' courses cross there, or one is level."""
 
-    Parameters
-    ----------
-    touching, rotation
-        Points of contact of both pairs, or twice of the one, and their pinion rotations (2) [rad].
-    rates
-        Derivatives of their errors by the rotation, in pitches (2) [rad]; NaN without such a place.
-    """
-
-    touching: TouchingPoints
+    touching: TouchingPoints  # points of contact of both pairs, or twice of one
     rotation: Array
-    rates: Array
+    rates: Array  # by the rotation in pitches (2) [rad]; NaN without such a place
 
     @classmethod
     def near(cls, errors: PairErrors, place: float) -> _Extreme:
