@@ -28,7 +28,7 @@ from easeoff.contact.lines.contact_lines import (
     trace,
 )
 from easeoff.contact.lines.flank_splines import fit
-from easeoff.contact.lines.mesh_lines import gauss_points
+from easeoff.contact.lines.mesh_lines import gauss_points, mesh_rotations
 from easeoff.contact.lines.turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 from easeoff.contact.loaded import continuous_range, harmonics, peak_to_peak, rms
 from easeoff.contact.pair_errors import PairErrors
@@ -247,6 +247,10 @@ def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, Pa
     edge = np.minimum(boundary_distance(fields, ends), np.min(np.minimum(ends, 1 - ends), axis=0)) < 1e-3
     assert np.all((np.abs(excess - 6.0) < 0.01) | edge)
     assert np.all(excess < 6.01)
+
+
+def test_mesh_positions_divide_one_pitch_about_the_middle_of_the_flank() -> None:
+    assert mesh_rotations(0.5, 4).tolist() == [-0.25, -0.125, 0.0, 0.125]
 
 
 def test_traced_lines_end_on_a_boundary_and_lie_on_their_level(nasa: tuple[GearPair, PairGeometry]) -> None:

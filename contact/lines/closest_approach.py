@@ -33,25 +33,15 @@ SEARCH_ROUNDS, SAMPLES_PER_ROUND = 3, 31
 def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
     """Gap as a gear rotation [rad] at points whose roll angle the pinion has left behind by ``left`` [rad].
 
-    Parameters
-    ----------
-    ease_off_angle, curvature, skew
-        Of the points: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
-    left
-        Zero in conjugate contact, negative before it.
+    ``left`` is zero in conjugate contact, negative before it; ease-off [rad], curvature [1/rad] and skew [1/rad^2].
     """
     return np.asarray(ease_off_angle + left**2 * (0.5 * curvature + left * skew / 6.0))
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """Whether the expansion of the gap at points is valid over the rotation left to their conjugate contact.
+    """True where the expansion of the gap is valid over the rotation left [rad] to the points' conjugate contact.
 
-    Where it is, the gap lies nowhere below the ease-off.
-
-    Parameters
-    ----------
-    curvature, skew, left
-        As in ``gap_beside``.
+    There the gap lies nowhere below the ease-off.
     """
     return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
@@ -59,38 +49,18 @@ def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]
 @frozen_arrays
 @dataclass(frozen=True)
 class AcrossLine:
-    """Gap and roll angle across the contact curve through each of the points (...).
-
-    Parameters
-    ----------
-    roll_angle, ease_off_angle
-        At the points [rad].
-    lever_arm
-        Arm of the normal force about the gear axis [mm].
-    direction
-        One millimetre across the curve, towards growing roll angle, as fractions (2, ...) [1/mm].
-    metric
-        First fundamental form of the gear flank by the fractions (3, ...): E, F, G [mm^2].
-    gradient
-        Derivatives of the roll angle by the fractions (2, ...) [rad].
-    slope
-        Change of the roll angle along it [rad/mm].
-    ease_off_slope, ease_off_bend
-        First and second derivative of the ease-off by the roll angle, across the curve [1, 1/rad].
-    separation_curvature, separation_skew
-        Of the gap, by the pinion rotation [1/rad, 1/rad^2].
-    """
+    """Gap and roll angle across the contact curve through each of the points (...)."""
 
     roll_angle: Array
     ease_off_angle: Array
     lever_arm: Array
-    direction: Array
-    metric: Array
+    direction: Array  # one mm across the curve to growing roll angle, in fractions (2, ...)
+    metric: Array  # first fundamental form by the fractions, E, F, G (3, ...) [mm^2]
     gradient: Array
-    slope: Array
-    ease_off_slope: Array
+    slope: Array  # of the roll angle along the direction [rad/mm]
+    ease_off_slope: Array  # by the roll angle, across the curve [-]
     ease_off_bend: Array
-    separation_curvature: Array
+    separation_curvature: Array  # by the pinion rotation [1/rad]
     separation_skew: Array
 
     def gap(self, left: Array) -> Array:
@@ -103,7 +73,7 @@ class AcrossLine:
         return np.asarray(by_roll * self.slope)
 
     def still_opens(self, left: Array) -> NDArray[np.bool_]:
-        """Whether that expansion is valid over the rotation left (...) [rad] to their conjugate contact."""
+        """True where that expansion is valid over the rotation left (...) [rad] to their conjugate contact."""
         return still_opens(self.separation_curvature, self.separation_skew, left)
 
     def length_along(self, way: Array) -> Array:
@@ -138,15 +108,7 @@ class AcrossLine:
 
 
 def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
-    """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_splines``.
-    points
-        Lengthwise and profile fractions (2, ...).
-    """
+    """Gap and roll angle across the contact curves through points (2, ...) of the gear flank."""
     value = splines.evaluate(["lever_arm", *SEPARATION_FIELDS], points)
     gap = splines.derivatives(["roll_angle", "ease_off_angle"], points, [*VALUE_AND_SLOPES, *BENDS])
     value, first, second = value | gap[0], gap[1:3], gap[3:]
@@ -186,42 +148,20 @@ def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
 @frozen_arrays
 @dataclass(frozen=True)
 class ClosestApproach:
-    """Closest approach of the flanks next to points (...) of contact curves.
+    """Closest approach of the flanks next to points (...) of contact curves."""
 
-    Parameters
-    ----------
-    separation_angle
-        Gap there, as a gear rotation (...) [rad].
-    shift
-        Its offset from the point, as fractions (2, ...).
-    lever_arm
-        Arm of the normal force about the gear axis (...) [mm].
-    curvature
-        Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
-    expanded
-        Whether the expansion of the gap about the point leads there (...); elsewhere the point was searched for.
-    """
-
-    separation_angle: Array
-    shift: Array
+    separation_angle: Array  # gap as a gear rotation (...) [rad]
+    shift: Array  # from the point, in fractions (2, ...)
     lever_arm: Array
-    curvature: Array
-    expanded: NDArray[np.bool_]
+    curvature: Array  # across the curve [1/mm]; zero where the gap does not open
+    expanded: NDArray[np.bool_]  # by the expansion: opens to both sides, near, smaller; else searched for
 
 
 def closest_approach(splines: FlankSplines, points: Array) -> ClosestApproach:
-    """Gap, position and curvature of the closest approach next to points of a contact curve.
+    """Gap, position and curvature of the closest approach next to points (2, ...) of a contact curve.
 
-    By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
-    way, the least gap across the curve is searched for within ``SEARCH_RADIUS_LIMIT``; the curvature is that of the
-    point found.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_splines``.
-    points
-        Points of contact curves (2, ...).
+    By ``one_step``; where that leads to none, as on flanks that bend over a short way, the least gap across the curve
+    within ``SEARCH_RADIUS_LIMIT``, with the curvature at the point found.
     """
     step = one_step(splines, points)
     if np.all(step.expanded):
@@ -234,21 +174,10 @@ def closest_approach(splines: FlankSplines, points: Array) -> ClosestApproach:
 
 
 def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
-    """Closest approach by one step of the gap's expansion, valid or not.
+    """Closest approach by one step of the gap's expansion across the curve, a(u) + c u^2 / 2 - s u^3 / 6, valid or not.
 
-    Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
-    the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
-    or where the way to it leaves the flank, the gap is evaluated. That closes the gap by a'^2 / (2 (c + a'')).
-
-    As c + a'' goes to zero the step goes to any length. ``expanded`` is true where the gap opens to both sides, the
-    point is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_splines``.
-    points
-        Points of contact curves (2, ...).
+    The step to u = -a'/(c + a'') closes the gap by a'^2 / (2 (c + a'')); u is the roll angle beyond the curve's, a the
+    ease-off, c curvature and s skew. As c + a'' goes to zero it has any length: see ``expanded``.
     """
     here = across_line(splines, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
@@ -300,21 +229,11 @@ PASSING_FIELDS = tuple(f"{name}_{order}" for order in ("rate", "acceleration") f
 @frozen_arrays
 @dataclass(frozen=True)
 class OppositePoints:
-    """Fractions on the pinion flank opposite points (n) of the gear.
-
-    Parameters
-    ----------
-    fractions
-        In conjugate contact (2, n).
-    slopes
-        Their derivatives by the fractions of the point (2, 2, n).
-    rate, acceleration
-        Their derivatives by the pinion rotation (2, n) [1/rad, 1/rad^2].
-    """
+    """Fractions on the pinion flank opposite points (n) of the gear."""
 
     fractions: Array
-    slopes: Array
-    rate: Array
+    slopes: Array  # by the fractions of the point (2, 2, n)
+    rate: Array  # by the pinion rotation (2, n) [1/rad]
     acceleration: Array
 
     @classmethod
@@ -350,10 +269,10 @@ def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = N
 
 
 def pinion_points(splines: FlankSplines, points: Array, rotations: Array) -> Array:
-    """Where on the gear the pinion points opposite points (2, ...) at pinion rotations (...) are in conjugate contact.
+    """Points of the gear in conjugate contact with the pinion points opposite points (2, ...) at rotations (...) [rad].
 
-    At a rotation other than that of its conjugate contact a point of the gear faces another point of the pinion than
-    in it. What is known of the pinion on the gear flank is to be read where this function says.
+    Fields of the pinion on the gear flank are to be read there: off conjugate contact a gear point faces another pinion
+    point.
     """
     flat = np.reshape(points, (2, -1))
     left = np.reshape(np.broadcast_to(rotations, np.shape(points)[1:]), -1) - splines("roll_angle", flat)

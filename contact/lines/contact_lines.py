@@ -35,15 +35,7 @@ CONVERGED_STEP = 1e-8  # of a fraction; quadratic convergence leaves nothing to 
 
 
 def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankSplines:
-    """Splines of the fields on the gear flank that the contact needs.
-
-    Parameters
-    ----------
-    flanks, ease_off
-        Results of the geometry stage, on one grid.
-    extra
-        Further fields (lengthwise, profile, ...) by name.
-    """
+    """Splines of the fields on the gear flank that the contact needs, and ``extra`` ones (lengthwise, profile, ...)."""
     names = [
         "roll_angle",
         "ease_off_angle",
@@ -80,20 +72,10 @@ def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
 @frozen_arrays
 @dataclass(frozen=True)
 class ContactLines:
-    """Clipped contact curves of one tooth pair at many pinion rotations.
-
-    Parameters
-    ----------
-    level
-        Index (m) into the levels that were asked for.
-    points
-        Points (2, m, POINTS_PER_LINE) along each curve, lengthwise and profile fractions, evenly spaced in length.
-    length
-        Length of each curve (m) [mm].
-    """
+    """Clipped contact curves of one tooth pair at many pinion rotations."""
 
     level: NDArray[np.int64]
-    points: Array
+    points: Array  # (2, m, POINTS_PER_LINE), evenly spaced in length
     length: Array
 
 
@@ -171,8 +153,8 @@ def arc_length(splines: FlankSplines, points: Array) -> Array:
 def length_through(position: Array) -> Array:
     """Length (m, k) [mm] along smooth curves through points in space (3, m, k), from their first point.
 
-    Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
-    points nearly coincide, as a short curve's do in a corner of the flank, there is no bend to speak of: chords alone.
+    Chords corrected for the bend by the tangents at both ends, of fourth order; chords alone where points nearly
+    coincide.
     """
     chord = np.linalg.norm(np.diff(position, axis=-1), axis=0)
     second = np.zeros_like(position)
@@ -186,20 +168,7 @@ def length_through(position: Array) -> Array:
 
 
 def trace(splines: FlankSplines, levels: Array) -> ContactLines:
-    """Trace and clip the contact curves at the given roll angles.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_splines``.
-    levels
-        Roll angles (k) [rad].
-
-    Returns
-    -------
-    ContactLines
-        Every piece of every level set that lies on the common flank.
-    """
+    """Contact curves at roll angles (k) [rad], clipped: every piece of every level set on the common flank."""
     coarse_t, coarse_h = np.linspace(0, 1, 41), np.linspace(0, 1, 25)
     grid = np.stack(np.meshgrid(coarse_t, coarse_h, indexing="ij"))
     generator = contourpy.contour_generator(coarse_t, coarse_h, splines("roll_angle", grid).T)

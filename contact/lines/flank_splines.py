@@ -24,44 +24,17 @@ BENDS = [(2, 0), (1, 1), (0, 2)]
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankSplines:
-    """Splines of named fields on the unit square (lengthwise, profile).
-
-    Parameters
-    ----------
-    spline
-        Tensor spline with one component per scalar field.
-    columns
-        Where each named field stands among the components, and its shape.
-    holes
-        Cells (nt - 1, nh - 1) with a node that has no value.
-    lengthwise, profile
-        Grid coordinates (nt), (nh).
-    """
+    """Splines of named fields on the unit square (lengthwise, profile)."""
 
     spline: TensorSpline
-    columns: Mapping[str, tuple[slice, tuple[int, ...]]]
+    columns: Mapping[str, tuple[slice, tuple[int, ...]]]  # place among the components, and shape of the field
     holes: Array
     lengthwise: Array
     profile: Array
     _parts: dict[tuple[str, ...], TensorSpline] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, name: str, points: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
-        """Evaluate one field.
-
-        Parameters
-        ----------
-        name
-            Name of the field.
-        points
-            Lengthwise and profile fractions (2, ...).
-        derivative
-            Orders of the derivatives by the two fractions.
-
-        Returns
-        -------
-        Array
-            Values (*field shape, ...).
-        """
+        """Values (*field shape, ...) of one field, or of a derivative by the two fractions, at points (2, ...)."""
         return self.evaluate([name], points, derivative)[name]
 
     def evaluate(self, names: list[str], points: Array, derivative: tuple[int, int] = (0, 0)) -> dict[str, Array]:
@@ -71,36 +44,16 @@ class FlankSplines:
     def derivatives(
         self, names: Sequence[str], points: Array, orders: Sequence[tuple[int, int]]
     ) -> list[dict[str, Array]]:
-        """Evaluate several fields and several of their derivatives at once, which costs little more than one of them.
+        """Values (*field shape, ...) by name, of several fields, for each of several derivatives by the two fractions.
 
-        Parameters
-        ----------
-        names
-            Names of the fields.
-        points
-            Lengthwise and profile fractions (2, ...).
-        orders
-            Orders of the derivatives by the two fractions.
-
-        Returns
-        -------
-        list
-            For every derivative the values (*field shape, ...) by name.
+        All at once cost little more than one of them.
         """
         shape = np.shape(points)[1:]
         found = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
         return self._by_name(names, [values.reshape(len(values), *shape) for values in found])
 
     def on_grid(self, names: Sequence[str], lengthwise: Array, profile: Array) -> dict[str, Array]:
-        """Values (*field shape, p, q) of fields on the grid from fractions (p) and (q), which is quicker than by point.
-
-        Parameters
-        ----------
-        names
-            Names of the fields.
-        lengthwise, profile
-            Fractions along both directions.
-        """
+        """Values (*field shape, p, q) of fields on the grid from fractions (p) and (q), quicker than by point."""
         return self._by_name(names, [self._part(tuple(names)).on_grid(lengthwise, profile)])[0]
 
     def _by_name(self, names: Sequence[str], found: Sequence[Array]) -> list[dict[str, Array]]:
@@ -126,7 +79,7 @@ class FlankSplines:
         return bool(np.any(self.holes))
 
     def in_hole(self, points: Array) -> NDArray[np.bool_]:
-        """Whether points (2, ...) lie in a cell with a node that has no value."""
+        """True where points (2, ...) lie in a cell with a node that has no value."""
         if not self._has_holes:
             return np.zeros(np.shape(points)[1:], dtype=bool)
         i = np.clip(np.searchsorted(self.lengthwise, points[0], side="right") - 1, 0, self.lengthwise.size - 2)
@@ -135,25 +88,10 @@ class FlankSplines:
 
 
 def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankSplines:
-    """Splines through fields given on a grid.
+    """Splines of degree five (less on small grids) through fields (nt, nh, ...) by name, on a grid that increases.
 
-    Parameters
-    ----------
-    lengthwise, profile
-        Grid coordinates (nt) and (nh), increasing.
-    fields
-        Values (nt, nh, ...) by name. Nodes with NaN in any field are holes: they are bridged so that the spline exists,
-        and every cell that touches one is marked, so that nothing is read there unseen.
-
-    Returns
-    -------
-    FlankSplines
-        The fields as splines of degree five (less on small grids).
-
-    Raises
-    ------
-    InputError
-        If the grid has fewer than four nodes in a direction or fewer than half of its nodes are valid.
+    Nodes with NaN in any field are holes: bridged, and every cell that touches one is marked. An ``InputError`` refuses
+    fewer than four nodes in a direction, or fewer than half of all valid.
     """
     shape = (lengthwise.size, profile.size)
     if min(shape) < 4:

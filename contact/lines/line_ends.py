@@ -36,15 +36,7 @@ POINT_STRIDE = 2  # of the points of a line at which its closest approach is loo
 
 
 def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
-    """Contact lines that end where their closest approach leaves a flank; those without any on both flanks are dropped.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    mesh
-        Contact lines from ``lines_in_mesh``.
-    """
+    """Contact lines that end where their closest approach leaves a flank; those without any on both are dropped."""
     lines, rotation = mesh.lines, line_rotations(mesh)[:, None]
     points = onto_level(splines, _extended(lines), rotation, beyond=EXTRAPOLATION_LIMIT)
     first, last, found = _inside(_margin(splines, points, rotation))
@@ -72,14 +64,7 @@ def line_rotations(mesh: MeshLines) -> Array:
 def edge_distance(splines: FlankSplines, points: Array, rotation: Array) -> Array:
     """Distance (n) [mm] of the closest approach from the nearest toe, heel or tip of either member, across the line.
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    points
-        Points (2, n) of contact lines as fractions on the gear.
-    rotation
-        Of the pinion (n) [rad], counted as the roll angle.
+    Of points (2, n) of contact lines on the gear, at pinion rotations (n) [rad] counted as the roll angle.
     """
     here = across_line(splines, points)
     closest = points + here.direction * here.to_closest / here.slope
@@ -110,7 +95,7 @@ def _extended(lines: ContactLines) -> Array:
 
 
 def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
-    """How far inside both flanks the closest approach beside points (2, m, k) lies, as a fraction; negative beyond."""
+    """Fraction by which the closest approach beside points (2, m, k) lies inside both flanks; negative beyond."""
     here = across_line(splines, points)
     way = here.direction * here.to_closest / here.slope
     closest = points + way
@@ -128,12 +113,12 @@ def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
 
 
 def _steps(here: AcrossLine, way: Array) -> NDArray[np.bool_]:
-    """Whether the gap opens across the line and its closest approach is near."""
+    """True where the gap opens across the line and its closest approach is near."""
     return np.asarray((here.stiffness > 0.0) & (np.max(np.abs(way), axis=0) <= SEARCH_RADIUS_LIMIT))
 
 
 def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """First and last index (m) of the part of every row (m, k) that is inside and nearest its middle; if there is one.
+    """First and last index (m) of the inside part of every row (m, k) nearest its middle; True if there is one.
 
     Between two points the border is where the margin, taken as linear, is zero.
     """

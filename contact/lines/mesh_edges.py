@@ -30,37 +30,15 @@ GAP_ESTIMATE_MARGIN = 1.5  # ratio of the estimated gap to the widest one up to 
 
 @dataclass(frozen=True)
 class EdgeElements:
-    """Pieces (n) of edges that may touch.
-
-    Parameters
-    ----------
-    level
-        Index into the pinion rotations that were asked for.
-    points
-        Lengthwise and profile fractions (2, n) on the gear.
-    separation_angle
-        Gap as a gear rotation [rad].
-    lever_arm
-        Arm of the normal force about the gear axis [mm].
-    length
-        Length along the contact line, at right angles to which the gap opens [mm].
-    curvature
-        Relative curvature of the gap across the contact line [1/mm].
-    overhang
-        Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
-    still_opens
-        Whether the expansion of the gap holds, see ``closest_approach.still_opens``.
-    edge, element
-        Which of the ``flank_edges`` a piece belongs to, and its number along that edge.
-    """
+    """Pieces (n) of edges that may touch."""
 
     level: NDArray[np.int64]
     points: Array
-    separation_angle: Array
+    separation_angle: Array  # gap as a gear rotation [rad]
     lever_arm: Array
-    length: Array
+    length: Array  # along the contact line [mm]
     curvature: Array
-    overhang: Array
+    overhang: Array  # of the closest approach beyond the edge, across the line [mm]
     still_opens: NDArray[np.bool_]
     edge: NDArray[np.int64]
     element: NDArray[np.int64]
@@ -68,15 +46,7 @@ class EdgeElements:
 
 @dataclass(frozen=True)
 class MeshEdges:
-    """Pieces (n) of the edges of every tooth pair over a mesh cycle.
-
-    Parameters
-    ----------
-    elements
-        The pieces.
-    position, pair
-        Index of the mesh position, and the tooth pair, as ``MeshLines`` counts them (n).
-    """
+    """Pieces (n) of the edges of every tooth pair over a mesh cycle; positions and pairs count as in ``MeshLines``."""
 
     elements: EdgeElements
     position: NDArray[np.int64]
@@ -88,17 +58,8 @@ def edges_in_mesh(
 ) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    mesh
-        Contact lines from ``lines_in_mesh``; a tooth pair before the first and one after the last is looked at
-        as well.
-    widest
-        For every mesh position the gap above which nothing touches, as a gear rotation [rad].
-    edges
-        The edges from ``flank_edges``, if they are known.
+    By position, nothing touches above the gap ``widest`` as a gear rotation [rad]; a pair before the first and one
+    after the last are looked at too.
     """
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     levels = mesh.rotations[:, None] - pairs * mesh.pinion_pitch
@@ -109,12 +70,7 @@ def edges_in_mesh(
 def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) -> tuple[FlankEdge, ...]:
     """Toe, heel and tip of gear and pinion, at no rotation in particular.
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    near
-        The edges of a pair near this one, from which those of the pinion are found sooner.
+    The pinion's are found sooner from the edges ``near`` of a similar pair.
     """
     along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
     nodes = np.stack(
@@ -142,18 +98,9 @@ def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
 def edge_elements(
     splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
 ) -> EdgeElements:
-    """Pieces of the edges of one tooth pair that may touch.
+    """Pieces of the edges of one tooth pair that may touch at pinion rotations (q) [rad] counted as the roll angle.
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    rotations
-        Pinion rotations (q) [rad], counted as the roll angle.
-    widest
-        Gap (q) above which nothing touches, as a gear rotation [rad].
-    edges
-        The edges from ``flank_edges``, if they are known.
+    Nothing touches above the gap ``widest`` (q), as a gear rotation [rad].
     """
     edges = edges or flank_edges(splines)
     near = [_near_elements(edge, rotations, widest) for edge in edges]
@@ -175,23 +122,9 @@ def chosen_elements(
     edge: NDArray[np.int64],
     element: NDArray[np.int64],
 ) -> EdgeElements:
-    """Given pieces (n) of edges as far as they may touch, each at a pinion rotation of its own.
+    """Given pieces (n) of edges as far as they may touch, each at its own level and pinion rotation (n) [rad].
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    rotations
-        Pinion rotations (n) [rad], counted as the roll angle.
-    edges
-        From ``flank_edges``.
-    edge, element
-        Which edge, and the number of the piece along it (n).
-
-    Returns
-    -------
-    EdgeElements
-        Each at a level of its own; without length where no part of them may touch.
+    Rotations count as the roll angle; pieces have no length where no part of them may touch.
     """
     return _pieces(splines, rotations, _touching_parts(edges, rotations, edge, element))
 
@@ -224,71 +157,33 @@ def _pieces(splines: FlankSplines, rotations: Array, parts: _TouchingParts) -> E
 
 @dataclass(frozen=True)
 class _TouchingParts:
-    """Parts of elements (n) of edges that may touch.
-
-    Parameters
-    ----------
-    edge, element
-        Which edge, and the number of the element along it.
-    of_pinion
-        Whether the edge is that of the pinion.
-    wanted
-        The middle on the member (2, n).
-    start, end
-        Both ends of the element on the gear (2, n).
-    middle
-        Where the middle of the part lies between them.
-    share
-        Of the element; zero without such a part.
-    """
+    """Parts of elements (n) of edges that may touch."""
 
     edge: NDArray[np.int64]
     element: NDArray[np.int64]
     of_pinion: NDArray[np.bool_]
-    wanted: Array
+    wanted: Array  # the middle on the member (2, n)
     start: Array
     end: Array
     middle: Array
-    share: Array
+    share: Array  # of the element; zero without such a part
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankEdge:
-    """Nodes (k) of one edge, and where on the gear they are in conjugate contact.
-
-    Parameters
-    ----------
-    of_pinion
-        Whose edge it is.
-    fraction, outward
-        Which fraction is held along the edge, and the sense in which it leaves the flank.
-    nodes, points
-        Fractions (2, k) on the member and on the gear; NaN where there is no such point.
-    here
-        Gap around the points.
-    opposite
-        Fractions on the pinion opposite the points.
-    moving
-        Velocity of the points with the pinion rotation (2, k) [1/rad]; zero for an edge of the gear.
-    nearing
-        How fast a moving point falls behind its own conjugate contact, by the rotation (k); one for a fixed point.
-    leaving
-        How fast a way across the contact line leaves the flank by this edge (k) [1/mm].
-    blade_distance
-        As ``geometry.EaseOff`` has it (k) [mm].
-    """
+    """Nodes (k) of one edge, and where on the gear they are in conjugate contact."""
 
     of_pinion: bool
-    fraction: int
+    fraction: int  # the one held along the edge
     outward: float
     nodes: Array
-    points: Array
+    points: Array  # fractions on the gear (2, k); NaN where there are none
     here: AcrossLine
     opposite: OppositePoints
-    moving: Array
-    nearing: Array
-    leaving: Array
+    moving: Array  # velocity by the pinion rotation (2, k) [1/rad]; zero for the gear
+    nearing: Array  # rotation lost on the point's conjugate contact per rotation (k); one if fixed
+    leaving: Array  # of a way across the contact line by this edge (k) [1/mm]
     blade_distance: Array
 
     @classmethod
@@ -354,7 +249,7 @@ def _touching_parts(
 
 
 def _margins(edge: FlankEdge, rotations: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:
-    """What must be positive at nodes (n) of an edge for them to touch (6, n), and their points on the gear (2, n)."""
+    """Margins (6, n), positive at nodes of an edge that may touch, and the nodes' points on the gear (2, n)."""
     here = _at(edge.here, at)
     away = rotations - here.roll_angle
     falls = -here.gap_slope(away * edge.nearing[at]) * edge.leaving[at] * edge.outward

@@ -31,13 +31,7 @@ ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of fou
 
 
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
-    """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle.
-
-    Examples
-    --------
-    >>> mesh_rotations(0.5, 4).tolist()
-    [-0.25, -0.125, 0.0, 0.125]
-    """
+    """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle."""
     return (np.arange(whole("mesh_positions", positions, 1, MESH_POSITION_LIMIT)) / positions - 0.5) * pinion_pitch
 
 
@@ -121,18 +115,7 @@ def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: in
 
 
 def lines_at(splines: FlankSplines, pinion_pitch: float, rotations: Array) -> MeshLines:
-    """As ``lines_in_mesh``, at the given pinion rotations (k) [rad] of one pitch.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> lines_at(cycle.fields, cycle.pinion_pitch, np.array([0.0])).rotations.tolist()
-    [0.0]
-    """
+    """As ``lines_in_mesh``, at the given pinion rotations (k) [rad] of one pitch."""
     corner = np.linspace(0.0, 1.0, 21)
     roll = splines("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
     ahead = int(np.ceil((float(np.max(roll)) - float(np.min(rotations))) / pinion_pitch))
@@ -150,26 +133,8 @@ def lines_at(splines: FlankSplines, pinion_pitch: float, rotations: Array) -> Me
 def lost_contact(splines: FlankSplines, mesh: MeshLines) -> float:
     """Share of the points of the contact lines next to which there is no line contact.
 
-    There the gap does not open to both sides of the line, or its closest approach would lie so far beside the line
-    that nothing of the expansion about it holds. Designed flanks have none; flanks that bend from one node of a
-    measuring grid to the next have many.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``contact_lines.contact_splines``.
-    mesh
-        Contact lines from ``lines_in_mesh``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> lost_contact(cycle.fields, cycle.lines)
-    0.0
+    The gap does not open to both sides there, or its closest approach is too far for the expansion. Designed flanks
+    have none; flanks that bend from node to node of a measuring grid have many.
     """
     closest = one_step(splines, mesh.lines.points)
     far = np.max(np.abs(closest.shift), axis=0) > SEARCH_RADIUS_LIMIT
@@ -180,16 +145,6 @@ def roll_limits(splines: FlankSplines) -> tuple[float, float]:
     """Least and greatest roll angle on the common flank [rad]: a tooth pair has contact lines in between.
 
     NaN if the common flank is too small to be found.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> least, greatest = roll_limits(MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields)
-    >>> least < 0.0 < greatest
-    True
     """
     low, high, shape = np.zeros((2, 2)), np.ones((2, 2)), ROLL_SEARCH_GRID  # by fraction and by side
     sides, best = np.arange(2), np.full(2, -np.inf)
@@ -209,31 +164,7 @@ def roll_limits(splines: FlankSplines) -> tuple[float, float]:
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
-    """Quadrature points of even segments.
-
-    Parameters
-    ----------
-    lines
-        Contact lines (m).
-    segments
-        Segments per line.
-
-    Returns
-    -------
-    tuple
-        Points (2, m, segments * GAUSS_POINTS) and the weights (GAUSS_POINTS) of one segment, which add up to one.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> points, weights = gauss_points(cycle.lines.lines, 5)
-    >>> points.shape[2], weights.size
-    (15, 3)
-    """
+    """Quadrature points (2, m, segments * GAUSS_POINTS) of even segments, and weights of one, which add up to one."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     fraction = ((np.arange(segments)[:, None] + 0.5 * (nodes + 1.0)) / segments).ravel()
     dense = fraction * (lines.points.shape[2] - 1)
@@ -253,41 +184,16 @@ def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothEnds:
-    """Toe and heel of a member seen from points (...) of its flank.
+    """Toe and heel of a member seen from points (...) of its flank."""
 
-    Parameters
-    ----------
-    distance
-        From toe and heel (2, ...), at right angles to these along the flank [mm]; zero beyond the end.
-    cosine
-        Of the angle (...) between the contact line and the normal of the end's edge, in the flank.
-    """
-
-    distance: Array
-    cosine: Array
+    distance: Array  # from toe and heel along the flank (2, ...) [mm]; zero beyond the end
+    cosine: Array  # between contact line and normal of the end's edge, in the flank (...)
 
 
 def tooth_ends(splines: FlankSplines, member: str, points: Array) -> ToothEnds:
-    """Toe and heel: the lengthwise fraction over the length of its gradient.
+    """Toe and heel from points (2, ...) where a member is loaded, as fractions on the gear.
 
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    member
-        ``"pinion"`` or ``"gear"``.
-    points
-        Where the member is loaded (2, ...), as fractions on the gear.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact.loaded import loaded_splines
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    >>> tooth_ends(fields, "gear", np.full((2, 1), 0.5)).distance.round(1).T.tolist()
-    [[14.9, 14.9]]
+    The distance is the lengthwise fraction over the length of its gradient.
     """
     of_pinion = member == "pinion"
     names = ["position", "roll_angle", *(["pinion_lengthwise"] if of_pinion else [])]
@@ -314,27 +220,7 @@ def _gradient(dots: list[Array], first: Array, second: Array) -> Array:
 @frozen_arrays
 @dataclass(frozen=True)
 class LoadedPlaces:
-    """Points at which both members are loaded.
-
-    Parameters
-    ----------
-    fields
-        Splines from ``loaded_splines``.
-    pinion, gear
-        Where each is loaded (2, ...), as fractions on the gear, see ``closest_approach.pinion_points``.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact.loaded import loaded_splines
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    >>> places = LoadedPlaces(fields, *[np.full((2, 1), 0.5)] * 2)
-    >>> [depth.round(1).tolist() for depth in places.depths]
-    [[3.1], [3.1]]
-    """
+    """Points (2, ...) at which both members are loaded, as fractions on the gear."""
 
     fields: FlankSplines
     pinion: Array

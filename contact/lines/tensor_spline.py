@@ -32,19 +32,10 @@ FALLING = np.array([[float(perm(power, order)) for power in range(SIZE)] for ord
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class KnotIntervals:
-    """The polynomial pieces of the B-splines of one direction.
-
-    Parameters
-    ----------
-    ends
-        Ends of the intervals between knots (k + 1).
-    pieces
-        Coefficients (k, degree + 1, degree + 1) of each B-spline that is not zero in an interval by the powers of the
-        coordinate from the middle of the interval over its width.
-    """
+    """The polynomial pieces of the B-splines of one direction."""
 
     ends: Array
-    pieces: Array
+    pieces: Array  # by powers from the middle over the width (k, degree + 1, degree + 1)
 
     @classmethod
     def through(cls, nodes: Array, degree: int) -> KnotIntervals:
@@ -78,7 +69,7 @@ class KnotIntervals:
 
     @cached_property
     def compiled(self) -> tuple[Array, NDArray[np.int64], Array, Array]:
-        """What the compiled evaluation reads.
+        """Arrays that the compiled evaluation reads.
 
         Ends, intervals in which equal parts of the length begin, middles and one over widths (2, k), and the pieces of
         every derivative as (order, interval, power, B-spline).
@@ -113,32 +104,14 @@ def _product(polynomials: Array, value: Array, rise: Array) -> Array:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class TensorSpline:
-    """Spline of several components on a grid; ``through`` makes one.
-
-    Parameters
-    ----------
-    intervals
-        Of both directions.
-    coefficients
-        Of the B-splines (m, nt, nh).
-    """
+    """Spline of several components on a grid; ``through`` makes one."""
 
     intervals: tuple[KnotIntervals, KnotIntervals]
     coefficients: Array
 
     @classmethod
     def through(cls, nodes: tuple[Array, Array], values: Array, degrees: tuple[int, int]) -> TensorSpline:
-        """The spline through values (nt, nh, m) at the nodes (nt) and (nh) of a grid.
-
-        Examples
-        --------
-        >>> nodes = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 2.0, 7)
-        >>> values = (nodes[0][:, None] ** 3 * nodes[1] ** 2)[..., None]
-        >>> spline = TensorSpline.through(nodes, values, (5, 5))
-        >>> value, slope = spline.evaluate(np.array([[0.5], [1.0]]), [(0, 0), (0, 1)])
-        >>> value[0].round(12).tolist(), slope[0].round(12).tolist()
-        ([0.125], [0.25])
-        """
+        """The spline through values (nt, nh, m) at the nodes (nt) and (nh) of a grid."""
         along, across = (KnotIntervals.through(n, d) for n, d in zip(nodes, degrees, strict=True))
         nt, nh, count = values.shape
         first = np.linalg.solve(along.collocation(nodes[0]), values.reshape(nt, -1)).reshape(nt, nh, count)
@@ -166,16 +139,7 @@ class TensorSpline:
         return list(results)
 
     def on_grid(self, along: Array, across: Array) -> Array:
-        """Values (m, p, q) at all points of a grid from coordinates (p) and (q), as the product of both directions.
-
-        Examples
-        --------
-        >>> nodes = np.linspace(0.0, 1.0, 6)
-        >>> cubes = np.repeat(nodes[:, None, None] ** 3, 6, axis=1)
-        >>> spline = TensorSpline.through((nodes, nodes), cubes, (5, 5))
-        >>> spline.on_grid(np.array([0.5]), np.array([0.2, 0.9])).round(12).tolist()
-        [[[0.125, 0.125]]]
-        """
+        """Values (m, p, q) on the grid from coordinates (p) and (q), as the product of both directions."""
         first, second = (each.collocation(one) for each, one in zip(self.intervals, (along, across), strict=True))
         return np.asarray(first @ self.coefficients @ second.T)
 

@@ -45,27 +45,13 @@ _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
 @dataclass(frozen=True)
 class TouchingPoints:
-    """Smallest gap at pinion rotations (n); NaN where none was found.
+    """Smallest gap at pinion rotations (n); NaN where none was found."""
 
-    Parameters
-    ----------
-    gap
-        As a gear rotation [rad].
-    points
-        Lengthwise and profile fractions (2, n) on the gear.
-    parameters
-        Parameters (2 p, n) of the pinion point on each of the p parts of the pinion flank.
-    part
-        Index (n) of the parts that touch, as of ``TurnedFlanks.at``.
-    bound
-        Index (n) into ``BOUNDS`` of the edge on which the point lies, -1 inside.
-    """
-
-    gap: Array
+    gap: Array  # as a gear rotation [rad]
     points: Array
-    parameters: Array
+    parameters: Array  # on each of the p parts of the pinion flank (2 p, n)
     part: NDArray[np.int8]
-    bound: NDArray[np.int64]
+    bound: NDArray[np.int64]  # index into BOUNDS, -1 inside
 
     @classmethod
     def joined(cls, parts: Sequence[TouchingPoints]) -> TouchingPoints:
@@ -115,15 +101,7 @@ def least(found: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoint
 def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Rotations and nodes of the grid (m) at which a search of the smallest gap starts.
 
-    A node stands for what is around it: the gap across its cell lies below its own. Where that is lower than around the
-    neighbours the node is a start.
-
-    Parameters
-    ----------
-    geometry
-        The pair.
-    rotations
-        Pinion rotations (n) [rad].
+    A node is a start where the gap across its cell, which lies below its own, is lower than around the neighbours.
     """
     field = {name: ordered(geometry.ease_off, name, "lengthwise", "profile") for name in _SEARCH_FIELDS}
     across = [np.nan_to_num(np.abs(np.gradient(field["roll_angle"], axis=axis))) for axis in (0, 1)]
@@ -246,8 +224,8 @@ class _Best:
 def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
     """Step (2, n) to the minimum of the gap's second-order model within the linearised bounds, and its promise (n).
 
-    The minimum is inside, on one of the nearest bounds or where two of them meet: all are tried, and of those within
-    the bounds the lowest is taken. A gap that is not convex is made so, to keep the step downhill.
+    The lowest of those inside, on one of the nearest bounds or where two meet. A gap that is not convex is made so, to
+    keep the step downhill.
     """
     slope, bend = here.slope, _convex(here.bend, damping)
     with np.errstate(all="ignore"):

@@ -46,31 +46,18 @@ KINK_LIMIT = 1e-5  # [rad per fraction of the flank]; below it two cuts join smo
 
 @dataclass(frozen=True)
 class FlankCuts:
-    """What every part (p) of a flank cuts at points (n), with derivatives by the fractions.
+    """Cuts of every part (p) of a flank at points (n), with derivatives by the fractions."""
 
-    Parameters
-    ----------
-    depth, depth_slope
-        How much metal the part removes, as a rotation of the member that opens the gap (p, n), and its derivatives
-        (p, 2, n) [rad].
-    coordinate, coordinate_slope
-        Coordinate along the blade as a fraction of the flank's depth (p, n), and its derivatives (p, 2, n).
-    begin, end
-        Ends (p) of the sections in that coordinate; the lowest part begins where the edge radius of the blade ends.
-    known
-        Where the part has a point (p, n).
-    """
-
-    depth: Array
+    depth: Array  # metal removed, as a rotation that opens the gap (p, n) [rad]
     depth_slope: Array
-    coordinate: Array
+    coordinate: Array  # along the blade, as a fraction of the flank's depth (p, n)
     coordinate_slope: Array
-    begin: Array
+    begin: Array  # of the section (p); lowest part: end of the blade's edge radius
     end: Array
     known: NDArray[np.bool_]
 
     def margins(self, part: NDArray[np.int8]) -> tuple[Array, Array]:
-        """How far inside its bounds the cut of one part (n) lies, as fractions (3, n), and the derivatives (3, 2, n).
+        """Fractions (3, n) by which the cut of one part (n) lies inside its bounds, and their derivatives (3, 2, n).
 
         From the beginning of its section, from the end of it, and from where another part cuts deeper.
         """
@@ -95,7 +82,7 @@ class FlankCuts:
         return np.stack(own), np.stack([slope, -slope, cut_slope])
 
     def _beyond(self, part: int) -> tuple[Array, Array]:
-        """How far points (n) lie beyond the nearer end of a part's section, and the derivatives (2, n)."""
+        """Distance (n) of points beyond the nearer end of a part's section, and the derivatives (2, n)."""
         coordinate, slope = self.coordinate[part], self.coordinate_slope[part]
         below = self.begin[part] - coordinate if part > 0 else np.full(coordinate.size, -np.inf)
         above = coordinate - self.end[part]
@@ -104,52 +91,25 @@ class FlankCuts:
 
 @dataclass(frozen=True)
 class CirclesMet:
-    """Where circles (n) about the gear axis meet the pinion flank; derivatives by axial and radial coordinate.
+    """Points where circles (n) about the gear axis meet the pinion; derivatives by axial and radial coordinate."""
 
-    Parameters
-    ----------
-    azimuth
-        In the drive sense of the gear, the gear turned by the ratio [rad].
-    slope, bend
-        Its derivatives (2, n) and (2, 2, n) [rad/mm, rad/mm^2].
-    ahead
-        Its derivative by the pinion rotation (n).
-    bounds, bound_slopes
-        Lengthwise and profile fraction, and coordinate along the blade [mm] (3, n), and their derivatives (3, 2, n).
-    parameters, following
-        Surface parameters (2, n) and their derivatives (2, 2, n).
-    miss
-        Distance (n) over which all this is extrapolated [mm]; infinite where the pinion is undercut.
-    """
-
-    azimuth: Array
+    azimuth: Array  # in the drive sense, the gear turned by the ratio [rad]
     slope: Array
     bend: Array
-    ahead: Array
-    bounds: Array
+    ahead: Array  # derivative of the azimuth by the pinion rotation
+    bounds: Array  # both fractions, and coordinate along the blade [mm] (3, n)
     bound_slopes: Array
     parameters: Array
     following: Array
-    miss: Array
+    miss: Array  # distance of extrapolation [mm]; infinite where undercut
 
 
 def circles_met(
     exact: EaseOff, surface: GeneratingSurface, parameters: Array, rotations: Array, place: Array
 ) -> CirclesMet:
-    """Where circles meet one part of the pinion flank.
+    """Points where circles meet one part of the pinion flank, near its ``parameters`` (2, n), at rotations (n) [rad].
 
-    Parameters
-    ----------
-    exact
-        Ease-off of the pair, with its motion and the pinion's blank.
-    surface
-        The flank part.
-    parameters
-        Its parameters (2, n) near the meeting.
-    rotations
-        Pinion rotations (n) [rad].
-    place
-        Axial and radial coordinates (2, n) of the circles [mm].
+    ``place`` has the axial and radial coordinates (2, n) of the circles [mm].
     """
     if rotations.size > COLUMNS_PER_BLOCK:  # of which each has a rotation of its own
         parts = _blocks(rotations.size)
@@ -241,47 +201,21 @@ _OWN_FIELDS = ["closing", "later", "blade"]
 
 @dataclass(frozen=True)
 class TurnedGap:
-    """Gap at points (n) of the gear flank at pinion rotations (n).
-
-    Parameters
-    ----------
-    gap
-        As a gear rotation [rad].
-    slope, bend
-        Its derivatives by the fractions (2, n) and (2, 2, n) [rad].
-    margins
-        How far inside each of the ``BOUNDS`` (b, n) the point lies, as a fraction of the flank; negative outside.
-    margin_slopes
-        Their derivatives by the fractions (b, 2, n).
-    parameters
-        Parameters (2 p, n) of the points opposite on the p parts of the pinion flank, by one step of Newton's method
-        from the given ones.
-    following
-        Their derivatives by the fractions (2 p, 2, n).
-    miss
-        Distance (n) from the circle to the pinion point at the given parameters [mm]: everything is extrapolated over
-        it.
-    """
+    """Gap at points (n) of the gear flank at pinion rotations (n), with derivatives by the fractions."""
 
     gap: Array
     slope: Array
     bend: Array
-    margins: Array
+    margins: Array  # inside each of the BOUNDS, in fractions (b, n); negative outside
     margin_slopes: Array
     parameters: Array
     following: Array
-    miss: Array
+    miss: Array  # from circle to pinion point, extrapolated over [mm]
 
 
 @dataclass(frozen=True)
 class TurnedFlanks:
-    """Both flanks of a pair at any pinion rotation.
-
-    Parameters
-    ----------
-    geometry
-        The pair, with the ease-off of its flanks or another one on the same grid.
-    """
+    """Both flanks of a pair at any pinion rotation."""
 
     geometry: PairGeometry
 
@@ -339,18 +273,10 @@ class TurnedFlanks:
         return len(self.parts[0]) * len(self.parts[1])
 
     def at(self, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]) -> TurnedGap:
-        """Gap at points of the gear at pinion rotations.
+        """Gap at points (2, n) of the gear at pinion rotations (n) [rad], counted as the roll angle.
 
-        Parameters
-        ----------
-        points
-            Lengthwise and profile fractions (2, n).
-        rotations
-            Pinion rotations (n) [rad], counted as the roll angle.
-        parameters
-            Parameters (2 p, n) near the points opposite, on each of the p parts of the pinion flank.
-        part
-            Index (n) of the parts that touch: of the pinion's, and p times that of the gear's.
+        ``parameters`` (2 p, n) are near the points opposite, on each of the p parts of the pinion flank; ``part`` (n)
+        is the index of the pinion's part that touches, plus p times that of the gear's.
         """
         if rotations.size > COLUMNS_PER_BLOCK:
             starts = range(0, rotations.size, COLUMNS_PER_BLOCK)
@@ -400,7 +326,7 @@ class TurnedFlanks:
         return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in each])
 
     def in_hole(self, points: Array, part: NDArray[np.int8]) -> NDArray[np.bool_]:
-        """Whether points (2, n) lie in a cell of the gear's grid with a node without a value; ``part`` as of ``at``."""
+        """True where points (2, n) lie in a cell of the gear's grid with a node without a value."""
         return pick([spline.in_hole(points) for spline in self.own], part // len(self.parts[0]))
 
     def _circles(self, points: Array) -> tuple[Array, Array, Array]:
@@ -428,7 +354,7 @@ def _picked(values: tuple[dict[str, Array], ...], part: NDArray[np.int8]) -> dic
 
 
 def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], depth: float) -> FlankCuts:
-    """What the parts of the gear cut, from the values and derivatives of their splines."""
+    """Cuts of the parts of the gear, from the values and derivatives of their splines."""
     value, by_t, by_h = (
         {name: np.stack([spline[k][name] for spline in each]) for name in _OWN_FIELDS} for k in range(3)
     )
@@ -441,7 +367,7 @@ def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], dep
 def _pinion_cuts(
     parts: tuple[GeneratingSurface, ...], every: list[CirclesMet], along: Array, depth: float
 ) -> FlankCuts:
-    """What the parts of the pinion cut, from where they are met."""
+    """Cuts of the parts of the pinion, from where they are met."""
     azimuth = np.stack([met.azimuth for met in every])
     azimuth = azimuth[0] + np.mod(azimuth - azimuth[0] + np.pi, 2.0 * np.pi) - np.pi
     slopes = [_chain(np.stack([met.slope, met.bound_slopes[2] / depth]), along) for met in every]
@@ -476,7 +402,7 @@ def _between(fractions: Array) -> list[Array]:
 
 
 def _change(values: Array, exact: Array) -> Array:
-    """What an ease-off's field (n) has beside that of the flanks; one number where both are the same but for a zero."""
+    """Difference of an ease-off's field (n) from that of the flanks; one number if it is the same everywhere."""
     change = values - exact
     constant = float(np.nanmedian(change))
     return np.where(np.nanmax(np.abs(change - constant)) < SAME_EASE_OFF_LIMIT, constant, change)
