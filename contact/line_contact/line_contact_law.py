@@ -32,19 +32,9 @@ def solve_at_torques(
     solver: SolverChoice = "auto",
     **options: Any,
 ) -> Iterator[list[_Found]]:
-    """Solve contact problems with load-dependent line contact at several torques, each starting from the one before.
+    """Solutions of contact problems with load-dependent line contact at rising torques (t) [N mm], as a list for each.
 
-    Parameters
-    ----------
-    bendings, contacts, solver, **options
-        As of `solve_line_contacts`; the torque of the problems is of no account.
-    torques
-        Rising (t) [N mm].
-
-    Yields
-    ------
-    list
-        For every torque what `solve_line_contacts` yields.
+    Every torque starts from the one before; the torque of the problems is of no account.
     """
     at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
     known: list[list[_Found | None]] | None = None
@@ -69,26 +59,10 @@ def solve_line_contacts(
     solver: SolverChoice = "auto",
     **options: Any,
 ) -> Iterator[_Found]:
-    """Solve contact problems with load-dependent line contact, and prove the answers.
+    """Solve contact problems with load-dependent line contact, and prove the answers; one result a problem.
 
-    The native solver without options takes the line contact as it is; what this leaves without a certified answer, and
-    all problems of another solver, are solved by linear programmes.
-
-    Parameters
-    ----------
-    bendings
-        Structured, with the compliance of bending alone, and a positive torque.
-    contacts
-        The local part of each.
-    starts
-        Forces of each near the solution (n) [N], such as those of a lower torque, or None.
-    solver, **options
-        As for `solve_line_contact`.
-
-    Yields
-    ------
-    tuple
-        For every problem what `solve_line_contact` returns.
+    Linear programmes solve what the native solver without options leaves uncertified, and all of other solvers.
+    ``bendings`` have bending compliance alone and a positive torque; ``starts`` are forces (n) [N].
     """
     known: Sequence[_Found | None] = [None] * len(bendings)
     if _takes_all(solver, options) and len(bendings) > 0:
@@ -97,7 +71,7 @@ def solve_line_contacts(
 
 
 def _takes_all(solver: SolverChoice, options: Mapping[str, Any]) -> bool:
-    """Whether a solver takes many problems at once."""
+    """True if a solver takes many problems at once."""
     return require_solver(solver) == "native" and not options
 
 

@@ -124,34 +124,20 @@ MAX_GUIDED_DIVISIONS, MAX_DIVISIONS = 12, 200
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class PathNode:
-    """A certified point of the path.
+    """A certified point of the path, rates by the torque about the gear axis."""
 
-    Attributes
-    ----------
-    torque
-        About the gear axis [N mm].
-    solution
-        Of the contact problem there.
-    force_rate, rotation_rate
-        Derivatives of forces (n) and rotation by the torque.
-    indentation, indentation_rate
-        Of the segments by their local contact (n) [mm], and its derivative.
-    touching
-        Segments that carry load (n).
-    """
-
-    torque: float
+    torque: float  # [N mm]
     solution: ContactSolution
     force_rate: Array
     rotation_rate: float
-    indentation: Array
+    indentation: Array  # by local contact (n) [mm]
     indentation_rate: Array
     touching: NDArray[np.bool_]
 
 
 @dataclass(eq=False)
 class ContinuedPath:
-    """What was followed: points, changes of the touching set (torque, segment, enters), and why it ended early."""
+    """Points, changes of the touching set (torque, segment, enters), and the reason why the path ended early."""
 
     nodes: list[PathNode] = field(default_factory=list)
     changes: list[tuple[float, int, bool]] = field(default_factory=list)
@@ -173,14 +159,7 @@ def continue_path(
 ) -> ContinuedPath:
     """Follow the solution from one torque to a higher one [N mm].
 
-    Parameters
-    ----------
-    bending, line_contact
-        As of `line_contact_sensitivity`.
-    low, high
-        Torques [N mm].
-    tolerance
-        Largest distance of the two points between which a change lies, relative to its torque.
+    A change lies between two points whose distance is no larger than ``tolerance``, relative to its torque.
     """
     path = ContinuedPath()
 
@@ -378,7 +357,7 @@ class LineContactPath:
 
     @property
     def certified(self) -> bool:
-        """Whether the path was followed from start to end."""
+        """True if the path was followed from start to end."""
         return self.status is Status.CERTIFIED
 
     @property

@@ -215,54 +215,10 @@ def solve_line_contact(
     polish: bool = True,
     **settings: Any,
 ) -> tuple[ContactSolution, ContactProblem]:
-    """Solve the contact problem with load-dependent line contact, and prove the answer.
+    """Solution of the contact problem with load-dependent line contact, proven, and the equivalent linear problem.
 
-    Parameters
-    ----------
-    separation, lever_arm
-        Of the segments (n) [mm], see `ContactProblem`.
-    torque
-        About the gear axis [N mm].
-    bending_compliance
-        Compliance B of teeth and roots, without the local part [mm/N], positive semidefinite: an (n, n) array, or the
-        pair of an (n) and an (n, k) array.
-    line_contact
-        The local part.
-    solver
-        Solver of the linear problems; see `solve`.
-    initial_force
-        Warm start: the forces of a neighbouring problem (n) [N]. Ignored if they are NaN, as where that problem failed.
-    polish
-        See `solve`.
-    **settings
-        Passed to the solver: a time limit or a step limit of the native solver holds for all linear problems together,
-        that of another one for each.
-
-    Returns
-    -------
-    ContactSolution
-        Its certificate is that of the nonlinear problem, ``iterations`` counts the linear problems solved. The status
-        is `Status.NOT_CONVERGED` if the iteration did not settle, or that of the linear problem that failed.
-    ContactProblem
-        The linear problem with the secant compliance at the solution, which has the same solution.
-
-    Raises
-    ------
-    InputError, MissingSolverError
-        As `ContactProblem` and `solve`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from easeoff.contact import Material
-    >>> from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-    >>> steel = Material(206000.0, 0.3)
-    >>> sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]  # length, radius and depths [mm]
-    >>> bending = (np.zeros(3), np.full((3, 1), 1e-3))
-    >>> gap, arm = np.array([0.01, 0.0, 0.01]), np.full(3, 40.0)
-    >>> solution, _ = solve_line_contact(gap, arm, 1.2e5, bending, WeberLineContact(*sizes, steel, steel))
-    >>> solution.certified, round(float(solution.force.sum()), 6)
-    (True, 3000.0)
+    That has the secant compliance. The bending compliance, (n, n) or a pair of (n) and (n, k), has no local part; a NaN
+    start is ignored; a time or step limit holds for all linear problems with the native solver, for each with another.
     """
     bending = ContactProblem(separation, lever_arm, torque, bending_compliance)
     return solve_on_bending(bending, line_contact, solver, initial_force=initial_force, polish=polish, **settings)

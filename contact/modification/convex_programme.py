@@ -34,50 +34,24 @@ LIMIT_MARGIN = 1e-3
 class Goal:
     """Objective and limits of a modification.
 
-    The mesh cycles of the loads are numbered through the torques of the first assembly, then those of the next.
-
-    Parameters
-    ----------
-    objective
-        ``peak_load``: the greatest line load; ``peak_pressure``: the greatest contact pressure; ``even_load``: the root
-        of the sum of the squared line loads times the length. Of each torque in relation to the start, the worst
-        assembly counting; then the torque that fares worst.
-    reference
-        The objective of each torque at the start (t), see ``figures``.
-    load_reference
-        The greatest line load of each torque at the start (t) [N/mm].
-    transmission_error
-        Limit of the rotation's peak to peak in every mesh cycle [urad]; infinite for none.
-    end_load
-        Limit of the line load at the ends of the contact lines, for each torque (t) [N/mm]; infinite for none.
-    surface
-        The modification at points (s) on the flank for coefficients of one (s, p) [um].
-    largest
-        Limit of the modification at these points [um].
+    Mesh cycles count through the torques of the first assembly, then of the next. Of each torque relative to the start
+    the worst assembly counts; then the torque that fares worst.
     """
 
     objective: Objective
     reference: Array
-    load_reference: Array
-    transmission_error: float
-    end_load: Array
-    surface: Array
-    largest: float
+    load_reference: Array  # greatest line load at the start (t) [N/mm]
+    transmission_error: float  # limit of every cycle's peak to peak [urad], infinite for none
+    end_load: Array  # limit at the ends of contact lines (t) [N/mm], infinite for none
+    surface: Array  # modification at points (s) by coefficients of one (s, p) [um]
+    largest: float  # limit of the modification [um]
 
 
 @dataclass(frozen=True)
 class Value:
-    """Objective and violation of the limits that a modification reaches.
+    """Objective and violation of the limits that a modification reaches."""
 
-    Parameters
-    ----------
-    objective
-        Greatest over the torques of the figure over its reference.
-    violation
-        By which part the worst limit is passed: of the peak to peak's own limit, of the line load's peak at the start.
-    """
-
-    objective: float
+    objective: float  # figure over reference, greatest of the torques
     violation: float
 
     @property
@@ -88,32 +62,23 @@ class Value:
 
 @dataclass(frozen=True, eq=False)
 class ProgrammeAnswer:
-    """Answer of one convex programme.
-
-    Parameters
-    ----------
-    status
-        In the words of CVXPY: ``optimal``, ``optimal_inaccurate``, ...
-    step
-        Change of the coefficients (p) [um], NaN if there is none.
-    value
-        Value that the programme predicts.
-    """
+    """Answer of one convex programme."""
 
     status: str
-    step: Array
+    step: Array  # of the coefficients (p) [um], NaN if there is none
     value: Value
 
     @property
     def solved(self) -> bool:
-        """Whether the programme gave a step."""
+        """True if the programme gave a step."""
         return bool(np.isfinite(self.step).all())
 
 
 def figures(loads: LoadResponse, objective: Objective) -> Array:
     """The objective of each mesh cycle (c), in its own units.
 
-    N/mm for the load, its root over mm for the pressure, which is proportional to it, and N/mm^0.5 for the evenness.
+    Greatest line load [N/mm]; root of it times the curvature [N^0.5/mm], proportional to the pressure; root of the
+    squared line loads times the length, summed [N/mm^0.5].
     """
     values = np.zeros(1 + loads.cycle.max())
     if objective == "even_load":
@@ -150,23 +115,10 @@ def judged(loads: LoadResponse, goal: Goal) -> Value:
 
 
 def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_radius: float) -> ProgrammeAnswer:
-    """Find the best change of the coefficients while the same segments touch.
+    """Best change of the coefficients (p) [um] while the same segments touch.
 
-    Parameters
-    ----------
-    loads
-        Loads at the present coefficients, and how they change.
-    goal
-        Objective and limits.
-    coefficients
-        The present coefficients (p) [um].
-    trust_radius
-        Largest change of the surface in this programme [um].
-
-    Returns
-    -------
-    ProgrammeAnswer
-        A limit that cannot be kept is passed by as little as possible: the programme always has an answer.
+    The surface changes by ``trust_radius`` [um] at most. There is always an answer: a limit that cannot be kept is
+    passed by as little as possible.
     """
     import cvxpy as untyped
 
@@ -226,7 +178,7 @@ def _objective(
 
 
 def _squared(goal: Goal) -> bool:
-    """Whether the programme works with the square of the objective: the squared pressure is affine in the line load."""
+    """True if the objective is squared in the programme: the squared pressure is affine in the line load."""
     return goal.objective == "peak_pressure"
 
 
@@ -240,11 +192,5 @@ def _no_answer(status: str, size: int) -> ProgrammeAnswer:
 
 
 def checked_objective(name: str) -> Objective:
-    """The objective of that name.
-
-    Raises
-    ------
-    InputError
-        If the objective is unknown.
-    """
+    """The objective of that name; an ``InputError`` refuses an unknown one."""
     return cast(Objective, one_of("objective", name, OBJECTIVES))

@@ -24,39 +24,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Derivatives of a contact problem's solution by p coefficients of its separation, for a fixed contact region.
+    """Derivatives of a contact problem's solution by p coefficients of its separation, for a fixed contact region."""
 
-    Parameters
-    ----------
-    force
-        Of the forces (n, p); of zero where there is no contact.
-    gap
-        Of the gaps (n, p); of zero where there is contact.
-    rotation
-        Of the rotation (p).
-    yielding
-        How much a segment yields to a force of its own while the loaded ones keep contact (n) [mm/N].
-    """
-
-    force: Array
+    force: Array  # (n, p), zero without contact
     gap: Array
     rotation: Array
-    yielding: Array
+    yielding: Array  # to an own force while the loaded segments keep contact (n) [mm/N]
 
 
 def slopes(compliance: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_], separation: Array) -> Slopes:
-    """Derivatives of forces, gaps and rotation.
+    """Derivatives of forces, gaps and rotation by coefficients, from those of the separation (n, p) [mm per unit].
 
-    Parameters
-    ----------
-    compliance
-        Tangent compliance [mm/N], positive definite on the segments in contact.
-    lever_arm
-        (n) [mm].
-    active
-        Segments in contact (n), at least one.
-    separation
-        Derivatives of the separation (n, p) [mm per unit].
+    The tangent compliance [mm/N] is positive definite on the segments in contact (n), at least one.
     """
     system = touching_system(compliance, lever_arm, active)
     found = system.solve(-separation, np.zeros(separation.shape[1]))
@@ -69,10 +48,7 @@ def held_in_contact(
 ) -> tuple[Array, float]:
     """Forces [N], pulling ones allowed, and rotation [rad] that close the gap of all segments (n).
 
-    Parameters
-    ----------
-    compliance, separation, lever_arm, torque
-        See ``ContactProblem``; the compliance is positive definite.
+    The compliance is positive definite.
     """
     system = touching_system(compliance, lever_arm, np.ones(separation.size, dtype=np.bool_))
     force, rotation, _ = system.solve(-separation[:, None], np.array([torque])).column(0)
@@ -83,37 +59,18 @@ def held_in_contact(
 class LoadResponse:
     """Line loads (n) and rotations (m) of many contact problems as affine functions of p coefficients.
 
-    Where there is no contact the line load is negative: minus the gap over what the segment yields. It turns positive
-    where the segment would touch, and is then more than it will carry, as its neighbours touch too.
-
-    Parameters
-    ----------
-    line_load, line_load_slope
-        (n) [N/mm] and (n, p).
-    touching
-        Whether a segment is in the contact region (n).
-    length
-        Length of the segments (n) [mm].
-    curvature
-        Relative curvature across the contact line (n) [1/mm].
-    at_end
-        Whether a segment is the first or last of its contact line (n).
-    cycle
-        Number of the mesh cycle that each segment belongs to (n); a cycle is one torque in one assembly.
-    rotation, rotation_slope
-        (m) [urad] and (m, p).
-    rotation_cycle
-        Number of the mesh cycle that each rotation belongs to (m).
+    Without contact a line load is minus the gap over the yielding; it turns positive where the segment would touch, and
+    is then too high, as the neighbours touch too. A mesh cycle is one torque in one assembly.
     """
 
-    line_load: Array
+    line_load: Array  # [N/mm]
     line_load_slope: Array
     touching: NDArray[np.bool_]
     length: Array
     curvature: Array
     at_end: NDArray[np.bool_]
     cycle: NDArray[np.int64]
-    rotation: Array
+    rotation: Array  # [urad]
     rotation_slope: Array
     rotation_cycle: NDArray[np.int64]
 
@@ -142,22 +99,10 @@ def load_response(
     cycle: int,
     held: bool = False,
 ) -> LoadResponse:
-    """One solved contact problem as affine functions of the coefficients.
+    """One solved contact problem as affine functions of the coefficients, from its tangent compliance [mm/N].
 
-    Parameters
-    ----------
-    compliance
-        Tangent compliance [mm/N].
-    lever_arm
-        (n) [mm].
-    force, gap, rotation
-        The solution: (n) [N], (n) [mm], [rad].
-    separation
-        Derivatives of the separation (n, p) [mm per unit].
-    length, curvature, at_end, cycle
-        See ``LoadResponse``.
-    held
-        Whether all segments are held in contact, by pulling if need be, see ``held_in_contact``.
+    Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``held`` all segments
+    are in contact, by pulling if need be.
     """
     active = np.full(force.size, held) | (force > 0.0)
     slope = slopes(compliance, lever_arm, active, separation)

@@ -40,54 +40,22 @@ NO_VALUE = Value(np.nan, np.nan)
 
 @dataclass(frozen=True)
 class Step:
-    """One programme of a search and its outcome.
-
-    Parameters
-    ----------
-    status
-        Status of the programme.
-    trust_radius
-        Largest change of the surface that was allowed [um].
-    promised
-        Value predicted by the programme.
-    fresh
-        Value of the fresh solution; NaN if there was none.
-    accepted
-        Whether the search went on from there.
-    mending
-        Whether it began at the step before, to mend that one, and not at the best modification so far.
-    search
-        Which search it belongs to, see ``optimal_modification``.
-    """
+    """One programme of a search and its outcome."""
 
     status: str
     trust_radius: float
     promised: Value
-    fresh: Value
+    fresh: Value  # of the fresh solution; NaN if there was none
     accepted: bool
-    mending: bool = False
+    mending: bool = False  # from the step before, not from the best so far
     search: Start = "present"
 
 
 @dataclass(frozen=True, eq=False)
 class ModificationSearch:
-    """Result of a search.
+    """Result of a search: the best modification, its loads and value, and all programmes."""
 
-    Parameters
-    ----------
-    coefficients
-        Of the best modification (p) [um].
-    loads
-        Its loads.
-    value
-        Its value.
-    steps
-        All programmes.
-    converged
-        Whether the last programme had nothing left to gain.
-    """
-
-    coefficients: Array
+    coefficients: Array  # (p) [um]
     loads: LoadResponse
     value: Value
     steps: tuple[Step, ...]
@@ -104,29 +72,9 @@ def search(
     trust_radius: float = FIRST_TRUST_RADIUS,
     progress: Callable[[], None] | None = None,
 ) -> ModificationSearch:
-    """Improve a modification until no convex programme promises a gain.
+    """Improve a modification (p) [um] until no convex programme promises a gain; its merit never rises.
 
-    Parameters
-    ----------
-    solved
-        Certified loads at given coefficients (p) [um], or ``None`` if there are none.
-    start
-        The same where the search begins.
-    goal
-        Objective and limits.
-    coefficients
-        Coefficients to start from (p) [um]; zero if left out.
-    programmes
-        The most programmes to solve.
-    trust_radius
-        Largest change of the surface in the first programme [um].
-    progress
-        Called after every programme.
-
-    Returns
-    -------
-    ModificationSearch
-        Never of a higher merit than the start: if that keeps the limits, no torque fares worse.
+    ``solved`` gives certified loads at coefficients, or ``None``. If the start keeps the limits, no torque fares worse.
     """
     first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
     best = _Point(first, start, judged(start, goal))
@@ -168,22 +116,10 @@ def optimal_modification(
     programmes: int = 40,
     progress: Callable[[], None] | None = None,
 ) -> ModificationSearch:
-    """Search from the programme of full contact and from no modification, and keep the better end.
+    """Search from full contact and from no modification, and keep the better end; its merit never rises.
 
-    While neither keeps the limit of the transmission error, both search again under a tighter limit, and a third search
-    begins at their better end.
-
-    Parameters
-    ----------
-    solved, start, goal, programmes, progress
-        See ``search``; ``programmes`` bounds each search.
-    held
-        Loads at coefficients of zero with all segments held in contact.
-
-    Returns
-    -------
-    ModificationSearch
-        Never of a higher merit than the start; with the steps of all searches.
+    While neither keeps the limit of the transmission error, both search again under a tighter one, and a third begins
+    at their better end. ``held`` has all segments in contact by force, at coefficients of zero.
     """
 
     def ends(aim: Goal) -> list[ModificationSearch]:

@@ -21,31 +21,9 @@ Array = NDArray[Any]
 
 
 def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:
-    """Derivatives of every segment's separation by the coefficients of a modification.
+    """Derivatives (n, p) [mm/um] of segments' separations by the terms of a modification, by mesh position.
 
-    A gap at its smallest does not change, to first order, with the point where it is taken: the derivative is the
-    modification itself at the closest approach.
-
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    names
-        Terms of the modification (p).
-
-    Returns
-    -------
-    list
-        One array (n, p) [mm/um] a mesh position, in the order of its segments.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> [slopes.shape[1] for slopes in separation_slopes(cycle, ("lengthwise_crowning", "bias"))]
-    [2, 2]
+    To first order a smallest gap does not change with its place: it is the modification itself at the closest approach.
     """
     points, weights = cycle.segments.on_lines.quadrature
     closest, lines = cycle.segments.closest, cycle.lines
@@ -60,33 +38,11 @@ def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:
 @frozen_arrays
 @dataclass(frozen=True)
 class ModifiedContact:
-    """A pair whose ease-off may be modified, with contact on lines.
-
-    Parameters
-    ----------
-    cycle
-        The pair as it is, in mesh.
-    torques
-        Torques at the pinion (t) [N m].
-    names
-        Terms of the modification (p).
-    solver
-        Name of the contact solver.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> contact = ModifiedContact(cycle, np.array([100.0]), ("lengthwise_crowning",))
-    >>> contact.loads(np.array([1.0])).line_load_slope.shape[1]
-    1
-    """
+    """A pair whose ease-off may be modified, with contact on lines."""
 
     cycle: MeshCycle
-    torques: Array
-    names: tuple[str, ...]
+    torques: Array  # at the pinion (t) [N m]
+    names: tuple[str, ...]  # terms of the modification (p)
     solver: str = "auto"
 
     def modification(self, coefficients: Array) -> Modification:
@@ -94,19 +50,10 @@ class ModifiedContact:
         return Modification(dict(zip(self.names, map(float, coefficients), strict=True)))
 
     def loads(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse | None:
-        """Solve the loaded contact afresh, certified, and find how it changes with the coefficients.
+        """Solve the loaded contact afresh at coefficients (p) [um], certified, with its changes by these.
 
-        Parameters
-        ----------
-        coefficients
-            Of the modification (p) [um].
-        cycles
-            Numbers (t) of the torques' mesh cycles; from 0 on if left out.
-
-        Returns
-        -------
-        LoadResponse or None
-            ``None`` if a torque has a mesh position without a certified solution.
+        ``None`` if a torque has a mesh position without a certified solution. ``cycles`` number the torques' mesh
+        cycles (t).
         """
         modified, slopes = self._modified(coefficients)
         cases = modified.solved(self.torques, self.solver)

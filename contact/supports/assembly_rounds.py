@@ -25,13 +25,7 @@ UPDATES: tuple[Update, ...] = ("none", "mean", "position")
 
 
 class RoundsStatus(StoredStatus):
-    """How the rounds ended.
-
-    Examples
-    --------
-    >>> RoundsStatus(1).name
-    'ROUND_LIMIT'
-    """
+    """Reason why the rounds ended."""
 
     ENDED = 0
     ROUND_LIMIT = 1
@@ -41,7 +35,7 @@ class RoundsStatus(StoredStatus):
 
 @dataclass(frozen=True)
 class AssemblyRounds:
-    """How far the assembly found under load is followed.
+    """Extent to which the assembly found under load is followed.
 
     Parameters
     ----------
@@ -98,36 +92,16 @@ class CycleInAssembly(Protocol):
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Round:
-    """Contact on supports at torques (t) and mesh positions (k), as one round solved it.
-
-    Parameters
-    ----------
-    cycle
-        The pair in the assembly of the geometry; the mean one where every mesh position has its own.
-    wrenches
-        Wrenches of the normal forces in that assembly.
-    segments, cases
-        As of ``loaded.cycle_cases``.
-    wrench
-        Wrench of the gear on the pinion about the origin (t, k, 6); NaN where nothing is certified.
-    parts
-        The motion under load, see ``relative_motion.PARTS`` (t, k, 6).
-    rotation
-        Rotation of the gear against the drive sense (t, k) [rad], from first contact of the pair without load.
-    first_contact
-        What of it is first contact in the mean assembly (t) [rad].
-    supports
-        Supports at every mesh position (k).
-    """
+    """Contact on supports at torques (t) and mesh positions (k), as one round solved it."""
 
     cycle: CycleInAssembly
     wrenches: MeshWrenches
     segments: list[Segments | None]
     cases: list[LoadedCase]
-    wrench: Array
-    parts: Array
-    rotation: Array
-    first_contact: Array
+    wrench: Array  # gear on pinion about the origin (t, k, 6); NaN if not certified
+    parts: Array  # motion under load, see ``PARTS`` (t, k, 6)
+    rotation: Array  # of the gear against the drive sense (t, k) [rad], from first contact
+    first_contact: Array  # its part by first contact in the mean assembly (t) [rad]
     supports: tuple[Supports, ...]
 
     def at(self, torque: int) -> Round:
@@ -140,19 +114,7 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class FoundRound:
-    """The last round at torques (t), and how the rounds ended.
-
-    Parameters
-    ----------
-    torques
-        Numbers of the torques (t).
-    found
-        The last round.
-    count, change
-        Number of rounds, and what the assembly still changed after the last [um].
-    status, reason
-        How they ended.
-    """
+    """The last round at torques (t), by their numbers, and the reason why the rounds ended."""
 
     torques: tuple[int, ...]
     found: Round

@@ -22,31 +22,13 @@ POINT_COUNT_LIMIT = 1000  # of a curve
 
 @dataclass(frozen=True)
 class StiffnessCurve:
-    """Stiffness of a bearing that depends on its load.
+    """Stiffness of a bearing that depends on its load, by increasing loads and displacements.
 
-    The displacement is interpolated on logarithmic scales by a monotone cubic, which follows a power law exactly, such
-    as that of a line contact. Below the first load and above the last one the stiffness is that of the curve's end.
-
-    Parameters
-    ----------
-    load
-        Loads (n), increasing, positive, at least two [N, or N mm].
-    displacement
-        Displacements (n), increasing, positive [mm, or rad].
-
-    Raises
-    ------
-    InputError
-        If loads or displacements do not increase, are not positive, or are not as many.
-
-    Examples
-    --------
-    >>> curve = StiffnessCurve((1000.0, 2000.0, 4000.0), (0.004, 0.007, 0.012))
-    >>> round(curve.stiffness(2000.0)), round(curve.stiffness(10.0))
-    (285714, 250000)
+    A monotone cubic on logarithmic scales, exact for a power law such as that of a line contact; beyond the loads the
+    stiffness is that of the curve's end.
     """
 
-    load: tuple[float, ...]
+    load: tuple[float, ...]  # [N, or N mm]
     displacement: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -63,18 +45,7 @@ class StiffnessCurve:
 
     @classmethod
     def of_stiffness(cls, points: Sequence[tuple[float, float]]) -> StiffnessCurve:
-        """The curve of points (load, load over displacement).
-
-        Raises
-        ------
-        InputError
-            As the class; and if the stiffness grows so fast that the displacement falls.
-
-        Examples
-        --------
-        >>> StiffnessCurve.of_stiffness([(1000.0, 250e3), (2000.0, 280e3)]).displacement[0]
-        0.004
-        """
+        """The curve of points (load, load over displacement), refused if the displacement falls."""
         table = array("points", points, "N, N/mm", ndim=2, above=0.0)
         if table.shape[1] != 2:
             raise InputError(f"points = {shown(points)}: must be pairs of load and stiffness")
@@ -103,39 +74,13 @@ Stiffness = float | StiffnessCurve
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing at a place of a shaft. It leaves the rotation about the axis free.
-
-    Parameters
-    ----------
-    name
-        Name in results.
-    position
-        Where it acts on the axis [mm]; of a taper roller bearing its load centre, where the lines of action of the
-        rollers meet the axis.
-    radial
-        Radial stiffness [N/mm], or its curve.
-    axial
-        Axial stiffness [N/mm], both senses alike as of a preloaded pair, or its curve; zero: none.
-    tilting
-        Tilting stiffness [N mm/rad], or its curve; zero: none.
-
-    Raises
-    ------
-    InputError
-        If a stiffness is negative, or none is positive.
-
-    Examples
-    --------
-    >>> head = Bearing("head", 40.0, radial=600e3, axial=150e3)
-    >>> head.is_linear, head.stiffness.tolist()
-    (True, [600000.0, 600000.0, 150000.0, 0.0, 0.0])
-    """
+    """A bearing at a place of a shaft. It leaves the rotation about the axis free; a stiffness of zero is none."""
 
     name: str
-    position: float
-    radial: Stiffness
-    axial: Stiffness = 0.0
-    tilting: Stiffness = 0.0
+    position: float  # on the axis [mm]; of a taper roller bearing its load centre
+    radial: Stiffness  # [N/mm]
+    axial: Stiffness = 0.0  # [N/mm], both senses alike
+    tilting: Stiffness = 0.0  # [N mm/rad]
 
     def __post_init__(self) -> None:
         number("position", self.position, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
@@ -147,7 +92,7 @@ class Bearing:
 
     @property
     def is_linear(self) -> bool:
-        """Whether no stiffness depends on the load."""
+        """True if no stiffness depends on the load."""
         return not any(isinstance(value, StiffnessCurve) for value in (self.radial, self.axial, self.tilting))
 
     @property
@@ -160,14 +105,7 @@ class Bearing:
         return np.array([radial, radial, axial, tilting, tilting])
 
     def under(self, load: Array) -> Bearing:
-        """The linear bearing with the stiffness, load over displacement, of a load (6) on it [N, N mm].
-
-        Examples
-        --------
-        >>> curve = StiffnessCurve((1000.0, 2000.0), (0.004, 0.007))
-        >>> round(Bearing("tail", 90.0, radial=curve).under(np.array([1200.0, 1600.0, 0, 0, 0, 0])).radial)
-        285714
-        """
+        """The linear bearing with the stiffness, load over displacement, of a load (6) on it [N, N mm]."""
         radial, axial, tilting = (
             value.stiffness(float(size)) if isinstance(value, StiffnessCurve) else value
             for value, size in (

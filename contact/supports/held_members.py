@@ -17,24 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HeldMembers:
-    """Supports at every mesh position.
-
-    Parameters
-    ----------
-    modes
-        Of every mesh position (k).
-    wrenches
-        Wrenches of the normal forces.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> wrenches = MeshWrenches.of(pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)))
-    >>> rigid = SupportModes(np.zeros((6, 6)), np.zeros(6))
-    >>> HeldMembers([rigid], wrenches).holding([None])
-    [None]
-    """
+    """Supports at every mesh position (k)."""
 
     modes: Sequence[SupportModes]
     wrenches: MeshWrenches
@@ -45,14 +28,6 @@ class HeldMembers:
         return [None if here is None else replace(here, held=modes) for here, modes in both]
 
     def closing(self, segments: Segments, force: Array) -> float:
-        """How much farther than the gear turns some gap on the flank closes by the motion of the members [rad].
-
-        Parameters
-        ----------
-        segments
-            Of a mesh position, with its supports.
-        force
-            Normal forces (n) [N].
-        """
+        """Rotation [rad] by which some gap on the flank closes farther, by the members' motion, than the gear turns."""
         wrenches = self.wrenches
         return -float(np.min(wrenches.flank @ segments.moved(force) / wrenches.lever_arm))

@@ -25,35 +25,13 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class MeshWrenches:
-    """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank.
-
-    Parameters
-    ----------
-    fields
-        Splines of the wrench in conjugate contact, and of the roll angle.
-    gear_turn
-        Rotation of the gear about z for a rotation of the pinion in the drive sense.
-    flank
-        The wrench at the points of the grid that lie on both flanks (m, 6).
-    lever_arm
-        Arm of the normal force about the gear axis at these points (m) [mm].
-    ease_off_angle, inside
-        Ease-off as a gear rotation [rad], and whether they lie on both flanks, of all points of the grid (nt, nh).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> wrenches = MeshWrenches.of(pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)))
-    >>> wrenches.on_lines(np.array([0.5, 0.5])).shape
-    (6,)
-    """
+    """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank."""
 
     fields: FlankSplines
     gear_turn: float
-    flank: Array
+    flank: Array  # wrench at points of the grid on both flanks (m, 6)
     lever_arm: Array
-    ease_off_angle: Array
+    ease_off_angle: Array  # as a gear rotation, all of the grid (nt, nh) [rad]
     inside: NDArray[np.bool_]
 
     @classmethod
@@ -76,7 +54,7 @@ class MeshWrenches:
     def first_contact_change(self, twist: Array) -> float:
         """Change of the gear rotation to first contact [rad] by a twist (6) of the pinion to the gear, to first order.
 
-        First order of the gap at every point: where the first contact is may change.
+        First order of the gap at every point: the place of first contact may change.
         """
         angle = self.ease_off_angle.copy()
         angle[self.inside] += self.flank @ twist / self.lever_arm

@@ -32,26 +32,7 @@ JOINT_TOLERANCE = 1e-9  # between the end of a section and the start of the next
 
 @dataclass(frozen=True)
 class Beam:
-    """A beam of cylindrical sections along z.
-
-    Parameters
-    ----------
-    sections
-        In their order along the axis, without gaps.
-    material
-        Its material.
-
-    Raises
-    ------
-    InputError
-        If there is no section, too many, or a section does not begin where the one before it ends.
-
-    Examples
-    --------
-    >>> beam = Beam((ShaftSection(0.0, 60.0, 40.0), ShaftSection(60.0, 100.0, 35.0)), Material(206000.0, 0.3))
-    >>> beam.start, beam.end
-    (0.0, 100.0)
-    """
+    """A beam of cylindrical sections along z, in their order and without gaps."""
 
     sections: tuple[ShaftSection, ...]
     material: Material
@@ -69,38 +50,18 @@ class Beam:
 
     @property
     def start(self) -> float:
-        """Where the first section begins [mm]."""
+        """Beginning of the first section [mm]."""
         return self.sections[0].start
 
     @property
     def end(self) -> float:
-        """Where the last section ends [mm]."""
+        """End of the last section [mm]."""
         return self.sections[-1].end
 
     def compliance(self, start: float, end: float, origin: float = 0.0) -> Array:
-        """How the cross section at ``end`` moves against that at ``start`` under a wrench.
+        """Twist of the cross section at ``end`` against that at ``start`` for a wrench (6, 6) [mm/N, 1/N, 1/(N mm)].
 
-        Parameters
-        ----------
-        start, end
-            Places on the beam [mm], in either order.
-        origin
-            Place on the axis about which wrench and twist are taken [mm].
-
-        Returns
-        -------
-        numpy.ndarray
-            Twist for wrench (6, 6) [mm/N, 1/N, 1/(N mm)], symmetric: forces along x, y, z, then moments.
-
-        Examples
-        --------
-        The tip of a cantilever under a force across it, and what bending alone makes of that:
-
-        >>> section = ShaftSection(0.0, 100.0, 40.0)
-        >>> tip = Beam((section,), Material(206000.0, 0.3)).compliance(0.0, 100.0, origin=100.0)
-        >>> bending = 100.0**3 / (3.0 * 206000.0 * section.second_moment)
-        >>> round(1e6 * float(tip[0, 0]), 2), round(1e6 * bending, 2)
-        (14.01, 12.88)
+        Forces along x, y, z, then moments, about the place ``origin`` on the axis; start and end in either order [mm].
         """
         lower, upper = min(start, end), max(start, end)
         total = np.zeros((6, 6))
@@ -142,48 +103,15 @@ STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
 class Shaft:
     """A shaft along z on bearings, with a member on it that is rigid.
 
-    Parameters
-    ----------
-    sections
-        Its cylindrical sections, in their order along the axis.
-    bearings
-        Its bearings.
-    reference
-        Place on the axis about which the member's wrench and twist are taken [mm], such as the middle of the face.
-    seat
-        Where the member is fixed to the shaft [mm]; ``reference`` if left out.
-    torque_position
-        Where the torque enters [mm]; the shaft then winds up between there and the seat. If left out, the rotation
-        about the axis is held at the seat.
-    material
-        Material of the shaft.
-
-    Raises
-    ------
-    InputError
-        If a bearing, the seat or the place of the torque is not on the shaft, two bearings have the same name, or the
-        bearings leave a motion free.
-
-    Examples
-    --------
-    An overhung pinion, 1 kN across its axis at the middle of its face:
-
-    >>> shaft = Shaft(
-    ...     (ShaftSection(70.0, 200.0, 40.0),),
-    ...     (Bearing("head", 110.0, 600e3, 150e3), Bearing("tail", 170.0, 400e3, 100e3)),
-    ...     reference=90.0,
-    ... )
-    >>> round(1000.0 * float(shaft.compliance[0, 0]), 5)
-    0.00395
-    >>> shaft.loads[:, 0, 0].round(3).tolist()  # on head and tail bearing
-    [1.333, -0.333]
+    An ``InputError`` refuses bearings, seat or torque off the shaft, equal names, and bearings that leave a motion
+    free.
     """
 
     sections: tuple[ShaftSection, ...]
     bearings: tuple[Bearing, ...]
     reference: float
-    seat: float | None = None
-    torque_position: float | None = None
+    seat: float | None = None  # of the member [mm]; None for the reference
+    torque_position: float | None = None  # winds up from there to the seat [mm]; None holds rotation at the seat
     material: Material = STEEL
 
     def __post_init__(self) -> None:
@@ -295,32 +223,13 @@ class Shaft:
 
     @property
     def is_linear(self) -> bool:
-        """Whether no bearing's stiffness depends on its load."""
+        """True if no bearing's stiffness depends on its load."""
         return all(bearing.is_linear for bearing in self.bearings)
 
     def under(self, wrench: Array) -> Shaft:
-        """The shaft whose bearings have the stiffness, load over displacement, of their loads under a wrench.
+        """The shaft with the bearings' stiffness, load over displacement, under a wrench on the member (6) [N, N mm].
 
-        Parameters
-        ----------
-        wrench
-            On the member, at ``reference`` (6) [N, N mm].
-
-        Raises
-        ------
-        InputError
-            If the stiffness of the bearings does not converge.
-
-        Examples
-        --------
-        >>> from easeoff.contact.supports.bearing import StiffnessCurve
-        >>> curve = StiffnessCurve((1e3, 1e4), (0.004, 0.032))
-        >>> shaft = Shaft(
-        ...     (ShaftSection(0.0, 100.0, 40.0),), (Bearing("a", 20.0, curve, 1e5), Bearing("b", 80.0, 4e5)), 50.0
-        ... )
-        >>> loaded = shaft.under(np.array([6e3, 0.0, 0.0, 0.0, 0.0, 0.0]))
-        >>> round(float(loaded.bearings[0].radial)), loaded.is_linear  # 3 kN on each
-        (278085, True)
+        It is taken at ``reference``; an ``InputError`` says that the stiffness does not converge.
         """
         if self.is_linear:
             return self

@@ -14,20 +14,7 @@ WALL_MINIMUM = 0.01  # outer less inner diameter over the outer one
 
 
 def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
-    """Cowper's shear coefficient of a round section (1966, doi:10.1115/1.3625046).
-
-    Parameters
-    ----------
-    diameter_ratio
-        Inner over outer diameter: 0 of a solid section.
-    poisson_ratio
-        Poisson's ratio.
-
-    Examples
-    --------
-    >>> round(shear_coefficient(0.0, 0.3), 4), round(shear_coefficient(1.0, 0.3), 4)
-    (0.8864, 0.5306)
-    """
+    """Cowper's shear coefficient of a round section, inner over outer diameter (1966, doi:10.1115/1.3625046)."""
     ratio, nu = diameter_ratio**2, poisson_ratio
     ring = (1.0 + ratio) ** 2
     return 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * ratio)
@@ -35,25 +22,7 @@ def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
 
 @dataclass(frozen=True)
 class ShaftSection:
-    """A cylindrical section of a shaft.
-
-    Parameters
-    ----------
-    start, end
-        Where it begins and ends on the shaft's axis [mm], start below end.
-    outer_diameter, inner_diameter
-        Diameters [mm].
-
-    Raises
-    ------
-    InputError
-        If the end is not beyond the start, or the inner diameter leaves no wall.
-
-    Examples
-    --------
-    >>> round(ShaftSection(0.0, 50.0, 40.0).second_moment)
-    125664
-    """
+    """A cylindrical section of a shaft, from start to end along its axis [mm]."""
 
     start: float
     end: float

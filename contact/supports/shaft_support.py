@@ -18,30 +18,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ShaftSupport:
-    """A shaft and where its axis lies.
-
-    Parameters
-    ----------
-    shaft
-        The shaft, with places along z of the member's frame.
-    origin
-        Origin of this frame, the member's crossing point (3) [mm], in the global frame.
-    frame
-        Axes of this frame (3, 3), in columns, z along the shaft.
-
-    Examples
-    --------
-    >>> from easeoff.contact.supports.bearing import Bearing
-    >>> from easeoff.contact.supports.shaft_section import ShaftSection
-    >>> bearings = Bearing("head", 40.0, 6e5, 1e5), Bearing("tail", 100.0, 4e5)
-    >>> shaft = Shaft((ShaftSection(0.0, 120.0, 40.0),), bearings, reference=10.0)
-    >>> ShaftSupport(shaft, (0.0, 20.0, 0.0), np.eye(3)).at(np.zeros(6)).reference.tolist()
-    [0.0, 20.0, 10.0]
-    """
+    """A shaft with its place in the global frame."""
 
     shaft: Shaft
-    origin: ArrayLike
-    frame: ArrayLike
+    origin: ArrayLike  # the member's crossing point (3) [mm], global frame
+    frame: ArrayLike  # axes in columns (3, 3), z along the shaft
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", array("origin", self.origin, "mm", ndim=1, size=3, frozen=True))
@@ -71,21 +52,7 @@ class ShaftSupport:
 
 @dataclass(frozen=True, eq=False)
 class ShaftSupports:
-    """Supports of pinion and gear of which one or both are shafts whose bearings may depend on the load.
-
-    Parameters
-    ----------
-    pinion, gear
-        Support of each.
-    wind_up
-        As of ``Supports``.
-
-    Examples
-    --------
-    >>> both = ShaftSupports(Support.rigid(), Support.rigid())
-    >>> both.at(np.zeros(6), np.zeros(6)).wind_up
-    False
-    """
+    """Supports of pinion and gear of which one or both are shafts whose bearings may depend on the load."""
 
     pinion: ShaftSupport | Support
     gear: ShaftSupport | Support
@@ -93,7 +60,7 @@ class ShaftSupports:
 
     @property
     def is_linear(self) -> bool:
-        """Whether the supports do not depend on the load."""
+        """True if the supports do not depend on the load."""
         return all(not isinstance(one, ShaftSupport) or one.shaft.is_linear for one in (self.pinion, self.gear))
 
     def at(self, pinion_wrench: Array, gear_wrench: Array) -> Supports:

@@ -31,32 +31,13 @@ COMPONENTS = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z
 
 
 def cross_matrix(vector: ArrayLike) -> Array:
-    """The matrix (3, 3) of the cross product with a vector (3) from the left.
-
-    Examples
-    --------
-    >>> (cross_matrix([0.0, 0.0, 1.0]) @ [1.0, 0.0, 0.0]).tolist()
-    [0.0, 1.0, 0.0]
-    """
+    """The matrix (3, 3) of the cross product with a vector (3) from the left."""
     x, y, z = np.asarray(vector, dtype=np.float64)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def shift_matrix(start: ArrayLike, end: ArrayLike) -> Array:
-    """The matrix X (6, 6) that takes a wrench about one point to that about another; X^-T does so for twists.
-
-    Parameters
-    ----------
-    start, end
-        The points (3) [mm].
-
-    Examples
-    --------
-    A force of 1 N along y at 10 mm along x has a moment of 10 N mm about the origin:
-
-    >>> float((shift_matrix([10.0, 0.0, 0.0], [0.0, 0.0, 0.0]) @ [0.0, 1.0, 0.0, 0.0, 0.0, 0.0])[5])
-    10.0
-    """
+    """The matrix X (6, 6) that takes a wrench about one point [mm] to that about another; X^-T does so for twists."""
     shift = np.eye(6)
     shift[3:, :3] = cross_matrix(np.asarray(start, dtype=np.float64) - np.asarray(end, dtype=np.float64))
     return shift
@@ -85,13 +66,7 @@ def shifted_stiffness(stiffness: Array, start: ArrayLike, end: ArrayLike) -> Arr
 
 
 def unit_wrenches(position: Array, normal: Array) -> Array:
-    """Wrenches (n, 6) about the origin of unit forces along normals (3, n) at positions (3, n) [mm].
-
-    Examples
-    --------
-    >>> unit_wrenches(np.array([[10.0], [0.0], [0.0]]), np.array([[0.0], [1.0], [0.0]])).tolist()
-    [[0.0, 1.0, 0.0, 0.0, 0.0, 10.0]]
-    """
+    """Wrenches (n, 6) about the origin of unit forces along normals (3, n) at positions (3, n) [mm]."""
     return np.concatenate([normal, np.cross(position, normal, axis=0)]).T
 
 
@@ -121,25 +96,8 @@ class FreeRotation(Protocol):
 def checked_compliance(name: str, values: Any, members: int = 1) -> Array:
     """A compliance matrix that can be one of supports, made symmetric to the bit.
 
-    Parameters
-    ----------
-    name
-        As the user writes it.
-    values
-        Compliance (6, 6) [mm/N, 1/N, rad/(N mm)] of one member, or (12, 12) of both.
-    members
-        Their number.
-
-    Raises
-    ------
-    InputError
-        If it is not symmetric, has a negative eigenvalue, or is of a size that no gear's support has.
-
-    Examples
-    --------
-    >>> checked_compliance("compliance", 1e-12 * np.eye(6))  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: compliance = 1e-12: must be from 1e-09 to 0.001 mm/N against translation ...
+    Of one member (6, 6) or both (12, 12) [mm/N, 1/N, rad/(N mm)]; refused if not symmetric, with a negative eigenvalue,
+    or of a size that no gear's support has.
     """
     matrix = _symmetric(name, values, members, "mm/N, 1/N, rad/(N mm)")
     translation, rotation = _sizes(matrix)
@@ -170,29 +128,8 @@ def checked_stiffness(
 ) -> Array:
     """A stiffness matrix that can be one of supports, made symmetric to the bit.
 
-    Parameters
-    ----------
-    name
-        As the user writes it.
-    values
-        Stiffness (6, 6) [N/mm, N, N mm/rad] of one member, or (12, 12) of both.
-    members
-        Their number.
-    free
-        For every member its reference point (3) [mm] and the axis about which it may be free to turn; empty if no
-        motion may be free.
-
-    Raises
-    ------
-    InputError
-        If it is not symmetric or not positive definite but for those rotations, or is of a size that no gear's support
-        has.
-
-    Examples
-    --------
-    >>> checked_stiffness("stiffness", np.diag([1e5, 1e5, 0.0, 1e9, 1e9, 1e9]))  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: stiffness = array of shape (6, 6): must be positive definite; ...
+    Of one member (6, 6) or both (12, 12) [N/mm, N, N mm/rad]. Refused if not symmetric, of an unlikely size, or not
+    positive definite but for rotations ``free`` about an axis, with each member's reference point (3) [mm].
     """
     matrix = _symmetric(name, values, members, "N/mm, N, N mm/rad")
     translation, rotation = _sizes(matrix)
@@ -234,17 +171,7 @@ def rotation_at(axis: FreeRotation, reference: Array) -> Array:
 def inverse(stiffness: Array, free: Sequence[tuple[Array, FreeRotation]] = (), kept: tuple[int, ...] = ()) -> Array:
     """The compliance of a checked stiffness, with the rotations about the axes held.
 
-    Parameters
-    ----------
-    stiffness, free
-        As of ``checked_stiffness``.
-    kept
-        Numbers of the members whose rotation the stiffness holds, and is not held otherwise.
-
-    Examples
-    --------
-    >>> inverse(np.diag([1e5, 1e5, 1e5, 1e8, 1e8, 1e8])).diagonal().tolist()
-    [1e-05, 1e-05, 1e-05, 1e-08, 1e-08, 1e-08]
+    The stiffness itself holds those of the members ``kept``.
     """
     size = stiffness.shape[0]
     couples = np.zeros((size, len(free)))
@@ -260,13 +187,7 @@ def inverse(stiffness: Array, free: Sequence[tuple[Array, FreeRotation]] = (), k
 
 
 def held(compliance: Array, couples: Array) -> Array:
-    """A compliance (n, n) with the rotations held that couples (n, m) turn.
-
-    Examples
-    --------
-    >>> held(1e-5 * np.eye(6), np.eye(6)[:, 5:]).diagonal().tolist()
-    [1e-05, 1e-05, 1e-05, 1e-05, 1e-05, 0.0]
-    """
+    """A compliance (n, n) with the rotations held that couples (n, m) turn."""
     for couple in couples.T:
         turned = compliance @ couple
         own = float(couple @ turned)
@@ -335,22 +256,9 @@ def _direction(vector: Array) -> str:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class MemberAxis:
-    """Axis of a member, about which it is free to turn.
+    """Axis of a member, about which it is free to turn."""
 
-    Parameters
-    ----------
-    point
-        A point on it (3) [mm], global frame.
-    direction
-        Unit vector (3).
-
-    Examples
-    --------
-    >>> MemberAxis((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)).rotation.tolist()
-    [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-    """
-
-    point: ArrayLike
+    point: ArrayLike  # (3) [mm], global frame
     direction: ArrayLike
 
     @property
@@ -366,15 +274,7 @@ class MemberAxis:
 
 
 def member_axes(assembly: Assembly) -> tuple[MemberAxis, MemberAxis]:
-    """The axes of pinion and gear.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pinion, gear = member_axes(gear_pair(read_case("fm-11x41")).assembly)
-    >>> pinion.direction.round(12).tolist()
-    [1.0, 0.0, 0.0]
-    """
+    """The axes of pinion and gear."""
     frame = assembly.pinion_frame
     return MemberAxis(assembly.pinion_origin, frame[:, 2]), MemberAxis(assembly.gear_origin, np.array([0.0, 0.0, 1.0]))
 
@@ -417,32 +317,14 @@ class BearingReaction:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Support:
-    """Support of one member: how it moves as a rigid body under a wrench.
+    """Support of one member: its motion as a rigid body under a wrench.
 
-    Parameters
-    ----------
-    reference
-        Point (3) [mm] in the pair's global frame.
-    compliance
-        Translation of that point [mm] and rotation [rad] for force [N] and moment about it [N mm] (6, 6), in the order
-        x, y, z of the global frame; symmetric, without negative eigenvalues. Zero is rigid.
-    bearings
-        Bearings whose loads are wanted.
-
-    Raises
-    ------
-    InputError
-        If the compliance is not symmetric, has a negative eigenvalue, or is of a size that no gear's support has.
-
-    Examples
-    --------
-    >>> spring = Support((0.0, 0.0, 100.0), np.diag([1e-5, 1e-5, 2e-6, 1e-9, 1e-9, 0.0]))
-    >>> round(float(spring.at_origin[0, 0]), 12)
-    2e-05
+    The compliance is symmetric without negative eigenvalues, zero being rigid: forces, then moments about the
+    reference.
     """
 
-    reference: ArrayLike
-    compliance: ArrayLike
+    reference: ArrayLike  # (3) [mm], global frame
+    compliance: ArrayLike  # (6, 6) [mm, rad for N, N mm], x y z of the global frame
     bearings: tuple[BearingReaction, ...] = ()
 
     def __post_init__(self) -> None:
@@ -460,28 +342,8 @@ class Support:
     ) -> Support:
         """The support of a stiffness (6, 6) [N/mm, N, N mm/rad], wrench for twist.
 
-        Parameters
-        ----------
-        reference, bearings
-            As of the class.
-        stiffness
-            Symmetric, with positive eigenvalues, but for the free rotation about ``axis``.
-        axis
-            Axis of the member, from ``member_axes``. With it the stiffness may leave the rotation about it free, which
-            is then held: it is that of the mesh.
-
-        Raises
-        ------
-        InputError
-            If the stiffness is not symmetric, not positive definite, of a size that no gear's support has, or leaves
-            another motion free.
-
-        Examples
-        --------
-        >>> stiffness = np.diag([1e5, 1e5, 5e5, 1e9, 1e9, 0.0])
-        >>> axis = MemberAxis((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-        >>> Support.of_stiffness((0.0, 0.0, 50.0), stiffness, axis).compliance.diagonal().round(12).tolist()
-        [1e-05, 1e-05, 2e-06, 1e-09, 1e-09, 0.0]
+        Symmetric and positive definite, but for the rotation about an ``axis`` given, which is then held: it is that of
+        the mesh.
         """
         point = array("reference", reference, "mm", ndim=1, size=3)
         free = [] if axis is None else [(point, axis)]

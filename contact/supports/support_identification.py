@@ -153,7 +153,7 @@ def _symmetric_map(forces: Array) -> Array:
 
 
 def _nearest(forces: Array, moved: Array) -> Array:
-    """The matrix (p, p) without negative eigenvalues whose displacements under forces (n, p) are nearest to given ones.
+    """Matrix (p, p) without negative eigenvalues whose displacements under forces (n, p) are nearest to given ones.
 
     Where the least squares without this condition meet it, they are the answer.
     """

@@ -19,24 +19,10 @@ DROPPED_SHARE = 1e-15  # of the greatest eigenvalue of the compliance
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class SupportModes:
-    """What supports add to the contact problem of a mesh position.
+    """Part of the supports in the contact problem of a mesh position."""
 
-    Parameters
-    ----------
-    compliance
-        Twist of the pinion relative to the gear for the wrench of the gear on the pinion, about the origin (6, 6).
-    absorbed
-        Twist (6) that is in the separations already.
-
-    Examples
-    --------
-    >>> modes = SupportModes(np.diag([1e-5, 0.0, 0.0, 0.0, 0.0, 1e-9]), np.zeros(6))
-    >>> modes.mixing.shape
-    (6, 2)
-    """
-
-    compliance: Array
-    absorbed: Array
+    compliance: Array  # twist of pinion to gear for wrench on the pinion, about the origin (6, 6)
+    absorbed: Array  # twist (6) that is in the separations already
 
     @cached_property
     def mixing(self) -> Array:

@@ -29,20 +29,7 @@ SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_r
 
 
 def misalignment_dataset(misalignment: Array, torques: Array) -> xr.Dataset:
-    """The group ``misalignment`` of a result.
-
-    Parameters
-    ----------
-    misalignment
-        E, P, G [mm] and Sigma [rad] under load (t, k, 4).
-    torques
-        Torques at the pinion (t) [N m].
-
-    Examples
-    --------
-    >>> misalignment_dataset(np.zeros((1, 2, 4)), np.array([100.0]))["shaft_angle"].attrs["units"]
-    'rad'
-    """
+    """The group ``misalignment`` of a result: E, P, G [mm] and Sigma [rad] under load (t, k, 4), at torques [N m]."""
     data = {name: (CYCLE, misalignment[..., number]) for number, name in enumerate(PARTS[:4])}
     return labelled(xr.Dataset(data, coords=_coords(torques, misalignment.shape[1])))
 
@@ -54,20 +41,9 @@ def supports_dataset(
     cases: Sequence[LoadedCase],
     support_rotation: Array,
 ) -> xr.Dataset:
-    """The group ``supports`` of a result.
+    """The group ``supports`` of a result at torques (t) [N m], in an assembly without load.
 
-    Parameters
-    ----------
-    assembly
-        The assembly without load.
-    torques
-        Torques at the pinion (t) [N m].
-    rounds
-        Last rounds.
-    cases
-        Every solved case, its torque numbered among all.
-    support_rotation
-        Rotation of the gear by the supports (t) [rad], on average over the mesh cycle.
+    ``support_rotation`` (t) [rad] is that of the gear by the supports on average; cases number their torque among all.
     """
     places = {number: (one, row) for one in rounds for row, number in enumerate(one.torques)}
     by_torque = [places[number] for number in range(torques.size)]
@@ -151,9 +127,9 @@ def _bearing_loads(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
 
 
 def _shares(rotation: Array, cases: Sequence[LoadedCase], torques: Array) -> list[Array]:
-    """Parts of the rotation (t, k) [rad] by what gives way, and by the ease-off, for torques at the gear (t) [N m].
+    """Parts of the rotation (t, k) [rad] by compliances, and by the ease-off, for torques at the gear (t) [N m].
 
-    The forces' work on what gives way, over the torque: F'CF/T. What is left is that on the ease-off, F'S/T.
+    Work of the forces on each compliance over the torque, F'CF/T; the rest is that on the ease-off, F'S/T.
     """
     shares = [np.full(rotation.shape, np.nan) for _ in range(3)]
     for case in cases:

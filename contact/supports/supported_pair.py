@@ -34,25 +34,10 @@ PARTS = ("offset", "pinion_axial", "gear_axial", "shaft_angle", "pinion_rotation
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class RelativeMotion:
-    """The twist of the pinion relative to the gear, about the origin of the global frame, by its six parts.
-
-    Parameters
-    ----------
-    assembly
-        Where the members are: the map is its derivative there.
-    pinion_sense
-        Sense of the drive rotation about the pinion axis, +1 or -1, see ``ConjugateMotion``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> motion = RelativeMotion(gear_pair(read_case("fm-11x41")).assembly, 1.0)
-    >>> motion.parts(motion.twist(np.arange(6.0))).round(12).tolist()
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-    """
+    """The twist of the pinion relative to the gear, about the origin of the global frame, by its six parts."""
 
     assembly: Assembly
-    pinion_sense: float
+    pinion_sense: float  # of the drive rotation about the pinion axis, +1 or -1
 
     @cached_property
     def twists(self) -> Array:
@@ -80,13 +65,7 @@ class RelativeMotion:
 
 
 def moved(misalignment: Misalignment, parts: Array) -> Misalignment:
-    """A misalignment with the first four parts (6) of a relative motion added.
-
-    Examples
-    --------
-    >>> moved(Misalignment(offset=0.1), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])).offset
-    0.2
-    """
+    """A misalignment with the first four parts (6) of a relative motion added."""
     return Misalignment(*(float(value) for value in np.array(list(vars(misalignment).values())) + parts[:4]))
 
 
@@ -100,21 +79,7 @@ Solve = Callable[[CycleSegments, Array, HeldMembers], tuple[list[Segments | None
 
 @dataclass(frozen=True, eq=False)
 class SupportedPair:
-    """A pair on supports, without load in the assembly of a mesh cycle.
-
-    Parameters
-    ----------
-    cycle
-        The pair in mesh.
-    supports
-        Supports of its members.
-    assembled
-        The pair in another assembly.
-    solve
-        Contact solution.
-    progress
-        Called for every torque and mesh position, when the rounds of the torque have ended.
-    """
+    """A pair on supports, without load in the assembly of a mesh cycle."""
 
     cycle: CycleInAssembly
     supports: LoadedSupports
@@ -184,7 +149,7 @@ class SupportedPair:
         return self._round(torque, absorbed, (self.supports.at(mean, -mean),) * len(absorbed), "none")
 
     def _next(self, found: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
-        """What the geometry of the next round absorbs (k, 6), and its supports; none if they stay."""
+        """Parts (k, 6) that the geometry of the next round absorbs, and its supports; none if they stay."""
         known = np.isfinite(found.wrench[0]).all(axis=1)
         if not known.any():
             return np.full_like(absorbed, np.nan), ()
