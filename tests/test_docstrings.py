@@ -15,6 +15,24 @@ import pytest
 from shared import Shared, replace_everywhere
 
 import easeoff
+from easeoff.cases import gear_pair, read_case
+from easeoff.contact import STEEL, MeshCycle
+from easeoff.contact.compliance.elastic_model import ElasticTeeth
+from easeoff.contact.compliance.spread_deflection import SpreadDeflection
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
+from easeoff.contact.evaluation.carrying_error import CarryingError
+from easeoff.contact.evaluation.monotone_cubic import MonotoneCubic
+from easeoff.contact.evaluation.unloaded_pattern import UnloadedPattern
+from easeoff.contact.lines.mesh_lines import LoadedPlaces, tooth_ends
+from easeoff.contact.modification.modified_contact import ModifiedContact
+from easeoff.contact.supports.bearing import Bearing, StiffnessCurve
+from easeoff.contact.supports.held_members import HeldMembers
+from easeoff.contact.supports.mesh_wrench import MeshWrenches
+from easeoff.contact.supports.shaft import Shaft
+from easeoff.contact.supports.shaft_section import ShaftSection
+from easeoff.contact.supports.shaft_support import ShaftSupport
+from easeoff.contact.supports.support_modes import SupportModes
+from easeoff.geometry import pair_geometry
 from easeoff.study.case_in_mesh import CaseInMesh
 
 MODULES = ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]
@@ -108,3 +126,28 @@ def test_examples_work(folder: str) -> None:
 @pytest.mark.parametrize("module", SLOW)
 def test_slow_examples_work(module: str) -> None:
     assert tried_in(module) > 2
+
+
+def test_inner_records_of_the_contact_have_no_array_that_can_be_written_to() -> None:
+    """Of records that no example of a public name makes."""
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
+    fields, middle = cycle.fields, np.full((2, 1), 0.5)
+    error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
+    bearings = Bearing("head", 40.0, StiffnessCurve((1e3, 2e3), (0.004, 0.007)), 1e5), Bearing("tail", 100.0, 4e5)
+    shaft = Shaft((ShaftSection(0.0, 120.0, 40.0),), bearings, reference=10.0)
+    records = [
+        error,
+        ElasticTeeth(geometry.teeth, None, geometry.pair),
+        HeldMembers([SupportModes(np.zeros((6, 6)), np.zeros(6))], MeshWrenches.of(geometry)),
+        LoadedPlaces(fields, middle, middle),
+        ModifiedContact(cycle, np.array([100.0]), ("bias",)),
+        MonotoneCubic(np.arange(3.0), np.arange(3.0)),
+        SpreadDeflection.of(fields, "gear", STEEL),
+        ShaftSupport(shaft, (0.0, 20.0, 0.0), np.eye(3)),
+        UnloadedPattern.of(cycle, 6.0),
+        WeberLineContact(np.ones(2), np.full(2, 30.0), np.full(2, 3.0), np.full(2, 4.0), STEEL, STEEL),
+        tooth_ends(fields, "gear", middle),
+    ]
+    assert all(map(is_record, records))
+    assert [place for record in records for place in writeable(record, "", set())] == []
