@@ -155,6 +155,12 @@ def test_ends_of_a_spiral_tooth_are_a_blunt_toe_and_a_sharp_heel() -> None:
     assert np.allclose(found, [(-30.0, 5.7), (39.0, 8.2)], rtol=0.0, atol=[0.5, 0.05])
 
 
+def test_depths_are_those_of_either_tooth_at_the_point() -> None:
+    geometry, middle = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)), np.full((2, 1), 0.5)
+    fields = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).segments.fields
+    assert np.round(LoadedPlaces(fields, middle, middle).depths, 1).tolist() == [[3.1], [3.1]]
+
+
 def test_distances_from_both_ends_are_at_right_angles_to_them() -> None:
     geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 11))
     fields = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5).segments.fields

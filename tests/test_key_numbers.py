@@ -108,6 +108,10 @@ def test_region_of_a_circle_on_a_tapered_flank(flipped: bool) -> None:
     assert found.centre[1] == pytest.approx(profile, abs=1e-4)
 
 
+def test_two_triangles_a_cell_turn_the_same_way() -> None:
+    assert grid_triangles((2, 2)).tolist() == [[0, 2, 3], [0, 3, 1]]
+
+
 def test_an_empty_region_has_no_centre() -> None:
     plane = ProjectionPlane(np.array([[0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 6.0, 4.0]]))
     for points, triangles in ((np.eye(2, 3), np.array([[0, 1, 2]])), (np.zeros((2, 0)), np.zeros((0, 3), dtype=int))):
@@ -392,6 +396,7 @@ def test_borders_are_named() -> None:
     along = np.stack([np.full(200, 0.5), np.linspace(0.0, 0.5, 200)])
     low = along[:, np.argmax(boundary_distance(fields, along) > 0.0)]
     assert nearest_border(fields, low).name == "PINION_TIP"
+    assert (LineEnd.INSIDE, LineEnd.PINION_TIP) == (0, 8)  # as stored
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])

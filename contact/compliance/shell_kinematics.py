@@ -101,10 +101,7 @@ DisplacementAssumption = Callable[[float, float], Kinematics]
 
 
 def five_field(curvature: float, fanning: float) -> Kinematics:
-    """First-order shear theory with mid-surface displacements: W, b_x, b_y, u0, v0.
-
-    ``curvature`` is 1 / r_c of the tooth trace [1/mm], ``fanning`` that of ``ToothDimensions`` [1/mm].
-    """
+    """First-order shear theory: W, b_x, b_y, u0, v0; curvature 1 / r_c of the trace and fanning of the tooth [1/mm]."""
     w, bx, by, u0, v0 = range(5)
     # As in polar coordinates: what moves up the tooth gets longer, and turning with the heights is no shear.
     fan = (

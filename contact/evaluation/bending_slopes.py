@@ -72,10 +72,7 @@ class BendingSlopes:
         return cls(on_lines, tuple(members), weights, (both[0], both[1]))
 
     def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
-        """Changes of the deflections (s, j) [mm] by the settings under held forces (s) [N], at one mesh position.
-
-        ``chosen`` numbers its segments (s) among all.
-        """
+        """Changes of deflections (s, j) [mm] of the segments ``chosen`` by the settings, under held forces (s) [N]."""
         result = np.zeros((force.size, self.members[0].motion.shape[-1]))
         coupling, pairs = self.on_lines.teeth.coupling, np.unique(pair)
         on_bodies = []

@@ -63,10 +63,7 @@ def unloaded_contact_ratio(
 
 
 def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
-    """Contact ratio at one torque; NaN if a mesh position has no certified solution.
-
-    ``limits`` (2) are the roll limits in steps of the mesh cycle.
-    """
+    """Contact ratio at one torque, with roll limits (2) in steps of the mesh cycle; NaN if not certified throughout."""
     order = ("mesh_position", "segment")
     names = ("tooth", "separation", "lever_arm")
     tooth, separation, arm = (ordered(at_torque, name, *order) for name in names)
@@ -135,10 +132,7 @@ WAYS = ("lengthwise", "profile")
 
 
 def load_spot(loaded: xr.Dataset) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Load-weighted centre and root-mean-square extents on the gear at every torque (fractions), with dimensions.
-
-    Over the forces of all mesh positions; NaN at a torque where one is not certified.
-    """
+    """Load-weighted centre and rms extents on the gear (fractions) by torque; NaN where a position is not certified."""
     dims = ("torque", "mesh_position", "segment")
     force = np.nan_to_num(ordered(loaded, "force", *dims))
     certified = np.all(ordered(loaded, "status", *dims[:2]) == Status.CERTIFIED, axis=1)

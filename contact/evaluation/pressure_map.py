@@ -74,10 +74,7 @@ class Line:
 
 
 def pressure_map(at_torque: xr.Dataset) -> PressureMap:
-    """Pressure map of the mesh cycle, from the group ``loaded`` at one torque.
-
-    Mesh positions without a certified solution are NaN and leave a gap in the surface.
-    """
+    """Pressure map from the group ``loaded`` at one torque; mesh positions that are not certified leave a gap in it."""
     positions = at_torque.sizes["mesh_position"]
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
     table = np.stack([ordered(at_torque, name, "mesh_position", "segment") for name in names])
@@ -211,10 +208,7 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
 
 
 def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int64]]:
-    """Triangles between pairs of lines, given with the indices of their first points; every point is a corner.
-
-    The points of both lines are taken in turn along the lines, so that the ends meet the ends.
-    """
+    """Triangles between pairs of lines, given with the indices of their first points; every point is a corner."""
     if not pairs:
         return []
     u, v, i, j = [], [], [], []
@@ -337,10 +331,7 @@ def _margins(splines: FlankSplines, point: Array) -> Array:
 
 
 def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
-    """True for segments among the outer ones of a contact line or at the border of the gear flank.
-
-    Over (torque, mesh_position, segment); those on no line are not.
-    """
+    """True for segments among the outer ones of a contact line, or at the border of the gear flank."""
     pressure, tooth, length, lengthwise, profile = (
         ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")
     )

@@ -41,10 +41,7 @@ Array = NDArray[Any]
 
 
 def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
-    """Derivatives of mean level, peak to peak, harmonics and rms of a transmission error (t, k), with dimensions.
-
-    ``slopes`` are the derivatives of the error (t, k, j), ``orders`` the number of harmonics.
-    """
+    """Derivatives of mean level, peak to peak, harmonics and rms of errors (t, k) by theirs (t, k, j), with dims."""
     rows, count = np.arange(len(error)), error.shape[1]
     spectrum, change = np.fft.rfft(error, axis=1), np.fft.rfft(slopes, axis=1)
     scale = np.full(spectrum.shape[1], 2.0 / count)
@@ -69,10 +66,7 @@ def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
 
 
 def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of the unloaded transmission error [urad] and their derivatives, which by the torque are zero.
-
-    Both by names that begin with ``unloaded_``, with their dimensions.
-    """
+    """Numbers of the unloaded transmission error [urad], ``unloaded_...``, and derivatives, by the torque zero."""
     fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
     own, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
@@ -111,10 +105,7 @@ class FieldDirections:
 
     @classmethod
     def of(cls, fields: FlankSplines, ease_off: Mapping[str, Array], slopes: Mapping[str, Array]) -> FieldDirections:
-        """Splines through derivatives at the nodes (nt, nh), ``slopes`` from ``geometry.pair.field_slopes``.
-
-        A ``GeometryError`` refuses a node that has a conjugate point but no derivatives.
-        """
+        """Splines through derivatives at the nodes; a ``GeometryError`` refuses a conjugate point without any."""
         curvature, skew = ease_off["separation_curvature"][..., None], ease_off["separation_skew"][..., None]
         by_curvature, by_skew = slopes["separation_curvature"], slopes["separation_skew"]
         sizes = [np.nanmax(np.abs(d) / (0.1 + np.abs(v))) for v, d in ((curvature, by_curvature), (skew, by_skew))]

@@ -32,10 +32,7 @@ def solve_at_torques(
     solver: SolverChoice = "auto",
     **options: Any,
 ) -> Iterator[list[_Found]]:
-    """Solutions of contact problems with load-dependent line contact at rising torques (t) [N mm], as a list for each.
-
-    Every torque starts from the one before; the torque of the problems is of no account.
-    """
+    """Solutions at rising torques (t) [N mm], each from the one before; the torque of the problems is of no account."""
     at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
     known: list[list[_Found | None]] | None = None
     if _takes_all(solver, options):

@@ -157,10 +157,7 @@ def solved_at(
 def continue_path(
     bending: ContactProblem, line_contact: LineContact, low: float, high: float, tolerance: float
 ) -> ContinuedPath:
-    """Follow the solution from one torque to a higher one [N mm].
-
-    A change lies between two points whose distance is no larger than ``tolerance``, relative to its torque.
-    """
+    """Follow the solution to a higher torque [N mm], changes within ``tolerance`` relative to their torque."""
     path = ContinuedPath()
 
     def node(torque: float, start: Array | None) -> PathNode | None:

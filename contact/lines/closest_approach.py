@@ -39,10 +39,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """True where the expansion of the gap is valid over the rotation left [rad] to the points' conjugate contact.
-
-    There the gap lies nowhere below the ease-off.
-    """
+    """True where the gap's expansion is valid over the rotation left [rad], and so nowhere below the ease-off."""
     return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
@@ -94,10 +91,7 @@ class AcrossLine:
 
     @property
     def to_closest(self) -> Array:
-        """Roll angle (...) [rad] from the points to the closest approach beside them; zero where the gap does not open.
-
-        It is the first step of Newton's method, see ``one_step``.
-        """
+        """Roll angle (...) [rad] from the points to the closest approach beside; zero where the gap does not open."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.stiffness > 0.0, -self.ease_off_slope / self.stiffness, 0.0)
 
@@ -258,10 +252,7 @@ def _in_conjugate_contact(splines: FlankSplines, points: Array) -> tuple[Array, 
 
 
 def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = None) -> Array:
-    """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none.
-
-    They are searched from points ``near`` (2, k) if given, where these are not NaN.
-    """
+    """Points (2, k) on the gear conjugate to those of the pinion; NaN where none; searched ``near`` where known."""
     points = _searched_opposite(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
     there = np.stack(list(splines.evaluate(list(PINION_FRACTIONS), points).values()))
     found = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE

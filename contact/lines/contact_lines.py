@@ -93,10 +93,7 @@ def distance_inside(values: Mapping[str, Array], in_hole: NDArray[np.bool_]) -> 
 
 
 def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3, beyond: float = 0.0) -> Array:
-    """Move points (2, ...) along the gradient of the roll angle onto their level (...).
-
-    They may leave the flank by a fraction ``beyond``.
-    """
+    """Move points (2, ...) along the gradient of the roll angle onto their level, ``beyond`` the flank at most."""
     shape, moved = np.shape(points), np.reshape(points, (2, -1))
     target = np.broadcast_to(level, shape[1:]).ravel()
     active: NDArray[np.int64] | slice = slice(None)

@@ -44,10 +44,7 @@ class FlankSplines:
     def derivatives(
         self, names: Sequence[str], points: Array, orders: Sequence[tuple[int, int]]
     ) -> list[dict[str, Array]]:
-        """Values (*field shape, ...) by name, of several fields, for each of several derivatives by the two fractions.
-
-        All at once cost little more than one of them.
-        """
+        """Values (*field shape, ...) by name of several fields, for several derivatives by both fractions."""
         shape = np.shape(points)[1:]
         found = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
         return self._by_name(names, [values.reshape(len(values), *shape) for values in found])

@@ -62,10 +62,7 @@ def line_rotations(mesh: MeshLines) -> Array:
 
 
 def edge_distance(splines: FlankSplines, points: Array, rotation: Array) -> Array:
-    """Distance (n) [mm] of the closest approach from the nearest toe, heel or tip of either member, across the line.
-
-    Of points (2, n) of contact lines on the gear, at pinion rotations (n) [rad] counted as the roll angle.
-    """
+    """Distance (n) [mm] across the line of the closest approach from the nearest toe, heel or tip of either member."""
     here = across_line(splines, points)
     closest = points + here.direction * here.to_closest / here.slope
     there, opposite = across_line(splines, closest), OppositePoints.of(splines, closest)

@@ -68,10 +68,7 @@ def edges_in_mesh(
 
 
 def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) -> tuple[FlankEdge, ...]:
-    """Toe, heel and tip of gear and pinion, at no rotation in particular.
-
-    The pinion's are found sooner from the edges ``near`` of a similar pair.
-    """
+    """Toe, heel and tip of gear and pinion, these found sooner from the edges ``near`` of a similar pair."""
     along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
     nodes = np.stack(
         [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
@@ -98,10 +95,7 @@ def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
 def edge_elements(
     splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
 ) -> EdgeElements:
-    """Pieces of the edges of one tooth pair that may touch at pinion rotations (q) [rad] counted as the roll angle.
-
-    Nothing touches above the gap ``widest`` (q), as a gear rotation [rad].
-    """
+    """Pieces of one tooth pair's edges that may touch at rotations (q) [rad], below gaps ``widest`` (q) [rad]."""
     edges = edges or flank_edges(splines)
     near = [_near_elements(edge, rotations, widest) for edge in edges]
     edge = np.repeat(np.arange(len(edges)), [row.size for row, _ in near])
@@ -122,10 +116,7 @@ def chosen_elements(
     edge: NDArray[np.int64],
     element: NDArray[np.int64],
 ) -> EdgeElements:
-    """Given pieces (n) of edges as far as they may touch, each at its own level and pinion rotation (n) [rad].
-
-    Rotations count as the roll angle; pieces have no length where no part of them may touch.
-    """
+    """Given pieces (n) of edges, each at its own rotation (n) [rad] and level; without length where none may touch."""
     return _pieces(splines, rotations, _touching_parts(edges, rotations, edge, element))
 
 

@@ -142,10 +142,7 @@ def lost_contact(splines: FlankSplines, mesh: MeshLines) -> float:
 
 
 def roll_limits(splines: FlankSplines) -> tuple[float, float]:
-    """Least and greatest roll angle on the common flank [rad]: a tooth pair has contact lines in between.
-
-    NaN if the common flank is too small to be found.
-    """
+    """Least and greatest roll angle of contact lines on the common flank [rad]; NaN if it is too small to be found."""
     low, high, shape = np.zeros((2, 2)), np.ones((2, 2)), ROLL_SEARCH_GRID  # by fraction and by side
     sides, best = np.arange(2), np.full(2, -np.inf)
     for _ in range(ZOOM_ROUND_COUNT):  # grids around the best point so far
@@ -191,10 +188,7 @@ class ToothEnds:
 
 
 def tooth_ends(splines: FlankSplines, member: str, points: Array) -> ToothEnds:
-    """Toe and heel from points (2, ...) where a member is loaded, as fractions on the gear.
-
-    The distance is the lengthwise fraction over the length of its gradient.
-    """
+    """Toe and heel from points (2, ...) on the gear where a member is loaded: fraction over length of its gradient."""
     of_pinion = member == "pinion"
     names = ["position", "roll_angle", *(["pinion_lengthwise"] if of_pinion else [])]
     value, *slopes = splines.derivatives(names, points, VALUE_AND_SLOPES)

@@ -145,10 +145,7 @@ class TensorSpline:
 
 
 def _filled(values: Array, *intervals: int) -> Array:
-    """Values (..., p, q) with zeros behind them, as many as of B-splines of the fifth degree.
-
-    As many as the powers and B-splines of an interval; or, of coefficients, as the intervals of both directions need.
-    """
+    """Values (..., p, q) with zeros behind them, as many as B-splines of the fifth degree have."""
     wanted = tuple(count + SIZE - 1 for count in intervals) or (SIZE, SIZE)
     behind = [(0, more - given) for more, given in zip(wanted, values.shape[-2:], strict=True)]
     return np.ascontiguousarray(np.pad(values, [(0, 0)] * (values.ndim - 2) + behind))

@@ -46,10 +46,7 @@ def slopes(compliance: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bo
 def held_in_contact(
     compliance: ComplianceMatrix, separation: Array, lever_arm: Array, torque: float
 ) -> tuple[Array, float]:
-    """Forces [N], pulling ones allowed, and rotation [rad] that close the gap of all segments (n).
-
-    The compliance is positive definite.
-    """
+    """Forces [N], pulling ones allowed, and rotation [rad] that close all gaps (n); positive definite compliance."""
     system = touching_system(compliance, lever_arm, np.ones(separation.size, dtype=np.bool_))
     force, rotation, _ = system.solve(-separation[:, None], np.array([torque])).column(0)
     return force, rotation

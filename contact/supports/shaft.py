@@ -227,10 +227,7 @@ class Shaft:
         return all(bearing.is_linear for bearing in self.bearings)
 
     def under(self, wrench: Array) -> Shaft:
-        """The shaft with the bearings' stiffness, load over displacement, under a wrench on the member (6) [N, N mm].
-
-        It is taken at ``reference``; an ``InputError`` says that the stiffness does not converge.
-        """
+        """The shaft with the bearings' stiffness, load over displacement, under a wrench (6) at ``reference``."""
         if self.is_linear:
             return self
         found = replace(self, bearings=tuple(bearing.under(np.zeros(6)) for bearing in self.bearings))

@@ -41,10 +41,7 @@ def supports_dataset(
     cases: Sequence[LoadedCase],
     support_rotation: Array,
 ) -> xr.Dataset:
-    """The group ``supports`` of a result at torques (t) [N m], in an assembly without load.
-
-    ``support_rotation`` (t) [rad] is that of the gear by the supports on average; cases number their torque among all.
-    """
+    """The group ``supports`` of a result; ``support_rotation`` (t) [rad] is that of the gear, on average."""
     places = {number: (one, row) for one in rounds for row, number in enumerate(one.torques)}
     by_torque = [places[number] for number in range(torques.size)]
     parts, wrench, rotation = (

@@ -129,10 +129,7 @@ def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array], limits: Cou
 
 
 def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
-    """Stiffness (3 m, 3 m) [N/mm] of a solid of Legendre polynomials, m = the product of ``counts``.
-
-    Gradients through and up are multiplied out at each Gauss station along the face, those along in one matrix product.
-    """
+    """Stiffness (3 m, 3 m) [N/mm] of a solid of Legendre polynomials, m = the product of ``counts``."""
     rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_GAUSS_POINTS, strict=True)]
     points = [0.5 * (x + 1.0) for x, _ in rules]
     weights = np.einsum("i,j,k->ijk", *(0.5 * w for _, w in rules))
@@ -283,10 +280,7 @@ def solid_shell_tooth(
     neighbours: bool = True,
     web: Web | None = None,
 ) -> FiniteElementTooth:
-    """Compliance of one member's tooth as a solid shell, made once and kept on disk; see ``finite_element_tooth``.
-
-    ``fineness`` multiplies the number of functions and of bricks in every direction.
-    """
+    """Compliance of one member's tooth as a solid shell, made once and kept on disk; see ``finite_element_tooth``."""
     _check(fineness)
     size, counts = solid_shell_size(pair, member, fineness)
     unknowns = 3 * math.prod(counts)
