@@ -102,8 +102,8 @@ class SpreadDeflection:
     def loads(self, splines: FlankSplines, points: Array, loaded: Array, weights: Array) -> Array:
         """Unit loads Y (k, n) on segments: Y^T Y is the compliance between them [mm/N].
 
-        ``points`` and ``loaded`` (2, n, g) are fractions on the gear, these those at which the member is loaded, see
-        ``closest_approach.pinion_points``; the weights (g) add up to one.
+        Both kinds of points (2, n, g) are fractions on the gear; ``loaded`` are those at which the member is loaded,
+        see ``closest_approach.pinion_points``. The weights (g) add up to one.
         """
         along = np.einsum("x,x...->...", self.direction, splines("position", points))
         spacing = self.nodes[1] - self.nodes[0]

@@ -45,7 +45,7 @@ PATH = ("path_lengthwise", "path_profile")
 def unloaded_contact_ratio(
     splines: FlankSplines, unloaded: xr.Dataset, error: CarryingError, limits: tuple[float, float], separation: float
 ) -> float:
-    """Contact ratio without load: over which a pair's gap along the normal is no wider than ``separation`` [um].
+    """Contact ratio without load: a pair counts while its gap along the normal is within ``separation`` [um].
 
     NaN if the pair's transmission error is not known. ``limits`` are the roll limits of the mesh cycle [rad].
     """

@@ -33,7 +33,7 @@ _GAP_FIELDS = ("roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS)
 
 
 def checked_thickness(marking: Any) -> float:
-    """Thickness of a marking compound [um], refused outside ``THICKNESS_MINIMUM`` to below ``THICKNESS_LIMIT``."""
+    """Thickness of a marking compound [um], from ``THICKNESS_MINIMUM`` to below ``THICKNESS_LIMIT`` or refused."""
     thickness = number("marking", marking, "um", above=0.0, below=THICKNESS_LIMIT)
     if thickness < THICKNESS_MINIMUM:
         raise InputError(f"marking = {thickness:g}: must be at least {THICKNESS_MINIMUM:g} [um]")
@@ -114,7 +114,7 @@ class MarkingPrint:
     """Print of a marking compound on the gear flank."""
 
     points: Array
-    excess: Array  # gap over thickness less one, or distance beyond the flank (nt, nh); negative within
+    excess: Array  # greater of gap over thickness less one and distance beyond the flank (nt, nh), negative within
 
     @classmethod
     def of(

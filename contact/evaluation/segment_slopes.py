@@ -41,7 +41,7 @@ Array = NDArray[Any]
 
 
 def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
-    """Derivatives of mean level, peak to peak, harmonics and rms of errors (t, k) by theirs (t, k, j), with dims."""
+    """Derivatives of mean level, peak to peak, harmonics and rms of errors (t, k) by settings, with dimensions."""
     rows, count = np.arange(len(error)), error.shape[1]
     spectrum, change = np.fft.rfft(error, axis=1), np.fft.rfft(slopes, axis=1)
     scale = np.full(spectrum.shape[1], 2.0 / count)
@@ -66,7 +66,7 @@ def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
 
 
 def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of the unloaded transmission error [urad], ``unloaded_...``, and derivatives, by the torque zero."""
+    """Numbers ``unloaded_...`` of the transmission error [urad], and their derivatives, zero by the torque."""
     fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
     own, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)

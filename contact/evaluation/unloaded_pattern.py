@@ -20,7 +20,7 @@ class UnloadedPattern:
 
     @classmethod
     def of(cls, cycle: MeshCycle, thickness: float, shape: tuple[int, int] = PRINT_GRID) -> UnloadedPattern:
-        """Pattern of a compound of a thickness [um]; a ``GeometryError`` refuses a pair that comes near no contact."""
+        """Pattern of a compound of a thickness [um]; a ``GeometryError`` refuses a pair that never nears contact."""
         unloaded = cycle.unloaded(separation=thickness)
         error = CarryingError.of(unloaded, cycle.pinion_pitch)
         printed = MarkingPrint.of(cycle.fields, error, thickness, shape)

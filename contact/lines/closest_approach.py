@@ -39,7 +39,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """True where the gap's expansion is valid over the rotation left [rad], and so nowhere below the ease-off."""
+    """True where the gap's expansion is valid over the rotation left [rad]: it lies nowhere below the ease-off."""
     return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
@@ -252,7 +252,7 @@ def _in_conjugate_contact(splines: FlankSplines, points: Array) -> tuple[Array, 
 
 
 def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = None) -> Array:
-    """Points (2, k) on the gear conjugate to those of the pinion; NaN where none; searched ``near`` where known."""
+    """Points (2, k) on the gear conjugate to those of the pinion, searched from ``near`` where known; NaN if none."""
     points = _searched_opposite(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
     there = np.stack(list(splines.evaluate(list(PINION_FRACTIONS), points).values()))
     found = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE

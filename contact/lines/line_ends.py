@@ -62,7 +62,10 @@ def line_rotations(mesh: MeshLines) -> Array:
 
 
 def edge_distance(splines: FlankSplines, points: Array, rotation: Array) -> Array:
-    """Distance (n) [mm] across the line of the closest approach from the nearest toe, heel or tip of either member."""
+    """Distance (n) [mm] across the line of the closest approach from the nearest toe, heel or tip of either member.
+
+    At pinion rotations (n) [rad] counted as the roll angle.
+    """
     here = across_line(splines, points)
     closest = points + here.direction * here.to_closest / here.slope
     there, opposite = across_line(splines, closest), OppositePoints.of(splines, closest)

@@ -68,7 +68,7 @@ def edges_in_mesh(
 
 
 def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) -> tuple[FlankEdge, ...]:
-    """Toe, heel and tip of gear and pinion, these found sooner from the edges ``near`` of a similar pair."""
+    """Toe, heel and tip of both members; those of the pinion are found sooner from the edges of a similar pair."""
     along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
     nodes = np.stack(
         [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
@@ -95,7 +95,10 @@ def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
 def edge_elements(
     splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
 ) -> EdgeElements:
-    """Pieces of one tooth pair's edges that may touch at rotations (q) [rad], below gaps ``widest`` (q) [rad]."""
+    """Pieces of one tooth pair's edges that may touch at pinion rotations (q) [rad] counted as the roll angle.
+
+    Nothing touches above the gap ``widest`` (q), as a gear rotation [rad].
+    """
     edges = edges or flank_edges(splines)
     near = [_near_elements(edge, rotations, widest) for edge in edges]
     edge = np.repeat(np.arange(len(edges)), [row.size for row, _ in near])
@@ -116,7 +119,10 @@ def chosen_elements(
     edge: NDArray[np.int64],
     element: NDArray[np.int64],
 ) -> EdgeElements:
-    """Given pieces (n) of edges, each at its own rotation (n) [rad] and level; without length where none may touch."""
+    """Given pieces (n) of edges, each at its own rotation (n) [rad] and level; without length where none may touch.
+
+    The rotation of the pinion counts as the roll angle.
+    """
     return _pieces(splines, rotations, _touching_parts(edges, rotations, edge, element))
 
 

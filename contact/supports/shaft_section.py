@@ -14,7 +14,7 @@ WALL_MINIMUM = 0.01  # outer less inner diameter over the outer one
 
 
 def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
-    """Cowper's shear coefficient of a round section, inner over outer diameter (1966, doi:10.1115/1.3625046)."""
+    """Cowper's shear coefficient of a section by inner over outer diameter (1966, doi:10.1115/1.3625046)."""
     ratio, nu = diameter_ratio**2, poisson_ratio
     ring = (1.0 + ratio) ** 2
     return 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * ratio)

@@ -90,8 +90,8 @@ def code_digest() -> str:
 def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     """Arrays by name, read from disk if they are there, else made and kept.
 
-    A file that is damaged or of another key is replaced; the longest unused go beyond ``FOLDER_SIZE_LIMIT`` bytes; a
-    file that cannot be written gives a warning only.
+    A file that is damaged or of another key is replaced; beyond ``FOLDER_SIZE_LIMIT`` bytes the longest unused are
+    deleted; a file that cannot be written gives a warning only.
     """
     folder = cache_folder()
     if folder is None:

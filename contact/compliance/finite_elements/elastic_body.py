@@ -307,7 +307,7 @@ COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
 def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
     """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
 
-    Each is a mean over nodes (m, q) by weights (m, q), in one direction (m, 3) or one for every node (m, q, 3).
+    Each is a sum over nodes (m, q) by shares (m, q), in one direction (m, 3) or one for every share (m, q, 3).
     """
     from scipy.sparse import csc_array
 
