@@ -32,24 +32,7 @@ FEEDBACK_ROUNDS = 10  # solutions of a contact problem with friction fed back
 
 @dataclass(frozen=True)
 class AnalysisSize:
-    """Numbers that decide the memory of an analysis.
-
-    Parameters
-    ----------
-    torques, mesh_positions, segments_per_line, lengthwise_nodes, profile_nodes
-        As of ``[contact]`` in a case.
-    speeds, temperatures, roughnesses
-        Numbers of operating conditions; 0 without friction.
-    feedback
-        Whether friction is fed back to the forces, whose fields are then kept for every condition.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> size = AnalysisSize.of(read_case("nasa-12x36"))
-    >>> size.mesh_positions, size.torques, size.memory < 0.5e9
-    (32, 3, True)
-    """
+    """Numbers that decide the memory of an analysis, as of ``[contact]`` in a case; no speeds without friction."""
 
     torques: int
     mesh_positions: int
@@ -59,7 +42,7 @@ class AnalysisSize:
     speeds: int = 0
     temperatures: int = 0
     roughnesses: int = 0
-    feedback: bool = False
+    feedback: bool = False  # friction fed back to the forces: fields kept for every condition
 
     @classmethod
     def of(
@@ -70,19 +53,7 @@ class AnalysisSize:
         *,
         feedback: bool = False,
     ) -> AnalysisSize:
-        """Sizes of the analysis of a case.
-
-        Parameters
-        ----------
-        case
-            The case.
-        torques
-            Number of torques; that of the case if left out.
-        conditions
-            Numbers of speeds, temperatures and roughnesses.
-        feedback
-            Whether friction is fed back to the forces.
-        """
+        """Sizes of a case's analysis; conditions are the numbers of speeds, temperatures and roughnesses."""
         contact = case.contact
         return cls(
             len(contact.torques) if torques is None else torques,
@@ -147,23 +118,12 @@ class AnalysisSize:
 
     @staticmethod
     def teeth_seconds(case: Case) -> float:
-        """Rough estimate of the time to make the elastic teeth of a case, which are then kept [s].
-
-        >>> from easeoff.cases import read_case
-        >>> AnalysisSize.teeth_seconds(read_case("nasa-12x36"))
-        2.5
-        """
+        """Rough time to make the elastic teeth of a case, which are then kept [s]."""
         usual, power = TEETH_TIMES.get(case.compliance.model, (0.0, 0.0))
         return float(usual * case.compliance.fineness**power)
 
     def require_memory(self) -> None:
-        """Refuse an analysis that needs more memory than is free.
-
-        Raises
-        ------
-        InputError
-            With the numbers to lower, what is needed and what is free.
-        """
+        """Refuse an analysis that needs more memory than is free, with the numbers to lower."""
         deciding = max(self.parts, key=lambda names: self.parts[names])
         numbers = " x ".join(f"{getattr(self, name)} {name}" for name in deciding)
         require_memory(numbers, self.memory, "the analysis")

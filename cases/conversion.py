@@ -68,13 +68,7 @@ def section(blank: Blank) -> BlankSection:
 
 
 def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDesign:
-    """Basic data of a pair in rad, with what other tables give: teeth of pinion and gear, offset, shaft angle.
-
-    Raises
-    ------
-    InputError
-        If the data do not fit together; the message names the key.
-    """
+    """Basic data of a pair in rad, with teeth of pinion and gear, offset and shaft angle of other tables."""
     from ..geometry.design.blank import BlankDesign
 
     if teeth[0] > teeth[1]:
@@ -217,28 +211,14 @@ def misalignment(table: MisalignmentTable) -> Misalignment | Deflections:
 
 
 def ease_off_target(table: TargetTable) -> EaseOffTarget:
-    """Wanted ease-off in mm.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> round(ease_off_target(read_case("fm-11x41").target.drive).profile_crowning, 4)
-    0.0199
-    """
+    """Wanted ease-off in mm."""
     from ..geometry.design.synthesis import EaseOffTarget
 
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
 def setting_limits(table: LimitsTable) -> SettingLimits:
-    """Limits of the settings of a designed pinion, in mm and rad.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_design
-    >>> round(setting_limits(read_design("fm-11x41").pinion.limits).cutter_tilt, 4)
-    0.5236
-    """
+    """Limits of the settings of a designed pinion, in mm and rad."""
     from ..geometry.design.pinion_method import SettingLimits
 
     values = table.model_dump()
@@ -249,28 +229,14 @@ def setting_limits(table: LimitsTable) -> SettingLimits:
 
 
 def standard_steps(table: CutterStepsTable) -> StandardSteps:
-    """Standard steps of a design's cutters, in mm and rad.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_design
-    >>> standard_steps(read_design("fm-11x41").cutter_steps).point_width
-    0.0
-    """
+    """Standard steps of a design's cutters, in mm and rad."""
     from ..geometry.design.closest_fit import StandardSteps
 
     return StandardSteps(math.radians(table.blade_angle), table.point_width, table.edge_radius)
 
 
 def machine_resolution(table: ResolutionTable) -> MachineResolution:
-    """Resolution of a design's machine, in mm and degrees.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_design
-    >>> machine_resolution(read_design("fm-11x41").resolution) == MachineResolution()
-    True
-    """
+    """Resolution of a design's machine, in mm and degrees."""
     return MachineResolution(**table.model_dump())
 
 
@@ -285,21 +251,9 @@ def materials(case: Case) -> tuple[Material, Material]:
 def finite_elements(
     case: Case, pair: GearPair, stage: Callable[[str], None] | None = None
 ) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
-    """Teeth of pinion and gear by finite elements or as solid shells, or ``None`` if the case wants plain shells.
+    """Teeth of pinion and gear by finite elements or as solid shells; ``None`` for plain shells.
 
-    Parameters
-    ----------
-    case
-        A checked case.
-    pair
-        Its gear pair.
-    stage
-        Called with the name of each tooth before it is built.
-
-    Raises
-    ------
-    GeometryError
-        If a tooth cannot be filled with bricks.
+    ``stage`` is called with the name of each tooth before it is built.
     """
     table = case.compliance
     if table.model == "shell":
@@ -327,14 +281,7 @@ def finite_elements(
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:
-    """Elastic model of the teeth of a case: the teeth from ``finite_elements``, or shells if they are ``None``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> elastic_model(read_case("nasa-12x36"), None).pinion
-    Material(elastic_modulus=206000.0, poisson_ratio=0.3)
-    """
+    """Elastic model of a case with the teeth from ``finite_elements``, or with shells if they are ``None``."""
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
@@ -350,14 +297,7 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
 
 
 def given_pair(case: Case) -> GearPair:
-    """The pair from the drive side, or from the coast side where the case has that alone. Raises as ``gear_pair``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> given_pair(read_case("nasa-12x36")) == gear_pair(read_case("nasa-12x36"), "drive")
-    True
-    """
+    """Gear pair of the drive side, or of the coast side where the case has that alone."""
     return gear_pair(case, "drive" if case.pinion.concave is not None and case.gear.convex is not None else "coast")
 
 

@@ -71,24 +71,7 @@ def read_deflections(path: str | os.PathLike[str]) -> Deflections:
 
 
 def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
-    """Misalignment from what a user gave.
-
-    Parameters
-    ----------
-    source
-        Such an object; a mapping of E, P, G [mm] and Sigma [degrees], where one that is left out is zero; or the path
-        of a table of deflections.
-
-    Raises
-    ------
-    InputError
-        If it is nothing of the kind, or a file that is no table of deflections.
-
-    Examples
-    --------
-    >>> misalignment_of({"E": 0.1, "P": -0.05})
-    Misalignment(offset=0.1, pinion_axial=-0.05, gear_axial=0.0, shaft_angle=0.0)
-    """
+    """Misalignment from an object, a mapping of E, P, G [mm] and Sigma [degrees], or the path of a table."""
     if isinstance(source, Misalignment | Deflections):
         return source
     if isinstance(source, Mapping):
@@ -122,7 +105,7 @@ def _constant(values: Mapping[str, float]) -> Misalignment:
 
 
 def _is_text(column: str) -> bool:
-    """Whether a column holds texts."""
+    """True if a column holds texts."""
     if column not in COLUMNS:
         raise ValueError(f"{shown(column)} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
     return column == "flank"

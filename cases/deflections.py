@@ -161,11 +161,5 @@ class Deflections:
 
 
 def misalignment_at(given: Misalignment | Deflections, torque: float, flank: FlankName) -> Misalignment:
-    """A misalignment, or that of deflections at a torque [N m]; raises as ``Deflections.at``.
-
-    Examples
-    --------
-    >>> misalignment_at(Misalignment(offset=0.1), 100.0, "drive").offset
-    0.1
-    """
+    """A constant misalignment, or that of deflections at a torque [N m]."""
     return given if isinstance(given, Misalignment) else given.at(torque, flank)

@@ -63,7 +63,7 @@ def read_load_cases(path: str | os.PathLike[str]) -> tuple[LoadCase, ...]:
 
 
 def _is_text(column: str) -> bool:
-    """Whether a column holds texts."""
+    """True if a column holds texts."""
     if column not in COLUMNS:
         shown = shortened(printable(repr(column)))
         raise ValueError(f"{shown} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
@@ -81,23 +81,7 @@ def _load_case(row: Mapping[str, Any]) -> LoadCase:
 def load_case_misalignment(
     load_case: LoadCase, case: Case, misalignment: Misalignment | Deflections | None = None, flank: FlankName = "drive"
 ) -> Misalignment:
-    """Misalignment of a load case [mm, rad] at its torque: its own values, and where it has none others.
-
-    Parameters
-    ----------
-    load_case, case
-        The load case, and the case it is one of.
-    misalignment
-        Of load cases without values of their own; that of the case if left out.
-    flank
-        Flanks in mesh of load cases that name none.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> load_case_misalignment(LoadCase(torque=100.0, E=0.1), read_case("nasa-12x36")).offset
-    0.1
-    """
+    """Misalignment of a load case [mm, rad] at its torque: its own values, else the given ones or the case's."""
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment
     found = misalignment_at(given, load_case.torque, load_case.flank or flank)
     own = {error: getattr(load_case, symbol) for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
@@ -107,11 +91,5 @@ def load_case_misalignment(
 
 
 def has_own_misalignment(load_case: LoadCase) -> bool:
-    """Whether a load case has values of its own for some assembly error.
-
-    Examples
-    --------
-    >>> has_own_misalignment(LoadCase(torque=100.0)), has_own_misalignment(LoadCase(torque=100.0, P=0.0))
-    (False, True)
-    """
+    """True if a load case has a value of its own for some assembly error."""
     return any(getattr(load_case, symbol) is not None for symbol in SYMBOLS)

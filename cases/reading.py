@@ -50,24 +50,12 @@ def _beside(path: Path) -> list[str]:
 
 @dataclass(frozen=True)
 class FileKind(Generic[Model]):
-    """A kind of input file: its schema, the folder of the shipped files, and how to read one.
-
-    Parameters
-    ----------
-    name
-        Name of the kind in messages.
-    model
-        Schema.
-    folder
-        Folder of the shipped files.
-    others
-        Advice for a file of another kind, by the name of the kind; ``{0}`` stands for that of the file.
-    """
+    """A kind of input file: its schema, the folder of the shipped files, and the reading of one."""
 
     name: str
     model: type[Model]
     folder: Traversable
-    others: Mapping[str, str]
+    others: Mapping[str, str]  # advice by the name of the other kind; {0} stands for that of the file
 
     def shipped(self) -> dict[str, str]:
         """Names and titles of the shipped files, which tests check."""
@@ -122,7 +110,7 @@ class FileKind(Generic[Model]):
         return found
 
     def parse(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool = False) -> Model:
-        """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``.
+        """Check the text of a file called ``origin`` in messages, whose relative paths start in ``folder``.
 
         Unless ``allow_outside``, the files that it names must be in there.
         """
@@ -173,13 +161,7 @@ def _of_this_version(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[s
 
 
 def stem(name_or_path: str | Path) -> str:
-    """Name of a shipped file, or of a user's file without folder and suffix, as files and terminals can show it.
-
-    Examples
-    --------
-    >>> stem("fm-11x41"), stem("cases/mine.toml")
-    ('fm-11x41', 'mine')
-    """
+    """Printable name of a shipped file, or of a user's file without folder and suffix."""
     return printable(file_path("path", name_or_path).stem)[:NAME_LENGTH_LIMIT]
 
 

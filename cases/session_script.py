@@ -72,26 +72,14 @@ class Setting:
     line: int
 
     def number(self) -> float:
-        """The value as a number.
-
-        Raises
-        ------
-        InputError
-            If it is not a number.
-        """
+        """The value as a finite number, else refused."""
         try:
             return float(self.value)
         except ValueError as error:
             raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: must be a number") from error
 
     def word(self, *allowed: str) -> str:
-        """The value as one of the allowed words, in capitals.
-
-        Raises
-        ------
-        InputError
-            If it is another word.
-        """
+        """The value as one of the allowed words, in capitals, else refused."""
         if self.value.upper() not in allowed:
             raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: must be one of {', '.join(allowed)}")
         return self.value.upper()
@@ -128,23 +116,7 @@ class _State:
 
 
 def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str, Setting]], list[str]]:
-    """Read the settings of a script.
-
-    Parameters
-    ----------
-    path
-        The script.
-
-    Returns
-    -------
-    tuple
-        Settings by menu and keyword, and the lines that were not understood.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read as text, or a keyword stands without a value.
-    """
+    """Settings of a script by menu and keyword, and the lines that were not understood."""
     text = read_text(path, SCRIPT_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
     state = _State()
     settings: dict[MenuPath, dict[str, Setting]] = {}
@@ -403,7 +375,7 @@ def _motions(machine: Settings, member: MemberName, hand: str, notes: list[str])
 
 
 def _hands_differ(letter: str, order: int, member: MemberName) -> bool:
-    """Where the public reading of the program makes a right-hand pair that does not mirror a left-hand one."""
+    """True if the program's public reading makes a right-hand pair that does not mirror a left-hand one."""
     if member == "PINION":
         return letter in "RV" and order % 2 == 1
     return (letter == "R" and order in (1, 5)) or (letter == "V" and order == 6)

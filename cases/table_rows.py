@@ -30,44 +30,10 @@ def read_table_rows(
     what: str = "load case",
     head: str = "torque,E,P,share",
 ) -> tuple[Row, ...]:
-    r"""Rows of a table: a head with the names of the columns, then a row a line.
+    r"""Rows of a table with a head, without empty cells; ``#`` begins a comment.
 
-    Columns are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. Lines that begin
-    with ``#`` are comments.
-
-    Parameters
-    ----------
-    path
-        The file.
-    is_text
-        Whether a column holds texts, and not numbers; raises ``ValueError`` if there is no such column.
-    checked
-        A row from its values by column, without those of empty cells; raises ``ValueError`` with a mistake a line.
-    size_limit
-        Of the file [bytes].
-    count_limit
-        Of the rows; none if left out.
-    needed
-        A column that must be there.
-    complete
-        Whether no cell may be empty.
-    what, head
-        What a row is, and a head for an example; for messages.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read as such; naming line, column, value and what is allowed.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     table = Path(folder, "duty.csv")
-    ...     _ = table.write_text("name;torque;E\ncruise;100,5\n;300;0,05\n")
-    ...     read_table_rows(table, lambda column: column == "name", dict, size_limit=1000)
-    ({'name': 'cruise', 'torque': 100.5}, {'torque': 300.0, 'E': 0.05})
+    Columns are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. ``is_text`` and
+    ``checked`` raise ``ValueError`` on an unknown column and on mistakes, a line each; the size limit is in bytes.
     """
     source = named(path)
     content = read_text(path, size_limit, line_limit=LINE_LENGTH_LIMIT)
@@ -102,7 +68,7 @@ def read_table_rows(
 def _columns(
     head: tuple[int, str], mark: str, source: str, is_text: Callable[[str], bool], needed: str | None
 ) -> dict[str, bool]:
-    """Whether the columns hold texts, by their names; each is known and given once."""
+    """True for each column that holds texts, by name; each is known and given once."""
     at, line = head
     columns = cells(line, mark)
     texts = {}

@@ -78,50 +78,16 @@ def _sealed(text: str) -> str:
 
 
 def write_sealed(text: str, path: str | os.PathLike[str]) -> None:
-    r"""Write an input file, whole or not at all, with a last line by which it is known that nobody edited it.
+    r"""Write an input file, whole or not at all, with a last line that shows if somebody edited it.
 
-    Parameters
-    ----------
-    text
-        The text, which ends with a line feed.
-    path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_sealed("easeoff_case = 2\n", f"{folder}/mine.toml")
-    ...     require_replaceable(f"{folder}/mine.toml")
+    The text must end with a line feed.
     """
     with whole_file(path) as temporary:
         temporary.write_text(_sealed(text), encoding="utf-8", newline="\n")
 
 
 def require_replaceable(path: str | os.PathLike[str], force: bool = False) -> None:
-    """Refuse to replace an input file that somebody edited after easeoff wrote it, or wrote by hand.
-
-    Parameters
-    ----------
-    path
-        The file; it need not exist.
-    force
-        Whether it may be replaced all the same.
-
-    Raises
-    ------
-    InputError
-        If it may not be replaced.
-
-    Examples
-    --------
-    >>> require_replaceable("no such file.toml")
-    """
+    """Refuse, unless forced, to replace an input file written by hand or edited after easeoff wrote it."""
     if force or not os.path.exists(path):
         return
     try:
@@ -201,13 +167,7 @@ def with_blanks(case: Case) -> Case:
 
 
 def recorded_thicknesses(pair: GearPair) -> list[float | None]:
-    """Mean normal circular thicknesses [mm] of the members of a pair that have a thickness of their own.
-
-    Raises
-    ------
-    GeometryError
-        If a flank does not pass through the mean point.
-    """
+    """Mean normal circular thicknesses [mm] of the members, ``None`` for one without a thickness of its own."""
     return [
         None if m.mean_thickness is None else _rounded(mean_normal_thickness(m, m.mean_thickness, distance))
         for m, distance in zip((pair.pinion, pair.gear), mean_cone_distances(pair), strict=True)
@@ -233,13 +193,7 @@ def with_mean_thickness(case: Case) -> Case:
 
 
 def flank_settings(surface: GeneratingSurface, teeth: int) -> FlankSettings:
-    """Cutter and machine settings of one flank of a member with a number of teeth.
-
-    Raises
-    ------
-    InputError
-        If the surface has settings a case file cannot hold.
-    """
+    """Cutter and machine settings of one flank; refused where a case file cannot hold them."""
     ratio = surface.settings.indexing_ratio
     groups = ratio * teeth
     if abs(groups - round(groups)) > 1e-9:
@@ -296,13 +250,7 @@ def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
 
 
 def numeric_keys() -> dict[str, tuple[str, str]]:
-    """Unit and usual name of every number of a case file by its dotted key.
-
-    Examples
-    --------
-    >>> numeric_keys()["pinion.concave.machine.radial_distance"]
-    ('mm', 'radial setting')
-    """
+    """Unit and usual name of every number of a case file by its dotted key."""
     return dict(_every_key())
 
 
@@ -339,18 +287,7 @@ def _is_number(field: FieldInfo) -> bool:
 
 
 def require_numeric_key(key: str) -> tuple[str, str]:
-    """Unit and usual name of a number of a case file.
-
-    Raises
-    ------
-    InputError
-        If there is no number of that key; names the nearest.
-
-    Examples
-    --------
-    >>> require_numeric_key("gear.blank.face_width")[0]
-    'mm'
-    """
+    """Unit and usual name of a number of a case file; an unknown key is refused with the nearest."""
     keys = numeric_keys()
     if key not in keys:
         raise InputError(f"{key}: must be a number of the case file by its dotted key{suggestion(key, list(keys))}")
@@ -358,28 +295,7 @@ def require_numeric_key(key: str) -> tuple[str, str]:
 
 
 def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
-    """A case with other numbers.
-
-    Parameters
-    ----------
-    case
-        A checked case.
-    numbers
-        New values by dotted key, in the units of the case file.
-
-    Raises
-    ------
-    InputError
-        If there is no such key, the case lacks its table, or a value is not possible.
-    GeometryError
-        If no blanks follow from changed basic data.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> changed_case(read_case("nasa-12x36"), {"gear.blank.face_width": 25.0}).gear.blank.face_width
-    25.0
-    """
+    """A case with other numbers by dotted key, in the units of the case file."""
     data = case.model_dump(exclude_unset=True)
     for key, value in numbers.items():
         require_numeric_key(key)

@@ -35,26 +35,7 @@ SMOOTHING_WEIGHT = 1e-4  # weight of even continuation, against that of the samp
 
 
 def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> FlankSplines:
-    """Splines on the gear flank of what wear needs to know of the motion.
-
-    Parameters
-    ----------
-    ease_off
-        The geometry's ``ease_off``.
-    rolling
-        ``sliding``, ``pinion_speed``, ``gear_speed`` (lengthwise, profile) [mm per rad of the pinion].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> from easeoff.geometry.pair.ease_off import rolling
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
-    >>> fields = rolling_splines(geometry.ease_off, motion)
-    >>> (fields("sliding", np.array([[0.2, 0.8], [0.5, 0.5]])) > 0.0).tolist()
-    [True, True]
-    """
+    """Splines on the gear flank of the ease-off and of the motion (lengthwise, profile) [mm per rad of the pinion]."""
     pinion = {f"pinion_{name}": ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID}
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **pinion})
 
@@ -62,75 +43,21 @@ def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> Flank
 @frozen_arrays
 @dataclass(frozen=True)
 class Engagement:
-    """One tooth's way through the mesh: samples (n) at the contact segments.
+    """One tooth's way through the mesh: samples (n) at the contact segments, by member."""
 
-    Parameters
-    ----------
-    points
-        Lengthwise and profile fractions of the samples on either member's own flank (2, n).
-    passing
-        Load per length times sliding over the speed of the line on either flank [N/mm]; times Archard's coefficient it
-        is the depth.
-    area
-        Area of either flank that each sample stands for [mm^2].
-    ends
-        Ends of the contact lines on either flank, as fractions (2, m).
-    work
-        Load times sliding way of all samples together [N mm]; times the coefficient it is the volume.
-
-    Examples
-    --------
-    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
-    >>> even = {name: np.ones(3) for name in MEMBERS}
-    >>> Engagement(points, even, even, points, work=3.0).work
-    3.0
-    """
-
-    points: Mapping[str, Array]
-    passing: Mapping[str, Array]
-    area: Mapping[str, Array]
-    ends: Mapping[str, Array]
-    work: float
+    points: Mapping[str, Array]  # (2, n), fractions of the member's own flank
+    passing: Mapping[str, Array]  # (n) [N/mm], times Archard's coefficient the depth
+    area: Mapping[str, Array]  # (n) [mm^2] that each sample stands for
+    ends: Mapping[str, Array]  # (2, m), of the contact lines, as fractions
+    work: float  # load times sliding way [N mm], times the coefficient the volume
 
 
 def engagement(
     loaded: xr.Dataset, splines: FlankSplines, pinion_pitch: float, segments_per_line: int, torque: int = 0
 ) -> Engagement:
-    """Wear of one tooth in one engagement, from the loaded contact of a mesh cycle.
+    """Wear samples of one tooth in one engagement, from ``MeshCycle.loaded`` without edge contact.
 
-    Parameters
-    ----------
-    loaded
-        Result of ``MeshCycle.loaded`` with contact on lines alone.
-    splines
-        From ``rolling_splines``.
-    pinion_pitch
-        Angular pitch of the pinion [rad].
-    segments_per_line
-        Segments of a contact line.
-    torque
-        Index of the torque.
-
-    Raises
-    ------
-    InputError
-        If edges touch beside the lines: an edge sweeps no flank.
-    GeometryError
-        If a mesh position has no certified solution: its wear is not known.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> from easeoff.geometry.pair.ease_off import rolling
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
-    >>> known = rolling_splines(geometry.ease_off, motion), cycle.pinion_pitch, 5
-    >>> light, heavy = (engagement(cycle.loaded([torque], edge_contact=False)[0], *known) for torque in (100.0, 200.0))
-    >>> light.work < heavy.work
-    True
+    Refused if edges touch, which sweep no flank, or if a mesh position has no certified solution.
     """
     here = loaded.isel(torque=torque)
     if bool(here["overhang"].notnull().any()):
@@ -161,33 +88,9 @@ def _ends(lines: Array) -> Array:
 
 
 def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> Array:
-    """Samples of an engagement as a smooth field on a grid of the flank.
+    """Samples as a smooth field (nt, nh), none below zero: the cubic tensor spline that fits best.
 
-    The cubic tensor spline that fits the samples best, each weighted with the area it stands for; so the field keeps
-    the samples' integral, and the few samples on short lines in the corners weigh as little as they are. Where no line
-    passes, at points that never touch, it is continued evenly.
-
-    Parameters
-    ----------
-    samples
-        From ``engagement``.
-    member
-        ``pinion`` or ``gear``.
-    lengthwise, profile
-        Fractions of the grid (nt), (nh).
-
-    Returns
-    -------
-    Array
-        Values (nt, nh), none below zero.
-
-    Examples
-    --------
-    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
-    >>> even = {name: np.ones(3) for name in MEMBERS}
-    >>> samples = Engagement(points, even, even, points, work=3.0)
-    >>> on_flank(samples, "gear", np.array([0.2, 0.5]), np.array([0.5])).round(6).tolist()
-    [[1.0], [1.0]]
+    Each sample weighs the area it stands for, so the integral is kept; where no line passes it is continued evenly.
     """
     points, value, area = samples.points[member], samples.passing[member], samples.area[member]
     before, beyond = [0.0] * SPLINE_DEGREE, [1.0] * SPLINE_DEGREE
@@ -208,40 +111,14 @@ def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array
 
 
 def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
-    """Which nodes of a grid (nt, nh) of the flank lie between the outermost ends of the contact lines.
-
-    Examples
-    --------
-    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
-    >>> even = {name: np.ones(3) for name in MEMBERS}
-    >>> samples = Engagement(points, even, even, points, work=3.0)
-    >>> touched(samples, "gear", np.array([0.0, 0.5]), np.array([0.5])).tolist()
-    [[False], [True]]
-    """
+    """True at nodes (nt, nh) of the flank between the outermost ends of the contact lines."""
     hull = Delaunay(np.concatenate([samples.points[member], samples.ends[member]], axis=1).T)
     grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
     return np.asarray(hull.find_simplex(grid, tol=1e-9) >= 0)
 
 
 def integral(value: Array, position: Array, lengthwise: Array, profile: Array) -> float:
-    """Integral of a field over a flank, by trapezia.
-
-    Parameters
-    ----------
-    value
-        The field (nt, nh).
-    position
-        Flank at the nodes (nt, nh, 3) [mm].
-    lengthwise, profile
-        Fractions of the grid (nt), (nh).
-
-    Examples
-    --------
-    >>> t, h = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 3)
-    >>> plane = np.stack(np.meshgrid(20.0 * t, 5.0 * h, [0.0], indexing="ij")[:3], axis=-1)[:, :, 0]
-    >>> round(integral(np.ones((5, 3)), plane, t, h), 9)
-    100.0
-    """
+    """Integral of a field (nt, nh) over a flank with nodes (nt, nh, 3) [mm], by trapezia."""
     along = np.gradient(position, lengthwise, axis=0, edge_order=2)
     up = np.gradient(position, profile, axis=1, edge_order=2)
     density = value * np.linalg.norm(np.cross(along, up), axis=-1)

@@ -39,37 +39,15 @@ PLACES = np.linspace(0.0, 1.0, 1001)[1:-1]  # between two samples, at which the 
 
 
 def peak_to_peak(values: Array) -> float:
-    """Largest minus smallest value of a cycle (n), in the units of the values.
-
-    Examples
-    --------
-    >>> peak_to_peak(np.array([1.0, 4.0, 2.0]))
-    3.0
-    """
+    """Largest minus smallest value of a cycle (n)."""
     return float(np.max(values) - np.min(values))
 
 
 def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: float) -> float:
-    """Peak to peak of a periodic function between its samples as well, with kinks where it is the least of several.
+    """Peak to peak of a periodic function, between its samples (n > 6) as well; NaN from any NaN.
 
-    On either side of a kink the function is smooth: parabolas through the samples beside it meet at its peak. There the
-    function is evaluated, and again with that sample added, until the estimate comes true.
-
-    Parameters
-    ----------
-    values
-        Samples (n) at i / n of the period, seven at least; NaN makes the result NaN.
-    at
-        The function at places (m), as fractions of the period from 0 to 1.
-    tolerance
-        Difference between an estimate and the value there that ends the search, in the units of the values.
-
-    Examples
-    --------
-    >>> def sawtooth(x):
-    ...     return np.minimum(np.mod(x - 0.03, 1.0), 2.0 * np.mod(0.03 - x, 1.0))
-    >>> round(continuous_range(sawtooth(np.arange(16) / 16), sawtooth, 1e-6), 3)
-    0.667
+    It may be the least of smooth functions: parabolas beside a kink meet at its peak, where it is evaluated anew until
+    estimate and value differ by the tolerance. Places are fractions of the period.
     """
     (_, greatest), (_, least) = extremes(values, at, tolerance)
     return greatest - least
@@ -78,16 +56,7 @@ def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: flo
 def extremes(
     values: Array, at: Callable[[Array], Array], tolerance: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Place and value of the greatest and of the least value; arguments as of ``continuous_range``.
-
-    Examples
-    --------
-    >>> def wave(x):
-    ...     return np.cos(2.0 * np.pi * x)
-    >>> (place, value), _ = extremes(wave(np.arange(16) / 16), wave, 1e-6)
-    >>> round(value, 6)
-    1.0
-    """
+    """Place and value of the greatest and of the least value; arguments as of ``continuous_range``."""
     if not np.all(np.isfinite(values)):
         return (np.nan, np.nan), (np.nan, np.nan)
     windows = [(sign, *window) for sign in (1.0, -1.0) for window in _windows(sign * values)]
@@ -124,7 +93,7 @@ def _windows(values: Array) -> list[tuple[Array, Array]]:
 
 
 def _estimated(places: Array, values: Array) -> tuple[float, float]:
-    """Where a function that is the least of smooth ones is greatest beside its greatest sample, and its value there."""
+    """Place and value of the peak beside the greatest sample of a function that is the least of smooth ones."""
     middle = int(np.clip(np.argmax(values), 3, values.size - 4))
     tried, heights = [], []
     for left in (middle - 1, middle):
@@ -145,14 +114,7 @@ def _parabola(places: Array, values: Array, x: Array) -> Array:
 
 
 def harmonics(values: Array, orders: int = 3) -> Array:
-    """Amplitudes (orders) of the first harmonics of a cycle sampled evenly at n points.
-
-    Examples
-    --------
-    >>> cycle = 5.0 + 2.0 * np.cos(2 * np.pi * np.arange(16) / 16 + 0.3)
-    >>> [float(a) for a in harmonics(cycle).round(12)]
-    [2.0, 0.0, 0.0]
-    """
+    """Amplitudes (orders) of the first harmonics of a cycle sampled evenly at n points."""
     spectrum = np.abs(np.fft.rfft(values)) * 2.0 / len(values)
     if len(values) % 2 == 0:
         spectrum[-1] /= 2.0  # the highest order of an even sample is not shared with its mirror
@@ -163,13 +125,7 @@ def harmonics(values: Array, orders: int = 3) -> Array:
 
 
 def rms(amplitudes: Array) -> float:
-    """Root of the sum of the squared amplitudes, as the dissertation's tables use it (without the factor 1/sqrt 2).
-
-    Examples
-    --------
-    >>> rms(np.array([3.0, 4.0]))
-    5.0
-    """
+    """Root of the sum of the squared amplitudes, as in the dissertation's tables (without the factor 1/sqrt 2)."""
     return float(np.sqrt(np.sum(np.square(amplitudes))))
 
 
@@ -178,66 +134,19 @@ HARMONIC_ORDER_COUNT = 10
 
 @dataclass(frozen=True)
 class LoadedCase:
-    """One torque at one mesh position.
-
-    Parameters
-    ----------
-    torque, mesh_position
-        Their numbers.
-    segments
-        Potential contact segments.
-    solution
-        Forces, rotation and certificate.
-    problem
-        The contact problem with the local compliance of the solution.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> case = cycle.solved([100.0])[0]
-    >>> case.problem.torque == 1e3 * cycle.ratio * 100.0
-    True
-    """
+    """Solution at one torque and one mesh position, given by their numbers."""
 
     torque: int
     mesh_position: int
     segments: Segments
     solution: ContactSolution
-    problem: ContactProblem
+    problem: ContactProblem  # with the local compliance of the solution
 
 
 def loaded_dataset(
     segments: list[Segments | None], cases: list[LoadedCase], torques: Array, rotations: Array
 ) -> xr.Dataset:
-    """The group ``/loaded`` of a result.
-
-    Parameters
-    ----------
-    segments
-        Segments of every mesh position (k).
-    cases
-        Solved cases.
-    torques
-        Torques at the pinion (t) [N m].
-    rotations
-        Pinion rotations (k) [rad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> torques = np.array([100.0])
-    >>> found = loaded_dataset(cycle.segments.by_position, cycle.solved(torques), torques, cycle.lines.rotations)
-    >>> found["load_share"].dims
-    ('torque', 'mesh_position', 'pair')
-    """
+    """The group ``/loaded`` of a result, from pinion torques (t) [N m] and pinion rotations (k) [rad]."""
     size = max(s.pair.size for s in segments if s is not None)
     cycle = (torques.size, rotations.size)
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
@@ -310,13 +219,7 @@ def loaded_dataset(
 
 
 def rotation_numbers(error: Array) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """The transmission error (t, k) [urad], and its numbers over the mesh cycle, with their dimensions.
-
-    Examples
-    --------
-    >>> rotation_numbers(np.array([[1.0, 3.0]]))["peak_to_peak"]
-    (('torque',), array([2.]))
-    """
+    """The transmission error (t, k) [urad] and its numbers over the mesh cycle, with their dimensions."""
     amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
     return {
         "transmission_error": (("torque", "mesh_position"), error),
@@ -360,22 +263,7 @@ EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge mus
 
 
 def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -> FlankSplines:
-    """Splines of everything the loaded contact needs on the gear flank.
-
-    Parameters
-    ----------
-    flanks, ease_off, teeth
-        Results of ``geometry.pair_geometry``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    >>> fields("position", np.array([0.5, 0.5])).shape
-    (3,)
-    """
+    """Splines of everything the loaded contact needs on the gear flank, from ``geometry.pair_geometry``."""
     passing = {name: ordered(ease_off, name, "lengthwise", "profile") for name in PASSING_FIELDS}
     return contact_splines(flanks, ease_off, tooth_fields(teeth) | passing)
 
@@ -394,50 +282,7 @@ def loaded_contact(
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
-    """Loaded contact over one mesh cycle, from its parts; ``MeshCycle.loaded`` has them together.
-
-    Parameters
-    ----------
-    splines
-        Splines from ``loaded_splines``.
-    teeth
-        The geometry's ``teeth``.
-    mesh
-        Contact lines from ``lines_in_mesh``.
-    ratio
-        Gear teeth over pinion teeth.
-    model
-        Elastic model of the teeth.
-    segments_per_line
-        Segments of a contact line.
-    torques, edge_contact, solver, progress, **options
-        As in ``MeshCycle.loaded``.
-
-    Returns
-    -------
-    tuple
-        As of ``MeshCycle.loaded``.
-
-    Raises
-    ------
-    InputError
-        If a torque is not positive.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import lines_in_mesh
-    >>> from easeoff.contact.compliance.elastic_model import solid_shells
-    >>> from easeoff.geometry import pair_geometry
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> geometry = pair_geometry(pair, (9, 7))
-    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    >>> mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 2)
-    >>> known = {"ratio": 3.0, "torques": np.array([100.0]), "model": solid_shells(pair)}
-    >>> loaded, cases = loaded_contact(fields, geometry.teeth, mesh, **known)
-    >>> [case.solution.status.name for case in cases]
-    ['CERTIFIED', 'CERTIFIED']
-    """
+    """Loaded contact over one mesh cycle, from its parts; see ``MeshCycle.loaded``."""
     segments = CycleSegments(splines, LineSegments(splines, mesh, ElasticTeeth(teeth, model), segments_per_line))
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
@@ -453,19 +298,7 @@ def solve_cycle(
     progress: Callable[[], None] | None = None,
     greater: Sequence[LoadedCase] = (),
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
-    """Loaded contact over one mesh cycle from its segments; arguments, returns and raises as ``MeshCycle.loaded``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> loaded, _ = solve_cycle(cycle.segments, np.array([100.0]), cycle.ratio, False, "auto", {})
-    >>> loaded["status"].values.tolist()
-    [[0, 0]]
-    """
+    """Loaded contact over one mesh cycle from its segments; see ``MeshCycle.loaded``."""
     torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
     segments, cases = cycle_cases(cycle, torques, ratio, edge_contact, solver, options, progress, greater)
     return loaded_dataset(segments, cases, torques, cycle.on_lines.lines.rotations), cases
@@ -482,24 +315,9 @@ def cycle_cases(
     greater: Sequence[LoadedCase] = (),
     held: HeldMembers | None = None,
 ) -> tuple[list[Segments | None], list[LoadedCase]]:
-    """The segments that may touch at every mesh position, and the cases of ``solve_cycle``.
+    """Segments that may touch at every mesh position, and the cases of ``solve_cycle``.
 
-    Parameters
-    ----------
-    cycle, torques, ratio, edge_contact, solver, options, progress, greater
-        As of ``solve_cycle``.
-    held
-        Supports of the members; ``None`` for rigid ones. The segments must then know their wrenches.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> len(cycle_cases(cycle.segments, np.array([100.0]), cycle.ratio, False, "auto", {})[1])
-    2
+    With supports (``held``), the segments must know their wrenches.
     """
 
     def solved(
@@ -540,32 +358,9 @@ def solve_all(
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
 ) -> list[LoadedCase]:
-    """Solve every torque at every mesh position where a tooth pair can touch, each torque starting from the one before.
+    """Solve all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before.
 
-    Parameters
-    ----------
-    segments
-        Segments of every mesh position.
-    torques
-        Torques at the pinion (t) [N m].
-    ratio
-        Gear teeth over pinion teeth.
-    solver
-        Solver, see `solve`; the native one takes all mesh positions at once.
-    options
-        Passed to the solver.
-    progress
-        Called for every torque and mesh position.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> len(solve_all(cycle.segments.by_position, np.array([100.0, 200.0]), cycle.ratio, "auto", {}))
-    4
+    The native solver takes all mesh positions at once.
     """
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
     contacts = [here.line_contact for _, here in present]

@@ -50,21 +50,9 @@ Value = str | float | int | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Component:
-    """A component of a model.
+    """A component of a REXS model."""
 
-    Parameters
-    ----------
-    number
-        Its id in the file.
-    kind
-        Its component type, such as ``bevel_gear``.
-    name
-        Its name.
-    attributes
-        Its attributes by id, as XML.
-    """
-
-    number: int
+    number: int  # id in the file
     kind: str
     name: str
     attributes: Mapping[str, ET.Element]
@@ -75,13 +63,7 @@ class Component:
         return None if element is None else (element.text or "").strip()
 
     def number_of(self, term: Term) -> float | None:
-        """Number of an attribute in our unit; ``None`` if it is not there.
-
-        Raises
-        ------
-        InputError
-            If its text is not a finite number, or its unit is unknown for this quantity.
-        """
+        """Number of an attribute in our unit; ``None`` if it is not there."""
         text = self.text(term)
         return None if text is None else self._converted(term, text)
 
@@ -154,13 +136,7 @@ class _NoDoctype(ET.TreeBuilder):
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
-    """Read the components and relations of a REXS file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no XML, declares a document type, or holds no REXS model.
-    """
+    """Read the components and relations of a REXS file; one that declares a document type is refused."""
     data = read_bytes(path, MODEL_SIZE_LIMIT)
     parser = ET.XMLParser(target=_NoDoctype())
     try:
@@ -197,13 +173,7 @@ def _relation(element: ET.Element) -> Relation:
 
 
 class ModelWriter:
-    """Collects components and relations, numbers them, and makes the XML.
-
-    Parameters
-    ----------
-    attributes
-        Attributes of the outermost element: version, application and date.
-    """
+    """Collects components and relations, numbers them, and makes the XML, whose root has the attributes."""
 
     def __init__(self, attributes: Mapping[str, str]) -> None:
         self._root = ET.Element("model", dict(attributes))

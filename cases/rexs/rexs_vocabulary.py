@@ -17,22 +17,14 @@ CUSTOM_PREFIX = "custom_easeoff_"
 
 
 class Term(NamedTuple):
-    """A key of a case in REXS.
-
-    Parameters
-    ----------
-    attribute
-        Attribute id.
-    unit
-        Unit it is written in, and read in where a file states none: that of the schema.
-    """
+    """Attribute of REXS for a key of a case, and its unit, in which it is read where a file states none."""
 
     attribute: str
     unit: str
 
     @property
     def custom(self) -> bool:
-        """Whether REXS itself has no such attribute."""
+        """True if REXS itself has no such attribute."""
         return self.attribute.startswith(CUSTOM_PREFIX)
 
 
@@ -151,13 +143,5 @@ def opposite(hand: Hand) -> Hand:
 
 
 def side(hand: Hand, role: Hand) -> Literal["concave", "convex"]:
-    """Which flank of a member is its left or right one, seen from the heel with the tip of the tooth up.
-
-    Parameters
-    ----------
-    hand
-        Hand of the member.
-    role
-        Left or right flank.
-    """
+    """Side of the left or right flank of a member of a hand, seen from the heel with the tip of the tooth up."""
     return "convex" if hand == role else "concave"

@@ -10,10 +10,7 @@ from .schema_table import Integer, Number, Table, number
 
 
 class BlankDesignTable(Table):
-    """Basic data of both blanks, by ISO 23509:2016, instead of the blanks themselves.
-
-    Which keys go together is checked by ``geometry.BlankDesign``, whose fields these are, in degrees.
-    """
+    """Basic data of both blanks, by ISO 23509:2016, in degrees; ``geometry.BlankDesign`` checks what goes together."""
 
     method: Literal[0, 1, 2, 3] = number(
         "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3)", "1"

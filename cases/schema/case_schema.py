@@ -37,18 +37,7 @@ ABSURD_RATIO, USUAL_RATIOS = 0.15, (0.25, 3.0)
 
 
 def refuse_inches(table: BlankDesignTable) -> None:
-    """Refuse a cutter radius in inches among basic data.
-
-    Raises
-    ------
-    InputError
-        With the radius in mm.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_design
-    >>> refuse_inches(read_design("fm-11x41").blank_design)
-    """
+    """Refuse a cutter radius in inches among basic data; the message has it in mm."""
     diameter = table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
     if diameter is None:
         return
@@ -103,24 +92,12 @@ MOTION_NAMES: Mapping[str, str] = {
 
 
 def usual_name(key: str) -> str:
-    """Usual name of what a key of a case file holds; the key in words if it has no other.
-
-    Examples
-    --------
-    >>> usual_name("cutter_tilt"), usual_name("hypoid_offset")
-    ('tilt', 'hypoid offset')
-    """
+    """Usual name of the quantity of a key of a case file, else the key in words."""
     return USUAL_NAMES.get(key, key.replace("_", " "))
 
 
 def motion_name(key: str) -> str:
-    """Name of the motion of a setting.
-
-    Examples
-    --------
-    >>> motion_name("sliding_base"), motion_name("cutter_tilt")
-    ('helical motion', 'motion of tilt')
-    """
+    """Name of the motion of a setting."""
     return MOTION_NAMES.get(key, f"motion of {usual_name(key)}")
 
 
@@ -128,13 +105,7 @@ DEFLECTION_ROW_COUNT_LIMIT = 1000
 
 
 class DeflectionRow(Table):
-    """A row of a table of deflections. A key must be in all rows or in none, where it counts as zero.
-
-    Examples
-    --------
-    >>> DeflectionRow(torque=250.0, E=0.05).P is None
-    True
-    """
+    """A row of a table of deflections; a key must be in all rows or in none, where it counts as zero."""
 
     torque: Number = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
     E: Number | None = number("increase of the offset", "mm", default=None, gt=-10, lt=10)
@@ -172,25 +143,7 @@ class MisalignmentTable(Table):
 
 
 def deflections_of(rows: Sequence[DeflectionRow], constant: Misalignment | None = None) -> Deflections:
-    """Deflections from rows of a table, in rad.
-
-    Parameters
-    ----------
-    rows
-        One or more, of each flank in the order of their torques.
-    constant
-        Added at every torque; none if left out.
-
-    Raises
-    ------
-    ValueError
-        If a key is in some rows and not in others, or torques do not rise.
-
-    Examples
-    --------
-    >>> deflections_of([DeflectionRow(torque=0.0, Sigma=0.0), DeflectionRow(torque=300.0, Sigma=180.0 / 100)]).at(300.0)
-    Misalignment(offset=0.0, pinion_axial=0.0, gear_axial=0.0, shaft_angle=0.031415926535897934)
-    """
+    """Deflections in rad from rows, each flank in the order of torques, plus a constant at every torque."""
     columns: dict[str, list[Any]] = {}
     for symbol in (*SYMBOLS, "flank"):
         values = [getattr(row, symbol) for row in rows]
@@ -311,13 +264,7 @@ class PairTable(Table):
 
 
 class ContactTable(Table):
-    """Torques and resolution of the analysis. Without torques the case takes those of ``usual_torques``.
-
-    Examples
-    --------
-    >>> ContactTable(torques=[100.0]).mesh_positions
-    32
-    """
+    """Torques and resolution of the analysis; without torques the case takes those of ``usual_torques``."""
 
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
@@ -415,7 +362,7 @@ class ComplianceTable(Table):
 
 
 class TargetTable(Table):
-    """Ease-off that the pinion's settings were fitted to, in the case's own misalignment; all at the flank's edges.
+    """Ease-off at the flank's edges that the pinion was fitted to, in the case's own misalignment.
 
     A record: the analysis uses the settings.
     """

@@ -84,7 +84,7 @@ Derivatives = Annotated[tuple[Number, ...], Field(strict=False, max_length=6)]
 class Motions(Table):
     """Higher-order motions of a generated member: derivatives of settings by the cradle increment, first to sixth.
 
-    A setting is then its basic value plus the sum of derivative times increment^n / n!.
+    A setting is its basic value plus the sum of derivative times increment^n / n!.
     """
 
     radial_distance: Derivatives = number("radial motion", "mm/rad^n", default=())

@@ -116,7 +116,7 @@ SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 
 
 def sub_table(annotation: Any) -> bool:
-    """Whether a key opens a table of its own."""
+    """True if a key opens a table of its own."""
     options = get_args(annotation) if get_origin(annotation) in (Union, UnionType, tuple) else (annotation,)
     return any(isinstance(option, type) and issubclass(option, BaseModel) for option in options)
 
@@ -183,23 +183,9 @@ IN_LINE = frozenset({"sections"})
 
 
 def template_text(model: type[BaseModel], values: Mapping[str, Any], elsewhere: Mapping[str, str] | None = None) -> str:
-    """Text of a file of a schema with comments. A key without a space behind its comment sign is switched off.
+    """Text with comments of a file of a schema, with ``elsewhere`` in the place of tables described elsewhere.
 
-    Parameters
-    ----------
-    model
-        Schema of the file.
-    values
-        Values that the file gives.
-    elsewhere
-        Tables that the file does not give and that are described elsewhere: what to say in their place.
-
-    Examples
-    --------
-    >>> from easeoff.cases.schema.case_schema import Steel
-    >>> print(template_text(Steel, {"elastic_modulus": 210000.0}))
-    elastic_modulus = 210000.0           # Young's modulus [MPa]
-    #poisson_ratio = 0.3                 # Poisson's ratio
+    A key without a space behind its comment sign is switched off.
     """
     return "\n".join(_Writer(dict(elsewhere or {})).table(model, values, "")).strip("\n")
 
@@ -271,12 +257,12 @@ def inner_model(annotation: Any) -> type[BaseModel] | None:
 
 
 def is_list(annotation: Any) -> bool:
-    """Whether a key holds a list of tables."""
+    """True if a key holds a list of tables."""
     return Ellipsis in get_args(annotation)
 
 
 def meaning(name: str, field: FieldInfo) -> str:
-    """What a key means, its unit, and its choices if they are words."""
+    """Meaning of a key, its unit, and its choices if they are words."""
     words, unit = described(name, field)
     choices = allowed(name, field)
     told = plain(words) + (f" [{unit}]" if unit else "")
@@ -299,13 +285,7 @@ def default_value(field: FieldInfo) -> str:
 
 
 def toml_value(value: Any) -> str:
-    """A value as it stands in TOML, in one line; a text of several lines as one of them.
-
-    Examples
-    --------
-    >>> toml_value({"start": 1.0, "ends": [True, "a"]})
-    '{ start = 1.0, ends = [true, "a"] }'
-    """
+    """A value as it stands in TOML, in one line; a text of several lines as one of them."""
     if isinstance(value, Mapping):
         return f"{{ {', '.join(f'{key} = {toml_value(each)}' for key, each in value.items())} }}"
     if isinstance(value, Sequence) and not isinstance(value, str):
@@ -355,47 +335,17 @@ LOAD_CASES: tuple[Mapping[str, Any], ...] = (
 
 
 class TemplateKind(NamedTuple):
-    """A kind of template.
-
-    Parameters
-    ----------
-    suffix
-        Of the file.
-    names
-        Of what its numbers can be taken from, the usual one first.
-    text
-        The text, from one of these names.
-    """
+    """A kind of template."""
 
     suffix: str
-    names: Callable[[], list[str]]
+    names: Callable[[], list[str]]  # numbers taken from these, the usual first
     text: Callable[[str], str]
 
 
 def template(kind: str, name: str | None = None) -> str:
-    """Text of a commented template, which can be read and run as it is.
+    """Text of a template with a comment on every key, of an example or switched off, that runs as it is.
 
-    Every key of the file is in it: with the value of an example, or switched off with its default.
-
-    Parameters
-    ----------
-    kind
-        ``case``, ``design``, ``supports``, ``oil`` or ``load-cases``.
-    name
-        What the numbers are taken from: ``face-milled`` or ``face-hobbed`` for a case or design, or the name of a
-        shipped file of the kind; for load cases that of the shipped case whose torques they take. The first of these
-        if left out.
-
-    Raises
-    ------
-    InputError
-        If there is no such kind or name.
-
-    Examples
-    --------
-    >>> from easeoff.cases import parse_design
-    >>> parse_design(template("design", "face-hobbed")).blank_design.process
-    'face_hobbed'
+    ``name`` is ``face-milled``, ``face-hobbed`` or a shipped file of the kind; for load cases a shipped case.
     """
     if kind not in TEMPLATE_KINDS:
         near = suggestion(kind, TEMPLATE_KINDS)

@@ -71,14 +71,9 @@ Roughnesses = Annotated[
 
 
 class FrictionTable(Table):
-    """How the pair runs, and by which models its friction is computed; with it, an analysis has friction.
+    """Operating conditions and friction models of a pair; with it, an analysis has friction.
 
-    Values and names are checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
-
-    Examples
-    --------
-    >>> FrictionTable(speed=1000.0).speed
-    (1000.0,)
+    Checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
     """
 
     speed: Numbers = number("of the pinion", "1/min")
@@ -121,11 +116,6 @@ class FrictionTable(Table):
         """The operating conditions, some of them changed.
 
         A relative path of an oil starts from the folder of the case; a changed one from the working folder.
-
-        Raises
-        ------
-        InputError
-            If a value is not possible, or there is no such oil.
         """
         from ...friction import Operation
         from ...friction.lubricants.lubricant import lubricant
@@ -143,7 +133,7 @@ class FrictionTable(Table):
 
     @property
     def is_outside(self) -> bool:
-        """Whether the oil's file is outside the folder of the case, wherever links lead."""
+        """True if the oil's file is outside the folder of the case, wherever links lead."""
         from ...friction.lubricants.lubricant import is_shipped
 
         return not is_shipped(self.oil) and leads_outside(self._folder or "", self.oil)
@@ -171,7 +161,7 @@ class FrictionTable(Table):
 
     @property
     def oil_file(self) -> Path:
-        """Where the oil's file is, if it is not shipped."""
+        """Path of the oil's file, if it is not shipped."""
         return Path(self._folder or "", self.oil)
 
     def seen_from(self, folder: Path) -> Self:
@@ -190,13 +180,7 @@ class FrictionTable(Table):
         return moved
 
     def model(self, **changed: Any) -> FrictionModel:
-        """The friction models, some of them changed.
-
-        Raises
-        ------
-        InputError
-            If a name is unknown.
-        """
+        """The friction models, some of them changed."""
         from ...friction import FrictionModel
 
         own = self.model_dump(include=set(FrictionModel.__dataclass_fields__))

@@ -82,23 +82,7 @@ LoadCases = Annotated[
 
 
 def named_load_cases(load_cases: Sequence[LoadCase]) -> dict[str, LoadCase]:
-    """Load cases by name; one without a name takes its number, from 1.
-
-    Parameters
-    ----------
-    load_cases
-        Load cases in their order.
-
-    Raises
-    ------
-    ValueError
-        If a name comes twice, upper and lower case counting alike, or some have a share and some have none.
-
-    Examples
-    --------
-    >>> list(named_load_cases([LoadCase(torque=100.0), LoadCase(torque=250.0, name="climb")]))
-    ['1', 'climb']
-    """
+    """Load cases by name, or by number from 1; names differ in more than case, and all have a share or none."""
     found: dict[str, LoadCase] = {}
     known: set[str] = set()
     for at, load_case in enumerate(load_cases, start=1):

@@ -15,25 +15,9 @@ def torque_range() -> str:
 
 
 def usual_torques(outer_module: float, face_width: float, pinion_teeth: int) -> tuple[float, ...]:
-    """Light, middle and heavy torque at the pinion [N m], to two figures.
+    """Light, middle and heavy pinion torque [N m], to two figures, from outer module and face width [mm].
 
     A pair twice as large carries eight times the torque at the same stress.
-
-    Parameters
-    ----------
-    outer_module
-        Outer transverse module of the gear [mm].
-    face_width
-        Face width of the gear [mm].
-    pinion_teeth
-        Number of teeth of the pinion.
-
-    Examples
-    --------
-    >>> usual_torques(5.0, 30.0, 11)
-    (33.0, 160.0, 330.0)
-    >>> usual_torques(10.0, 60.0, 11)
-    (260.0, 1300.0, 2600.0)
     """
     middle = 1e-3 * UNIT_LOAD * face_width * outer_module * outer_module * pinion_teeth / 2.0
     return tuple(float(f"{share * middle:.1e}") for share in SHARES)
