@@ -72,7 +72,7 @@ class Setting:
     line: int
 
     def number(self) -> float:
-        """The value as a finite number, else refused."""
+        """The value as a number, else refused."""
         try:
             return float(self.value)
         except ValueError as error:

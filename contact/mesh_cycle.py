@@ -341,7 +341,7 @@ def _fields(geometry: PairGeometry) -> FlankSplines:
 
 
 def _same(splines: FlankSplines, other: FlankSplines) -> bool:
-    """Whether splines agree to the bit in all that contact lines and compliance depend on."""
+    """True if splines agree to the bit in all that contact lines and compliance depend on."""
     own, others = splines.spline.coefficients, other.spline.coefficients
     if not np.array_equal(splines.holes, other.holes) or own.shape != others.shape:
         return False

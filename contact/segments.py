@@ -37,55 +37,19 @@ DEPTHS = [f"depth_{member}" for member in MEMBERS]
 @frozen_arrays
 @dataclass(frozen=True)
 class Segments:
-    """Potential contact segments of one mesh position (n).
-
-    Parameters
-    ----------
-    pair
-        Tooth pair of each segment.
-    point, pinion_point
-        Where gear and pinion are loaded: lengthwise and profile fractions on the gear (2, n), of the pinion those of
-        its conjugate contact.
-    separation_angle
-        Gap as a gear rotation [rad].
-    lever_arm
-        Of the normal force about the gear axis [mm].
-    bending
-        Compliance of teeth and roots in modes, a block for every tooth pair.
-    line_contact
-        Local compliance.
-    searched
-        Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
-    edge, element
-        Which of the ``flank_edges`` a segment is a piece of, and the number of that piece (n); -1 on contact lines.
-    wrench
-        Wrench of a unit normal force on the pinion about the origin of the global frame (n, 6), see ``MeshWrenches``;
-        ``None`` unless asked for.
-    held
-        Supports of the members; ``None`` for rigid ones.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> first = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).segments.by_position[0]
-    >>> first.point.shape == (2, first.length.size)
-    True
-    """
+    """Potential contact segments (n) of one mesh position."""
 
     pair: NDArray[np.int64]
-    point: Array
-    pinion_point: Array
-    separation_angle: Array
-    lever_arm: Array
+    point: Array  # loaded on the gear: lengthwise and profile fractions (2, n)
+    pinion_point: Array  # loaded on the pinion: those of its conjugate contact (2, n)
+    separation_angle: Array  # gap as a gear rotation [rad]
+    lever_arm: Array  # of the normal force about the gear axis [mm]
     bending: ModalBasis
     line_contact: WeberLineContact
-    searched: NDArray[np.bool_]
-    edge: NDArray[np.int64]
+    searched: NDArray[np.bool_]  # flanks bend over so short a way that closest_approach was searched for
+    edge: NDArray[np.int64]  # number among flank_edges; -1 on contact lines, as the element
     element: NDArray[np.int64]
-    wrench: Array | None = None
+    wrench: Array | None = None  # of a unit normal force on the pinion, global frame (n, 6)
     held: SupportModes | None = None
 
     @property
@@ -133,31 +97,9 @@ class Segments:
 @frozen_arrays
 @dataclass(frozen=True)
 class LineSegments:
-    """Contact lines of a mesh cycle in even segments (n), and how the teeth bend under a unit load on each of them.
+    """Contact lines of a mesh cycle in even segments (n), and the bending of teeth under a unit load on each.
 
     An ease-off that leaves the contact lines where they are leaves all of this as it is.
-
-    Parameters
-    ----------
-    fields
-        Splines from ``loaded_splines``.
-    lines
-        Contact lines.
-    teeth
-        Elastic teeth.
-    count
-        Segments per line.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> on_lines = cycle.segments.on_lines
-    >>> on_lines.table["length"].size == 5 * on_lines.lines.pair.size
-    True
     """
 
     fields: FlankSplines
@@ -208,7 +150,7 @@ class LineSegments:
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
-        """What line contact leaves out; nothing beside plates, which are the dissertation's method."""
+        """Deflection that line contact leaves out; empty on plates, the dissertation's method."""
         materials = self.teeth.solid or ()
         members = zip(MEMBERS, materials, strict=False)
         return [SpreadDeflection.of(self.fields, *one) for one in members]
@@ -239,9 +181,9 @@ class LineSegments:
 
 
 def loaded_at(places: LoadedPlaces, solid: tuple[Material, Material] | None) -> dict[str, Array]:
-    """Places of pinion and gear where they are loaded, and the line contact there.
+    """Loaded places of pinion and gear and the line contact there, by name.
 
-    By name: depths, near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) what remains of them.
+    Depths near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) are what remains of them.
     """
     found = dict(zip(DEPTHS, places.depths, strict=True))
     found |= {"pinion_point": places.pinion, "point": places.gear}
@@ -255,10 +197,7 @@ def loaded_at(places: LoadedPlaces, solid: tuple[Material, Material] | None) -> 
 
 
 def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
-    """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded.
-
-    None on plates, which know no more than the dissertation's method.
-    """
+    """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded; none on plates."""
     fields, found = places.fields, [np.zeros((0, *places.gear.shape[1:]))]
     for number, material in enumerate(teeth.solid or ()):
         member, tooth = MEMBERS[number], teeth.both[number]
@@ -275,33 +214,11 @@ def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
 @frozen_arrays
 @dataclass(frozen=True)
 class CycleSegments:
-    """Potential contact segments at every mesh position of a cycle.
-
-    Parameters
-    ----------
-    fields
-        Splines from ``loaded_splines``.
-    on_lines
-        Segments of the contact lines.
-    cut
-        Whether the lines are those of ``to_edges``, next to which an edge can cut the pressed strip.
-    wrenches
-        Wrenches of the normal forces, where the segments need them.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> len(cycle.segments.by_position)
-    2
-    """
+    """Potential contact segments at every mesh position of a cycle."""
 
     fields: FlankSplines
     on_lines: LineSegments
-    cut: bool = False
+    cut: bool = False  # lines of to_edges, next to which an edge can cut the pressed strip
     wrenches: MeshWrenches | None = None
 
     @cached_property
@@ -390,7 +307,7 @@ class CycleSegments:
 
     @cached_property
     def loaded_places(self) -> LoadedPlaces:
-        """Where pinion and gear are loaded (m, count * g): there the flanks come closest."""
+        """Loaded places of pinion and gear (m, count * g), where the flanks come closest."""
         if not self.cut:
             return self.on_lines.places
         closest = np.clip(self.on_lines.quadrature[0] + self.closest.shift, 0.0, 1.0)

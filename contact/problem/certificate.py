@@ -47,33 +47,17 @@ PRODUCT_ROUNDING = 1e-13
 
 
 class Sizes(NamedTuple):
-    """Sizes of forces and of the terms of the residuals.
-
-    Attributes
-    ----------
-    force
-        |F| (n) [N].
-    lever_arm
-        |r| (n) [mm].
-    least_force, largest_force, total
-        Least F, largest |F| and the sum of |F| [N].
-    moment, strain, preload
-        Sums of |F| |r|, |F| |C F| and |F| |S|, S from first contact [N mm].
-    roots
-        Sum of |F| over the roots of the diagonal of C.
-    root
-        Largest of these roots.
-    """
+    """Sizes |F| (n) [N] and |r| (n) [mm], and of the terms of the residuals; S counts from first contact."""
 
     force: Array
     lever_arm: Array
     least_force: float
     largest_force: float
     total: float
-    moment: float
-    strain: float
-    preload: float
-    roots: float
+    moment: float  # sum of |F| |r| [N mm]
+    strain: float  # sum of |F| |C F| [N mm]
+    preload: float  # sum of |F| |S| [N mm]
+    roots: float  # sum of |F| over the roots of the diagonal of C
     root: float
 
     @classmethod
@@ -101,23 +85,13 @@ class Sizes(NamedTuple):
 
 
 class Residuals(NamedTuple):
-    """What forces and a rotation leave of the conditions, and bounds of the rounding in it.
+    """Residuals of forces and a rotation in the contact conditions, and bounds of the rounding in them."""
 
-    Attributes
-    ----------
-    gap, gap_error
-        Y = C F + S - r theta (n), and the bound for segments that carry load or may touch [mm].
-    imbalance, imbalance_error
-        r'F - T [N mm].
-    surplus, surplus_error
-        F'C F + S'F - theta T, S and theta counted from first contact [N mm].
-    """
-
-    gap: Array
-    gap_error: float
-    imbalance: float
+    gap: Array  # C F + S - r theta (n) [mm]
+    gap_error: float  # bound for segments that carry load or may touch [mm]
+    imbalance: float  # r'F - T [N mm]
     imbalance_error: float
-    surplus: float
+    surplus: float  # F'C F + S'F - theta T [N mm], S and theta from first contact
     surplus_error: float
 
 
@@ -131,20 +105,9 @@ def rounded_residuals(
     *,
     sharp: bool = False,
 ) -> Residuals:
-    """Return the residuals in double precision.
+    """Residuals in double precision, with the deflection C F and the gap (n) [mm].
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    force, elastic_rotation
-        Forces (n) [N] and rotation beyond first contact [rad].
-    deflection, gap
-        C F and Y in double precision (n) [mm].
-    sizes
-        Of these forces and deflections.
-    sharp
-        Bound the rounding segment by segment, with |C| |F|; else by the largest entries of the diagonal of C and of r.
+    ``sharp`` bounds the rounding by segment, with |C| |F|; else by the largest entries of the diagonal of C and of r.
     """
     contact, matrix, size = problem.first_contact, problem.compliance_matrix, force.size
     columns = matrix.factor.shape[1] + 2 if isinstance(matrix, ModalCompliance) else 0
@@ -180,20 +143,7 @@ def _term_sizes(matrix: ComplianceMatrix, magnitude: Array) -> Array:
 
 
 def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: float) -> Residuals:
-    """Return the residuals, every one the rounded sum of exact products.
-
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    force, elastic_rotation
-        Forces (n) [N] and rotation beyond first contact [rad].
-
-    Raises
-    ------
-    OverflowError, ValueError
-        Numbers near 10^300.
-    """
+    """Residuals as rounded sums of exact products; overflows at numbers near 10^300."""
     arm, turned = problem.lever_arm, dot_terms(problem.lever_arm, np.full(force.size, -elastic_rotation))
     rigid = np.vstack([*_exact_separation(problem), turned.reshape(2, -1)]).T.tolist()  # S - r theta as terms (n, 4)
     rows = zip(_deflection_terms(problem, force), rigid, strict=True)
@@ -309,7 +259,7 @@ class Certificate:
         return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
-        """Whether every violation is within the tolerance, whatever the rounding in it."""
+        """True if every violation is within the tolerance, whatever the rounding in it."""
         return self.worst + self.resolution <= tolerance
 
     @property
@@ -405,15 +355,7 @@ def certify(
 
 
 def resolved_rotation(problem: ContactProblem, force: Array, rotation: float, deflection: Array) -> float:
-    """Return the rotation beyond first contact [rad], among those that the given one stands for, that fits the forces.
-
-    Parameters
-    ----------
-    problem, force, rotation
-        As `certify` has them.
-    deflection
-        C F (n) [mm].
-    """
+    """Rotation beyond first contact [rad] that fits the forces best, among those that the given one stands for."""
     elastic_rotation = problem.elastic_rotation(rotation)
     if not problem.torque > 0.0:
         return elastic_rotation
@@ -425,15 +367,7 @@ def resolved_rotation(problem: ContactProblem, force: Array, rotation: float, de
 def violations(
     problem: ContactProblem, force: Array, elastic_rotation: float, deflection: Array, gap: Array
 ) -> Certificate:
-    """Return the certificate where the deflections C F and the gaps [mm], both (n), are known already.
-
-    Parameters
-    ----------
-    problem, force, elastic_rotation
-        As `certify` has them.
-    deflection, gap
-        Of these forces, at this rotation (n) [mm].
-    """
+    """Certificate where the deflections C F and the gaps (n) [mm] are known already."""
     if not (_finite(gap) and _finite(force)):
         return NO_CERTIFICATE
     with np.errstate(over="ignore", invalid="ignore"):
@@ -483,9 +417,10 @@ def _relative_to_scales(
 
 
 def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[float, float]:
-    """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
+    """Mean deflection of the loaded segments [mm], weighted by force, and its relative cancellation.
 
-    And that cancellation: the mean of the terms of their gaps, which is a bound, over the mean deflection.
+    The cancellation is the mean of the terms of their gaps, a bound, over the mean deflection, which is not taken below
+    what cancellation resolves.
     """
     if sizes.total > 0.0:
         mean = sizes.strain / sizes.total
@@ -516,30 +451,14 @@ def _relative(error: float, scale: float) -> float:
 @frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class Answer:
-    """Forces, rotation and gaps, right or wrong: the certificate tells.
-
-    Attributes
-    ----------
-    force
-        Normal forces F (n) [N].
-    rotation
-        Rotation theta [rad].
-    gap
-        Gaps Y = C F + S - r theta (n) [mm], of the data as they were given.
-    elastic_rotation
-        Rotation beyond first contact [rad].
-    certificate
-        Violations of the conditions of the contact problem, with the elastic rotation.
-    problem
-        The problem that the certificate is about; None where there is no answer.
-    """
+    """Forces, rotation and gaps, right or wrong: the certificate tells."""
 
     force: Array
     rotation: float
-    gap: Array
-    elastic_rotation: float
+    gap: Array  # C F + S - r theta (n) [mm], of the data as given
+    elastic_rotation: float  # beyond first contact [rad]
     certificate: Certificate
-    problem: ContactProblem | None = field(default=None, repr=False)
+    problem: ContactProblem | None = field(default=None, repr=False)  # of the certificate; None without answer
 
 
 def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
@@ -548,17 +467,7 @@ def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
 
 
 def unscaled(problem: ContactProblem, force: Array, rotation: float) -> Answer:
-    """Return the answer of scaled forces and a scaled rotation.
-
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    force
-        Forces (n) in the scale of `problem.scaling`.
-    rotation
-        Beyond first contact, in that scale.
-    """
+    """Answer from forces (n) and rotation beyond first contact in the scale of `problem.scaling`."""
     scaling = problem.scaling
     return with_certificate(problem, scaling.unscale_force(force), scaling.unscale_elastic_rotation(rotation))
 
@@ -590,13 +499,7 @@ def _answer(problem: ContactProblem, force: Array, rotation: float, elastic_rota
 
 
 def require_convex(problem: ContactProblem) -> None:
-    """Refuse a compliance with a negative eigenvalue.
-
-    Raises
-    ------
-    InputError
-        The compliance is not positive semidefinite.
-    """
+    """Refuse a compliance that is not positive semidefinite."""
     if not problem.is_positive_semidefinite:
         raise InputError(
             "the compliance has a negative eigenvalue: its contact problem is no minimum and has no other form"

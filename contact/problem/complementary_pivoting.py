@@ -28,17 +28,9 @@ TIE_TOLERANCE = 1e-12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LemkeResult:
-    """End of the pivoting.
+    """End of the pivoting, z (n) NaN unless solved.
 
-    Attributes
-    ----------
-    z
-        The solution (n); NaN unless one was found.
-    pivots
-        Number of pivots.
-    ended
-        ``"solved"``, ``"ray"`` (there is no solution, if M is positive semidefinite), ``"pivot limit"`` or
-        ``"time limit"``.
+    A ray proves that there is no solution, if M is positive semidefinite.
     """
 
     z: NDArray[np.float64]
@@ -49,19 +41,7 @@ class LemkeResult:
 def lemke(
     matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000, time_limit: float = math.inf
 ) -> LemkeResult:
-    """Solve w = M z + q >= 0, z >= 0, w'z = 0.
-
-    Parameters
-    ----------
-    matrix
-        M (n, n).
-    vector
-        q (n).
-    max_pivots
-        Pivots before giving up.
-    time_limit
-        Wall time before giving up [s].
-    """
+    """Solve w = M z + q >= 0, z >= 0, w'z = 0 for M (n, n) and q (n); time limit in [s]."""
     size, start = vector.size, perf_counter()
     if vector.min() >= 0.0:
         return LemkeResult(np.zeros(size), 0, "solved")

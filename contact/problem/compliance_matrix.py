@@ -34,13 +34,13 @@ LARGEST_FORMED = 400_000_000
 
 
 def is_sparse(value: object) -> bool:
-    """Whether a value is a sparse array or matrix of scipy; nothing is imported for it."""
+    """True for a sparse array or matrix of scipy; nothing is imported for it."""
     module: Any = sys.modules.get("scipy.sparse")
     return module is not None and bool(module.issparse(value))
 
 
 def is_operator(value: object) -> bool:
-    """Whether a value is a `scipy.sparse.linalg.LinearOperator`; nothing is imported for it."""
+    """True for a `scipy.sparse.linalg.LinearOperator`; nothing is imported for it."""
     module: Any = sys.modules.get("scipy.sparse.linalg")
     return module is not None and isinstance(value, module.LinearOperator)
 
@@ -51,14 +51,9 @@ def dimensions(value: Any) -> int:
 
 
 def is_pair(given: Any, size: int) -> bool:
-    """Whether a compliance was given as the pair (d, V) of n numbers and of an (n, k) or (n) array.
+    """True if a compliance is the pair (d, V) of (n) numbers and an (n, k) or (n) array.
 
-    Two rows of two numbers may be both, a matrix or a pair: a list is a matrix, a tuple a pair.
-
-    Raises
-    ------
-    InputError
-        A tuple of two rows of two numbers that is a symmetric matrix, too.
+    For n = 2 a list is a matrix and a tuple a pair; a tuple that is a symmetric matrix, too, is refused.
     """
     if not (isinstance(given, tuple | list) and len(given) == 2 and dimensions(given[0]) == 1):
         return False
@@ -77,13 +72,7 @@ def is_pair(given: Any, size: int) -> bool:
 
 
 def diagonal_of(given: Any, size: int) -> Any:
-    """Return d of a pair (d, V): that of a diagonal matrix (n, n), sparse or not, is its diagonal; else as given.
-
-    Raises
-    ------
-    InputError
-        The matrix has entries beside its diagonal.
-    """
+    """Vector d of a pair (d, V): the diagonal of a diagonal matrix (n, n), sparse or not; else as given."""
     if dimensions(given) != 2 or tuple(np.shape(given)) != (size, size):
         return given
     row, column = given.nonzero() if is_sparse(given) else np.nonzero(given)
@@ -96,20 +85,7 @@ def diagonal_of(given: Any, size: int) -> Any:
 
 
 def formed(name: str, given: Any, unit: str) -> Any:
-    """Return a sparse matrix, or a factor known by its products, as an array; anything else as it is.
-
-    Parameters
-    ----------
-    name, unit
-        Of the argument.
-    given
-        Its value.
-
-    Raises
-    ------
-    InputError
-        Numbers that are not real, or an array that would be too large.
-    """
+    """A sparse matrix, or a factor known by its products, as an array; anything else as it is."""
     if not (is_sparse(given) or is_operator(given)):
         return given
     sparse, kind = is_sparse(given), np.dtype(given.dtype)
@@ -126,13 +102,7 @@ def formed(name: str, given: Any, unit: str) -> Any:
 
 
 def factor_of(given: Any, size: int) -> Array:
-    """Return the factor V (n, k) [(mm/N)^0.5]; a single mode may be given as (n).
-
-    Raises
-    ------
-    InputError
-        Another number of rows, or what is no array of finite numbers.
-    """
+    """Factor V (n, k) [(mm/N)^0.5]; a single mode may be given as (n)."""
     whole = formed("compliance factor", given, "(mm/N)^0.5")
     if np.ndim(whole) == 1:
         whole = array("compliance factor", whole, "(mm/N)^0.5", ndim=1, size=size)[:, np.newaxis]
@@ -321,13 +291,7 @@ SMALL_LOCAL_FRACTION = 1e-3
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class DenseCompliance:
-    """A compliance given as one matrix.
-
-    Attributes
-    ----------
-    dense
-        C (n, n) [mm/N], symmetric.
-    """
+    """A compliance given as one symmetric matrix (n, n) [mm/N]."""
 
     dense: Array
 
@@ -347,7 +311,7 @@ class DenseCompliance:
 
     @cached_property
     def is_positive_semidefinite(self) -> bool:
-        """Whether no eigenvalue is negative beyond rounding."""
+        """True if no eigenvalue is negative beyond rounding."""
         from scipy.linalg.lapack import dpotrf  # the rest of this module needs no scipy
 
         # The matrix is symmetric, so its transpose is the same matrix in the order LAPACK wants.
@@ -371,23 +335,7 @@ class DenseCompliance:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class ModalCompliance:
-    """A compliance of local springs and bending modes, C = diag(d) + V V^T.
-
-    Attributes
-    ----------
-    local
-        Compliance d of each segment by itself (n) [mm/N], not negative.
-    modes
-        The factor V as it was given, or already compressed.
-
-    Examples
-    --------
-    >>> from easeoff.contact import ContactProblem
-    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
-    >>> matrix = problem.compliance_matrix
-    >>> type(matrix).__name__, matrix.deflection(np.array([100.0, 0.0])).round(6)
-    ('ModalCompliance', array([0.0011, 0.0002]))
-    """
+    """A compliance C = diag(d) + V V^T of local springs d (n) [mm/N], not negative, and bending modes V."""
 
     local: Array
     modes: BendingFactor | ModalBasis
@@ -409,7 +357,7 @@ class ModalCompliance:
 
     @property
     def has_few_modes(self) -> bool:
-        """Whether modes are fewer than segments, in blocks of half of them, or compressed; else C is the smaller."""
+        """True if modes are fewer than segments, in blocks of half of them, or compressed; else C is smaller."""
         modes, (size, columns) = self.modes, self.factor.shape
         return isinstance(modes, ModalBasis) or columns < size or 2 * max(rows.size for rows, _ in modes.blocks) <= size
 
@@ -432,10 +380,10 @@ class ModalCompliance:
 
     @cached_property
     def local_fraction(self) -> float:
-        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii.
+        """Least part of a segment's own compliance d in the whole, min d_i / C_ii.
 
-        Where that is small, the shared modes are left out of the whole: they move many segments alike, as the rotation
-        does, and cost the modal method no steps.
+        Where that is small, the shared modes are left out of C_ii: they move many segments alike, as the rotation does,
+        and cost the modal method no steps.
         """
         whole = self.diagonal
         least = float((self.local / whole).min()) if whole.min() > 0.0 else 0.0
@@ -458,20 +406,9 @@ ComplianceMatrix = DenseCompliance | ModalCompliance | OperatorCompliance
 
 
 def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
-    """Return the compliance that a contact problem of a number of segments was given.
+    """Compliance [mm/N] from C (n, n), a `LinearOperator`, or a pair d (n) [mm/N] and V (n, k) [(mm/N)^0.5].
 
-    Parameters
-    ----------
-    given
-        A `ComplianceMatrix`; an (n, n) array [mm/N], sparse or not, or a `LinearOperator`; or the pair of an (n) array
-        d [mm/N] and of V [(mm/N)^0.5], an (n, k) or (n) array, sparse or not, a `LinearOperator` or a `ModalBasis`.
-    size
-        Number of segments n.
-
-    Raises
-    ------
-    InputError
-        A wrong shape, a number that is not finite, a negative diagonal or an asymmetric matrix.
+    C and V may be sparse, V an operator or a `ModalBasis`; C must be symmetric, its diagonal not negative.
     """
     if is_operator(given):
         given = OperatorCompliance(given)

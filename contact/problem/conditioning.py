@@ -55,40 +55,19 @@ MARGIN = 1.0 + 1e-6
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Conditioning:
-    """What the conditions of a contact problem say about its solution, given an answer.
+    """Uniqueness of a contact problem's solution and error bounds, from an answer.
 
-    Attributes
-    ----------
-    unique
-        True if all solutions have the same forces. False if other forces satisfy the conditions as well, up to the
-        rounding of C, on segments that carry load. None if neither is shown: segments that are only just in contact,
-        or rounding, leave it open.
-    may_touch
-        Segments not shown to be open in every solution (n).
-    smallest_eigenvalue
-        Smallest eigenvalue of C, scaled to a diagonal of one, on the segments that may touch, of forces without
-        moment; less its rounding. Zero where the forces are not determined. Infinite where equilibrium alone
-        determines them.
-    force_error
-        Bound of the error of every force (n) [N]; infinite unless `unique` is True.
-    rotation_error
-        Bound of the error of the rotation beyond first contact [rad]; infinite where there is none.
-
-    Examples
-    --------
-    >>> from easeoff.contact import ContactProblem, solve
-    >>> apart = solve(ContactProblem([0.0, 0.0], [40.0, 41.0], 8e4, [[2e-6, 1e-6], [1e-6, 2e-6]])).conditioning
-    >>> apart.unique, bool(apart.force_error.max() < 1e-9)
-    (True, True)
-    >>> solve(ContactProblem([0.0, 0.0], [40.0, 40.0], 8e4, [[2e-6, 2e-6], [2e-6, 2e-6]])).conditioning.unique
-    False
+    ``unique`` is False if other forces satisfy the conditions up to the rounding of C, on segments that carry load;
+    None where segments only just in contact, or rounding, leave it open.
     """
 
     unique: bool | None
-    may_touch: Mask
+    may_touch: Mask  # (n), not shown to be open in every solution
+    #: of C scaled to a unit diagonal, on segments that may touch and forces without moment, less rounding; zero where
+    #: forces are not determined, infinite where equilibrium alone determines them
     smallest_eigenvalue: float
-    force_error: Array
-    rotation_error: float
+    force_error: Array  # (n) [N]; infinite unless unique
+    rotation_error: float  # beyond first contact [rad]; infinite where there is none
 
 
 def unknown_conditioning(size: int) -> Conditioning:
@@ -97,19 +76,10 @@ def unknown_conditioning(size: int) -> Conditioning:
 
 
 def conditioning(problem: ContactProblem, force: Array, elastic_rotation: float) -> Conditioning:
-    """Bound the errors of an answer.
+    """Bound the errors of an answer, from the rotation beyond first contact [rad].
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    force, elastic_rotation
-        Forces (n) [N] and rotation beyond first contact [rad].
-
-    Notes
-    -----
-    Eigenvalues of a dense matrix: the cube of the number of segments that may touch. A structured compliance of more
-    than 1000 of them is bounded by its local part.
+    Costs the cube of the number of segments that may touch; a structured compliance of more than 1000 of them is
+    bounded by its local part.
     """
     unknown = unknown_conditioning(force.size)
     products = isinstance(problem.compliance_matrix, OperatorCompliance)  # nothing is known of their eigenvalues
@@ -149,15 +119,15 @@ def _conditioning(problem: ContactProblem, split: _Split) -> Conditioning:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Split:
-    """Complementary forces and gaps near an answer: force F^, gap Y^, bounds of |f| (rest) and |g| (residual), (n).
+    """Complementary forces and gaps near an answer, bounds of what is left over, (n), and energy norm of the forces.
 
-    And the weights s, the roots of the diagonal of C, and the energy norm of the forces.
+    Weights are the roots of the diagonal of C.
     """
 
     force: Array
     gap: Array
-    rest: Array
-    residual: Array
+    rest: Array  # bound of |f|
+    residual: Array  # bound of |g|
     weight: Array
     root: Array
     norm: float
@@ -249,20 +219,7 @@ SUPPORT_LIMIT = 60
 
 
 def is_unbounded(problem: ContactProblem) -> bool:
-    """Whether it is proved that a problem has no solution.
-
-    Parameters
-    ----------
-    problem
-        The contact problem.
-
-    Examples
-    --------
-    A rigid segment without lever arm penetrates at every rotation:
-
-    >>> is_unbounded(ContactProblem([0.1, -0.3], [40.0, 0.0], 10.0, np.diag([1e-6, 0.0])))
-    True
-    """
+    """True if it is proved that a problem has no solution."""
     scaled = problem.scaled()
     if not scaled.is_finite or scaled.separation.min() >= 0.0:
         return False  # the energy of every admissible load is bounded below by zero
@@ -278,7 +235,7 @@ def is_unbounded(problem: ContactProblem) -> bool:
 
 
 def _is_proved(problem: ContactProblem, support: list[int], near: Array) -> bool:
-    """Whether a direction on some segments, near a given one, has neither moment nor deflection, and gains energy.
+    """True if a direction near a given one has neither moment nor deflection, and gains energy.
 
     Where there are several directions, segments leave until there is one.
     """

@@ -71,13 +71,7 @@ def problem_dataset(
 
 
 def problem_data(dataset: xr.Dataset) -> tuple[Any, Any, Any, Any]:
-    """Return separation, lever arm, torque and compliance from `problem_dataset`.
-
-    Raises
-    ------
-    InputError
-        The Dataset lacks a variable.
-    """
+    """Separation, lever arm, torque and compliance from `problem_dataset`."""
     structured = "compliance" not in dataset and "compliance_factor" in dataset
     parts = ("compliance_diagonal", "compliance_factor") if structured else ("compliance",)
     missing = [name for name in ("separation", "lever_arm", "torque", *parts) if name not in dataset]
@@ -185,7 +179,7 @@ class ContactProblem:
 
     @property
     def is_structured(self) -> bool:
-        """Whether the compliance is the pair (diagonal, factor)."""
+        """True if the compliance is the pair (diagonal, factor)."""
         return isinstance(self.compliance_matrix, ModalCompliance)
 
     @property
@@ -206,7 +200,7 @@ class ContactProblem:
 
     @property
     def is_positive_semidefinite(self) -> bool:
-        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum.
+        """True if C is positive semidefinite up to rounding, without which the problem is no minimum.
 
         Of a compliance known by its products alone this is assumed unless they show a negative eigenvalue.
         """
@@ -329,7 +323,7 @@ class ContactProblem:
         return self.scaled().as_qp(sparse=sparse)
 
     def identical(self, other: ContactProblem) -> bool:
-        """Whether all data of two problems agree to the bit and in form."""
+        """True if all data of two problems agree to the bit and in form."""
         if isinstance(self.compliance_matrix, OperatorCompliance):
             same = self.compliance_matrix is other.compliance_matrix
         else:

@@ -22,13 +22,7 @@ SPLITTER = 134217729.0
 
 
 def two_sum(a: Number, b: Number) -> tuple[Number, Number]:
-    """Return the rounded sum and its rounding error.
-
-    Examples
-    --------
-    >>> two_sum(1e16, 1.0)
-    (1e+16, 1.0)
-    """
+    """Rounded sum and its rounding error."""
     total = a + b
     second = total - a
     return total, (a - (total - second)) + (b - second)
@@ -42,14 +36,7 @@ def split(a: Number) -> tuple[Number, Number]:
 
 
 def two_product(a: Number, b: Number) -> tuple[Number, Number]:
-    """Return the rounded product and its rounding error.
-
-    Examples
-    --------
-    >>> product, error = two_product(1.0 + 2.0**-30, 1.0 - 2.0**-30)
-    >>> product, error == -(2.0**-60)
-    (1.0, True)
-    """
+    """Rounded product and its rounding error."""
     product = a * b
     (high, low), (high_other, low_other) = split(a), split(b)
     return product, low * low_other - (((product - high * high_other) - low * high_other) - high * low_other)
@@ -61,12 +48,6 @@ def dot_terms(a: Array, b: Array) -> Array:
 
 
 def double_double(terms: Array) -> tuple[float, float]:
-    """Return the sum of numbers, rounded, and what it lacks, rounded: together to twice the digits of a double.
-
-    Examples
-    --------
-    >>> double_double(np.array([1e30, 1.0, 1e-30, -1e30]))
-    (1.0, 1e-30)
-    """
+    """Rounded sum of numbers and its rounded remainder: together twice the digits of a double."""
     high = math.fsum(terms)
     return high, math.fsum([*terms, -high])

@@ -32,49 +32,18 @@ ERROR_FREE, PLAIN = 2.0**-103, 2.0**-51
 @frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class FirstContact:
-    """Where the rigid bodies touch first.
-
-    Attributes
-    ----------
-    segment
-        The number f.
-    rotation
-        S_f / r_f of the segment that touches first, rounded [rad].
-    remainder
-        What the rounded rotation lacks [rad].
-    separation
-        S - r S_f / r_f (n) [mm], rounded once. Not negative where r > 0, zero at the segment f.
-    error
-        Greatest error of these besides their rounding, relative to r S_f / r_f.
-    signs
-        Whether some lever arm is not positive; else no separation is negative.
-    """
+    """First contact of the rigid bodies, at the segment f and the rounded rotation S_f / r_f [rad]."""
 
     segment: int
     rotation: float
-    remainder: float
-    separation: Array
-    error: float
-    signs: bool
+    remainder: float  # what the rounded rotation lacks [rad]
+    separation: Array  # S - r S_f / r_f (n) [mm], rounded once; zero at f, not negative where r > 0
+    error: float  # greatest besides rounding, relative to r S_f / r_f
+    signs: bool  # some lever arm is not positive; else no separation is negative
 
 
 def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
-    """Find the first contact.
-
-    Parameters
-    ----------
-    separation, lever_arm
-        S and r of the segments (n) [mm]; some r is positive.
-
-    Examples
-    --------
-    Ten million thirds of a radian, and 2^-20 mm more on the second segment:
-
-    >>> separation = np.array([1e7, 2e7 + 2.0**-20])
-    >>> found = first_contact(separation, np.array([3.0, 6.0]))
-    >>> (found.separation * 2.0**20).tolist(), found.rotation
-    ([0.0, 1.0], 3333333.3333333335)
-    """
+    """First contact for separations S and lever arms r (n) [mm], some r positive."""
     signs = not lever_arm.min() > 0.0
     if not signs:
         first = int((separation / lever_arm).argmin())

@@ -44,30 +44,15 @@ MAX_LEVELS = 5
 
 
 class ModeColumns(NamedTuple):
-    """Modes of one compliance.
+    """Modes [(mm/N)^0.5] of one compliance, by levels (l) and blocks (q), each with the columns it shares."""
 
-    Attributes
-    ----------
-    places
-        First place of every level in ``order`` (l).
-    blocks
-        On every level, of each block: first place from that of the level, number of segments, first entry of
-        ``columns``, number of modes (l, q, 4).
-    order
-        Segment at each place, one level after the other.
-    columns
-        Modes of each block, one after the other [(mm/N)^0.5], and the shared columns of its segments.
-    sums
-        Diagonal and row sums of U U', diagonal of W W', and what that would be if no terms of W cancelled (4, n)
-        [mm/N], by segments; the last two only with shared modes.
-    mixing
-        Of the shared columns (q, j, s); (q, 0, 0) without shared modes.
-    """
-
-    places: Whole
+    places: Whole  # first place of every level in order (l)
+    #: (l, q, 4): first place from that of the level, number of segments, first entry of columns, number of modes
     blocks: Whole
     order: Whole
     columns: Array
+    #: (4, n) [mm/N] by segments: diagonal and row sums of U U', diagonal of W W', and that if no terms of W cancelled;
+    #: the last two only with shared modes
     sums: Array
     mixing: Array
 
@@ -79,18 +64,9 @@ def mode_columns(
     mixing: Array,
     shared_factor: Array,
 ) -> ModeColumns:
-    """Arrange modes.
+    """Arrange modes of n segments: blocks of segments (m) and modes (m, k) [(mm/N)^0.5], and shared modes.
 
-    Parameters
-    ----------
-    size
-        Number of segments n.
-    blocks
-        Segments (m) and modes (m, k) of every block [(mm/N)^0.5].
-    shared_columns, mixing
-        Of the shared modes (n, j) and (q, j, s).
-    shared_factor
-        W (n, s) [(mm/N)^0.5]; the shared columns themselves where the mixing is one of ones.
+    Shared are columns (n, j), mixing (q, j, s) and factor W (n, s), the columns themselves under a mixing of ones.
     """
     sums = np.zeros((4 if mixing.shape[2] else 2, size))
     for index, modes in blocks:
@@ -134,15 +110,7 @@ DIRECTION_TOLERANCE = 1e-15
 
 
 def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> NDArray[np.bool_]:
-    """Return the columns of a factor that couple groups of rows, if setting them apart saves work enough, (k).
-
-    Parameters
-    ----------
-    factor
-        V (n, k).
-    blocks
-        Rows and columns that share no entry with others, see ``factor_blocks``.
-    """
+    """Mask (k) of the columns of V (n, k) that couple groups of rows, if setting them apart saves enough work."""
     shared = np.zeros(factor.shape[1], dtype=np.bool_)
     work, split_work = 0.0, 0.0
     for rows, columns in blocks:
@@ -169,13 +137,8 @@ def part_of(factor: Array, rows: NDArray[np.intp], columns: NDArray[np.intp]) ->
 def _coupling(present: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], float]:
     """Columns that couple groups of rows (k), and the work with these set apart.
 
-    Columns are taken in turn, those of the fewest entries first. One that meets rows of a single group extends it; one
-    that meets rows of several groups couples them.
-
-    Parameters
-    ----------
-    present
-        Which entries are not zero (n, k), columns of fewer entries first.
+    Columns of the mask (n, k), fewest entries first, are taken in turn: one that meets rows of a single group extends
+    it, one that meets several couples them.
     """
     coupling = np.zeros(present.shape[1], dtype=np.bool_)
     if not (present[:, :-1] & ~present[:, 1:]).any():  # each column has the entries of the one before
@@ -367,13 +330,7 @@ class ModalBasis:
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class BendingFactor:
-    """A factor V as it was given; its blocks are found and compressed when they are first asked for.
-
-    Attributes
-    ----------
-    factor
-        V (n, k) [(mm/N)^0.5].
-    """
+    """A factor V (n, k) [(mm/N)^0.5] as given; its blocks are found and compressed when first asked for."""
 
     factor: Array
 
@@ -441,15 +398,7 @@ def modal_basis(factor: Array) -> ModalBasis:
 
 
 def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedModes:
-    """Shared modes W (n, s) in as few columns as they have directions, in all and within a block.
-
-    Parameters
-    ----------
-    factor
-        W (n, s) [(mm/N)^0.5].
-    rows
-        Segments of each block (m).
-    """
+    """Shared modes W (n, s) [(mm/N)^0.5] in as few columns as they have directions, in all and within a block."""
     if factor.shape[1] > RIGID_DIRECTIONS:
         factor = compressed_block(factor)
     size, count = factor.shape
@@ -467,19 +416,7 @@ def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedMode
 def basis_of_blocks(
     size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array], shared: SharedModes | None = None
 ) -> ModalBasis:
-    """The basis of compressed blocks.
-
-    Parameters
-    ----------
-    size
-        Number of segments n.
-    rows
-        Segments of each block (m); together each of the n segments once.
-    compressed
-        U of each block (m, r) [(mm/N)^0.5], see ``compressed_block``.
-    shared
-        Modes that the blocks share.
-    """
+    """Basis of compressed blocks U (m, r) [(mm/N)^0.5] on rows (m), which together have each segment once."""
     longest = max(own.size for own in rows)
     rank = max(block.shape[1] for block in compressed)
     index = np.full((len(compressed), longest), size, dtype=np.intp)
@@ -494,18 +431,9 @@ def basis_of_blocks(
 
 
 def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Find the groups of rows and columns that share no entry other than zero.
+    """Groups of rows and columns of V (n, k) that share no entry but zero; every row is in one.
 
-    Parameters
-    ----------
-    factor
-        V (n, k).
-
-    Returns
-    -------
-    list
-        Pairs of index arrays, rows and columns; every row is in one group. Rows of zeros make one group without
-        columns.
+    Rows of zeros make one group without columns.
     """
     # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
     packed = np.packbits(factor != 0.0, axis=1)

@@ -45,15 +45,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ScaledModes:
-    """The compliance diag(d) + V V^T in another unit; nothing is formed before it is asked for.
-
-    Attributes
-    ----------
-    compliance
-        In a unit of its own.
-    unit
-        Unit in which its numbers are wanted [mm/N], a power of two.
-    """
+    """The compliance diag(d) + V V^T in another unit [mm/N], a power of two; formed only when asked for."""
 
     compliance: ModalCompliance
     unit: float
@@ -107,15 +99,7 @@ class ScaledModes:
 
 @dataclass(frozen=True, eq=False)
 class ScaledOperator:
-    """A compliance known by its products alone, in another unit.
-
-    Attributes
-    ----------
-    compliance
-        In a unit of its own.
-    unit
-        Unit in which its numbers are wanted [mm/N], a power of two.
-    """
+    """A compliance known by its products alone, in another unit [mm/N], a power of two."""
 
     compliance: OperatorCompliance
     unit: float
@@ -139,20 +123,11 @@ class ScaledOperator:
 class ScaledProblem:
     """A contact problem in scaled numbers: minimise 1/2 F'CF + S'F subject to r'F = T, F >= 0.
 
-    Attributes
-    ----------
-    given_compliance
-        Mean diagonal of order one: an (n, n) array, local compliance and modes, or what gives products alone.
-    separation
-        Counted from first contact and clipped (n).
-    lever_arm
-        Mean of order one (n).
-    torque
-        Of the order of the number of segments in contact.
+    Mean diagonal of C and mean of r are of order one, T of the order of the number of segments in contact.
     """
 
     given_compliance: Array | ScaledModes | ScaledOperator
-    separation: Array
+    separation: Array  # from first contact, clipped (n)
     lever_arm: Array
     torque: float
 
@@ -169,7 +144,7 @@ class ScaledProblem:
 
     @property
     def has_matrix(self) -> bool:
-        """Whether C can be had as an array."""
+        """True if C can be had as an array."""
         return not isinstance(self.given_compliance, ScaledOperator)
 
     def deflection(self, force: Array) -> Array:
@@ -181,7 +156,7 @@ class ScaledProblem:
 
     @property
     def is_finite(self) -> bool:
-        """Whether no number has overflowed."""
+        """True if no number has overflowed."""
         # No entry of a positive semidefinite matrix exceeds its diagonal.
         given = self.given_compliance
         compliance = given if isinstance(given, np.ndarray) else given.whole_diagonal
@@ -223,30 +198,15 @@ SAFE_ENERGY_RANGE = (1e-200, 1e200)
 @frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class Scaling:
-    """The scales of one contact problem, and what was learnt in finding them.
-
-    Attributes
-    ----------
-    force, compliance, lever_arm
-        Scales [N], [mm/N], [mm], each a power of two.
-    first_contact_rotation, first_contact_remainder
-        Rotation at which the rigid bodies touch and what it lacks by rounding [rad]; scaled rotations count from here.
-    estimated_active
-        Segments in contact on the Winkler bed (n): a starting set for active-set methods.
-    separation_limit
-        Separation from first contact (n) [mm] above which a segment provably stays open; infinite where there is no
-        such proof (segments with a negative separation from first contact, zero torque).
-    certainly_open
-        Segments beyond that limit (n).
-    """
+    """Scales of force [N], compliance [mm/N] and lever arm [mm], powers of two, and findings on the way."""
 
     force: float
     compliance: float
     lever_arm: float
-    first_contact_rotation: float
+    first_contact_rotation: float  # [rad]; scaled rotations count from here
     first_contact_remainder: float
-    estimated_active: NDArray[np.bool_]
-    separation_limit: Array
+    estimated_active: NDArray[np.bool_]  # in contact on the Winkler bed (n)
+    separation_limit: Array  # (n) [mm], above it provably open; infinite where there is no proof
     certainly_open: NDArray[np.bool_]
 
     @classmethod
@@ -259,20 +219,9 @@ class Scaling:
         rotation: float,
         remainder: float,
     ) -> Scaling:
-        """Find the scales of a problem, O(n) beyond two products with the compliance.
+        """Scales of a problem, O(n) beyond two products with the compliance; S from first contact (n) [mm].
 
-        Parameters
-        ----------
-        separation
-            From first contact (n) [mm].
-        lever_arm
-            Of the normals about the gear axis (n) [mm].
-        torque
-            About the gear axis [N mm].
-        compliance
-            C [mm/N].
-        rotation, remainder
-            Of first contact and what it lacks by rounding [rad].
+        Rotation and remainder are those of first contact, and what it lacks by rounding [rad].
         """
         size, arm, diagonal = lever_arm.size, lever_arm, compliance.diagonal
         positive = arm > 0.0

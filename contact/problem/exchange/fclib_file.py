@@ -60,13 +60,7 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
 
 
 def require_answers(problems: Sequence[ContactProblem], answers: Sequence[Answer] | None) -> None:
-    """Refuse answers of another number or of other sizes than the problems.
-
-    Raises
-    ------
-    InputError
-        The message names the first that does not fit.
-    """
+    """Refuse answers of another number or of other sizes than the problems."""
     if answers is None:
         return
     instances("answers", answers, Answer)
@@ -134,13 +128,7 @@ def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProb
 
 
 def reference_arrays(dataset: xr.Dataset, count: int, widest: int) -> tuple[Array, Array] | None:
-    """Forces (problem, segment) [N] and rotations (problem) beyond first contact [rad] of a file; None if it has none.
-
-    Raises
-    ------
-    InputError
-        One of them is missing, holds no numbers for each of `count` problems, or has other units.
-    """
+    """Forces (problem, segment) [N] and rotations (problem) beyond first contact [rad] of a file, if any."""
     found = []
     for name, width in (("reference_force", widest), ("reference_elastic_rotation", 1)):
         values, units = dataset.get(name), ATTRIBUTES[name]["units"]
@@ -181,38 +169,7 @@ def write_fclib(
     answer: Answer | None = None,
     name: str = "contact problem",
 ) -> None:
-    """Write a contact problem as an HDF5 file of FCLib.
-
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    path
-        The file, replaced if it exists; its name should end in ``.hdf5``. It appears complete or not at all.
-    answer
-        Reference solution, written as the group ``solution``.
-    name
-        Title of the problem.
-
-    Raises
-    ------
-    InputError
-        The matrix does not fit into memory, or the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import h5py
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_fclib(springs, Path(folder, "problem.hdf5"))
-    ...     with h5py.File(Path(folder, "problem.hdf5")) as file:
-    ...         file["fclib_local/W/m"][0].item(), file["fclib_local/vectors/s"][0].item()
-    (6, 80000.0)
-    """
+    """Write a contact problem as an HDF5 file of FCLib, complete or not at all, an answer as group ``solution``."""
     import h5py
 
     size = problem.size
@@ -253,36 +210,9 @@ def write_fclib(
 
 
 def read_fclib(path: str | os.PathLike[str]) -> tuple[ContactProblem, Answer | None]:
-    """Read a contact problem, and its solution if there is one, from an HDF5 file of FCLib.
+    """Contact problem, and its solution certified anew or None, from an HDF5 file of FCLib.
 
-    Parameters
-    ----------
-    path
-        A file of `write_fclib`, or of another program with a local problem of 2 or 3 directions a contact, friction
-        zero and one equality with R = 0.
-
-    Returns
-    -------
-    tuple
-        The problem, identical to the one written, and its solution, certified anew, or None. Numbers of another program
-        are taken for mm and N.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or its problem is no contact problem without friction.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_fclib(springs, Path(folder, "problem.hdf5"))
-    ...     read_fclib(Path(folder, "problem.hdf5"))[0].identical(springs)
-    True
+    Other programs: 2 or 3 directions a contact, friction zero, one equality with R = 0; numbers taken as mm and N.
     """
     limit = unpacked_size_limit()
     require_file(path, limit)

@@ -32,31 +32,9 @@ FIELD_LENGTH_LIMIT = 31  # of a field's name in version 5
 
 
 def write_mat(problems: ProblemSet | Sequence[ContactProblem], path: str | os.PathLike[str]) -> None:
-    """Write contact problems as a MATLAB file.
+    """Write contact problems as a MATLAB file (``.mat``), complete or not at all.
 
-    Parameters
-    ----------
-    problems
-        At least one problem; as a `ProblemSet` with labels whose names MATLAB can take for fields.
-    path
-        The file, replaced if it exists; its name should end in ``.mat``. It appears complete or not at all.
-
-    Raises
-    ------
-    InputError
-        No problems, a label that is no name of a field, a problem of more than 4 GB; the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> import scipy.io
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_mat([springs], Path(folder, "problems.mat"))
-    ...     scipy.io.loadmat(Path(folder, "problems.mat"))["problem"]["lever_arm"][0, 0].shape
-    (2, 1)
+    Labels must be names that MATLAB can take for fields; at most 4 GB a problem.
     """
     from scipy.io import savemat
     from scipy.io.matlab import MatWriteError
@@ -83,29 +61,9 @@ def write_mat(problems: ProblemSet | Sequence[ContactProblem], path: str | os.Pa
 
 
 def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
-    """Read contact problems from a MATLAB file.
+    """Contact problems from a MATLAB file, not of version 7.3.
 
-    Parameters
-    ----------
-    path
-        A file of `write_mat`, or of another program: a struct array ``problem``, or the variables of a single problem,
-        as MATLAB saves them by default. Vectors may be rows. Files of version 7.3 are not read.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or holds no contact problem.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_mat([springs], Path(folder, "problems.mat"))
-    ...     read_mat(Path(folder, "problems.mat")).problems[0].identical(springs)
-    True
+    Other programs: a struct array ``problem``, or the variables of a single problem; vectors may be rows.
     """
     from scipy.io import loadmat
 

@@ -78,14 +78,7 @@ def problem_checksum(problem: ContactProblem) -> str:
 
 
 def set_checksum(names: Sequence[str], problems: Sequence[ContactProblem]) -> str:
-    """Return the SHA-256 of the lines ``name checksum`` of problems in order, in hexadecimal digits.
-
-    Examples
-    --------
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> set_checksum(["one"], [springs]) == set_checksum(["two"], [springs])
-    False
-    """
+    """SHA-256 of the lines ``name checksum`` of problems in order, in hexadecimal digits."""
     lines = (f"{name} {problem_checksum(problem)}\n" for name, problem in zip(names, problems, strict=True))
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
@@ -117,13 +110,7 @@ SPELLINGS = {
 
 
 def require_arrays(dataset: xr.Dataset) -> None:
-    """Refuse a Dataset that lacks what nothing can replace.
-
-    Raises
-    ------
-    InputError
-        The message lists the missing variables.
-    """
+    """Refuse a Dataset that lacks variables that nothing can replace."""
     missing = [name for name in ("separation", "lever_arm", "torque") if name not in dataset.variables]
     parts = [name for name in ("compliance_diagonal", "compliance_factor") if name not in dataset.variables]
     if "compliance" not in dataset.variables and parts:
@@ -133,18 +120,7 @@ def require_arrays(dataset: xr.Dataset) -> None:
 
 
 def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
-    """Return the arrays of `DIMENSIONS` that a Dataset has, and `size`, `structured` and `mode_count` if it has not.
-
-    Parameters
-    ----------
-    dataset
-        Complete by `require_arrays`.
-
-    Raises
-    ------
-    InputError
-        A variable has other dimensions or other units, holds no numbers, or counts what is not there.
-    """
+    """Arrays of `DIMENSIONS` in a complete Dataset; `size`, `structured` and `mode_count` are added if missing."""
     single = dataset["torque"].ndim == 0
     data = {name: _array(dataset, name, single) for name in DIMENSIONS if name in dataset.variables}
     separation, factor = data["separation"], data.get("compliance_factor")
@@ -274,13 +250,7 @@ class ProblemSet:
 
 
 def require_problems(problems: object) -> None:
-    """Refuse anything but a sequence of contact problems.
-
-    Raises
-    ------
-    InputError
-        Another type, such as the name of a file, or no problems.
-    """
+    """Refuse anything but a sequence of contact problems, at least one."""
     if isinstance(problems, str | os.PathLike | ContactProblem) or not isinstance(problems, Sequence):
         raise InputError(f"problems = {shown(problems)}: must be a list of contact problems, the file comes after it")
     if not problems:
@@ -291,16 +261,7 @@ def require_problems(problems: object) -> None:
 
 
 def joined(sets: Sequence[ProblemSet]) -> ProblemSet:
-    """Return the problems of several sets as one, with the labels that all have, and answers if all have them.
-
-    Examples
-    --------
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> one = ProblemSet([springs], {"name": np.array(["springs"]), "step": np.array([0])})
-    >>> both = joined([one, ProblemSet([springs], {"name": np.array(["again"])})])
-    >>> both.labels["name"].tolist(), list(both.labels)
-    (['springs', 'again'], ['name'])
-    """
+    """Problems of several sets as one, with the labels that all have, and answers if all have them."""
     names = [name for name in sets[0].labels if all(name in one.labels for one in sets)]
     answers = [one.answers for one in sets if one.answers is not None]
     return ProblemSet(
@@ -419,25 +380,7 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
 
 
 def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """Read what else a file says of each problem: the labels it was written with, each an array of one entry a problem.
-
-    Raises
-    ------
-    InputError
-        As `read_problems`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_problems([springs], Path(folder, "problems.nc"), labels={"name": ["two springs"]})
-    ...     [str(name) for name in read_labels(Path(folder, "problems.nc"))["name"]]
-    ['two springs']
-    """
+    """Labels that a file of problems was written with, each an array of one entry a problem."""
     dataset = _opened(path)
     problem = dataset["torque"].dims
     labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
@@ -514,25 +457,7 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 
 
 def read_attributes(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read the global attributes of a file but those of its format.
-
-    Raises
-    ------
-    InputError
-        As `read_problems`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_problems([springs], Path(folder, "problems.nc"), attributes={"title": "springs"})
-    ...     read_attributes(Path(folder, "problems.nc"))
-    {'title': 'springs'}
-    """
+    """Global attributes of a file but those of its format."""
     own = {"format", "format_version", "Conventions"}
     return {str(name): value for name, value in _opened(path).attrs.items() if name not in own}
 

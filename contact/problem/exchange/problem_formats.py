@@ -25,31 +25,12 @@ from .programme_file import read_npz, read_qps, write_npz, write_qps
 
 @dataclass(frozen=True)
 class ProblemFormat:
-    """Format of a file of contact problems.
-
-    Attributes
-    ----------
-    title
-        Name of the format.
-    read
-        Reads a file.
-    write
-        Writes problems to a file, in a form or, where that is empty, in the usual one.
-    forms
-        Forms of the quadratic programme that it can hold; none where it holds the problem itself.
-    single
-        Whether a file holds one problem.
-
-    Examples
-    --------
-    >>> FORMATS["qps"].forms
-    ('dense', 'lifted')
-    """
+    """Format of a file of contact problems."""
 
     title: str
     read: Callable[[str | os.PathLike[str]], ProblemSet]
-    write: Callable[[ProblemSet, Path, str], None]
-    forms: tuple[str, ...] = ()
+    write: Callable[[ProblemSet, Path, str], None]  # form empty for the usual one
+    forms: tuple[str, ...] = ()  # of the quadratic programme; none for the problem itself
     single: bool = True
 
 
@@ -156,12 +137,9 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
 
 
 def output_format(output: Path, format: str | None, count: int) -> str:
-    """Return the name of the format in which a number of problems is to be written, after checking the output.
+    """Name of the format in which a number of problems is to be written, checked against the output's suffix.
 
-    Raises
-    ------
-    InputError
-        The format is unknown, is not that of the suffix, or holds one problem a file where several would go into it.
+    Refused if the format holds one problem a file and several would go into it.
     """
     name = _suffix(output) if format is None else one_of("format", format, tuple(FORMATS))
     kind = FORMATS[name]
@@ -180,7 +158,7 @@ def output_format(output: Path, format: str | None, count: int) -> str:
 
 
 def is_folder(output: Path, format: str) -> bool:
-    """Whether problems are written to a folder: the format holds one problem a file, and the output has no suffix."""
+    """True if problems go to a folder: the format holds one problem a file, and the output has no suffix."""
     return FORMATS[format].single and output.suffix.lower() != f".{format}"
 
 

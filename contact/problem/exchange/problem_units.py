@@ -20,25 +20,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ProblemUnits:
-    """Units of force, compliance and length for the numbers of a problem, powers of two.
-
-    Attributes
-    ----------
-    force
-        Of forces [N].
-    compliance
-        Of compliances [mm/N], a power of four: its root is the unit of V.
-    lever_arm
-        Of lever arms [mm].
-
-    Examples
-    --------
-    >>> ProblemUnits(8.0, 2.0**-20, 32.0).rotation
-    2.384185791015625e-07
-    """
+    """Units of force [N], compliance [mm/N] and lever arm [mm] for the numbers of a problem, powers of two."""
 
     force: float = 1.0
-    compliance: float = 1.0
+    compliance: float = 1.0  # [mm/N], a power of four: its root is the unit of V
     lever_arm: float = 1.0
 
     @property

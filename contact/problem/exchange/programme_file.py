@@ -67,34 +67,9 @@ Arrays = Mapping[str, NDArray[Any] | None]
 
 
 def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: str = "dense") -> None:
-    """Write a contact problem as a quadratic programme of qpsolvers.
+    """Write a contact problem as a quadratic programme of qpsolvers (``.npz``), complete or not at all.
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    path
-        The file, replaced if it exists; its name should end in ``.npz``. It appears complete or not at all.
-    form
-        ``"dense"``, the scaled programme of `ContactProblem.as_qp`; ``"lifted"`` or ``"dual"``, that of `lifted_qp` or
-        `dual_qp`. All matrices are written dense: qpsolvers loses sparse constraint matrices in its own files.
-
-    Raises
-    ------
-    InputError
-        An unknown form, or one the problem cannot have; the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_npz(springs, Path(folder, "problem.npz"), form="dual")
-    ...     sorted(np.load(Path(folder, "problem.npz")).files)[:2]
-    ['A', 'G']
+    The form is ``dense`` (scaled), ``lifted`` or ``dual``; all matrices dense, as qpsolvers loses sparse constraints.
     """
     programme = _programme(problem, form)
     with whole_file(path) as temporary:
@@ -213,57 +188,22 @@ FREE_BOUNDS, VALUE_BOUNDS = ("FR", "MI", "PL"), ("LO", "UP", "FX")
 
 @dataclass
 class QpsProgramme:
-    """Quadratic programme of a QPS file, by names.
-
-    Attributes
-    ----------
-    name
-        Of the problem.
-    comments
-        Lines that begin with an asterisk, without it.
-    objective
-        Name of the objective's row.
-    row_types
-        By the name of each other row: ``E``, ``L`` or ``G``.
-    linear
-        Coefficients c by column, in the order of the file; zero where none is given.
-    entries
-        Coefficients of the other rows by row and column.
-    right
-        Right sides by row; that of the objective among them, minus its constant.
-    lower, upper
-        Bounds by column, where they are not 0 and infinity.
-    quadratic
-        Q by pair of columns, the first not before the second in the file.
-    """
+    """Quadratic programme of a QPS file by names, with bounds where they are not 0 and infinity."""
 
     name: str = ""
     comments: list[str] = field(default_factory=list)
     objective: str = ""
-    row_types: dict[str, str] = field(default_factory=dict)
-    linear: dict[str, float] = field(default_factory=dict)
+    row_types: dict[str, str] = field(default_factory=dict)  # E, L or G by row, without the objective
+    linear: dict[str, float] = field(default_factory=dict)  # by column, as in the file; zero if not given
     entries: dict[str, dict[str, float]] = field(default_factory=dict)
-    right: dict[str, float] = field(default_factory=dict)
+    right: dict[str, float] = field(default_factory=dict)  # by row; that of the objective is minus its constant
     lower: dict[str, float] = field(default_factory=dict)
     upper: dict[str, float] = field(default_factory=dict)
-    quadratic: dict[tuple[str, str], float] = field(default_factory=dict)
+    quadratic: dict[tuple[str, str], float] = field(default_factory=dict)  # by column pair, in the order of the file
 
 
 def qps_programme(lines: Iterable[str]) -> QpsProgramme:
-    r"""Return the programme that the lines of a QPS file describe.
-
-    Raises
-    ------
-    InputError
-        A line that is none of the format, a name that was not declared, a maximisation, ranges or integers.
-
-    Examples
-    --------
-    >>> text = "ROWS\n N e\n E b\nCOLUMNS\n x e 1 b 2\nRHS\n b 4\nQUADOBJ\n x x 3\nENDATA"
-    >>> found = qps_programme(text.splitlines())
-    >>> found.linear, found.entries, found.right, found.quadratic
-    ({'x': 1.0}, {'b': {'x': 2.0}}, {'b': 4.0}, {('x', 'x'): 3.0})
-    """
+    r"""Programme of the lines of a QPS file; refuses maximisation, ranges and integers."""
     programme, section, both, ended = QpsProgramme(), "", False, False
     for number, line in enumerate(lines, start=1):
         if line.startswith("*"):
@@ -402,36 +342,10 @@ UNIT = "easeoff unit of "
 def write_qps(
     problem: ContactProblem, path: str | os.PathLike[str], *, form: str = "auto", name: str = "contact"
 ) -> None:
-    """Write a contact problem as a QPS file.
+    """Write a contact problem as a QPS file, complete or not at all.
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    path
-        The file, replaced if it exists. It appears complete or not at all.
-    form
-        ``"dense"``, the matrix C; ``"lifted"``, sparse, for a structured compliance; ``"auto"``, lifted where the
-        compliance is structured.
-    name
-        Name of the problem in the file; blanks become underscores.
-
-    Raises
-    ------
-    InputError
-        An unknown form, or one the problem cannot have; the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_qps(springs, Path(folder, "problem.qps"))
-    ...     Path(folder, "problem.qps").read_text().split("ROWS")[1].split("RHS")[0].split()[:4]
-    ['N', 'ENERGY', 'E', 'BALANCE']
+    The form ``dense`` has the matrix C; ``lifted`` is sparse, for a structured compliance, and ``auto`` takes it there.
+    Blanks in the name become underscores.
     """
     one_of("form", form, QPS_FORMS)
     if form == "lifted" and not problem.is_structured:
@@ -441,35 +355,9 @@ def write_qps(
 
 
 def read_qps(path: str | os.PathLike[str]) -> ContactProblem:
-    """Read a contact problem from a QPS file.
+    """Contact problem from a QPS file; one matrix after the dense form of a structured compliance.
 
-    Parameters
-    ----------
-    path
-        A file of `write_qps`, or of another program: columns that are not negative, one equality, and no other row but
-        those of the lifted form. Numbers of another program are taken for mm and N.
-
-    Returns
-    -------
-    ContactProblem
-        Identical to the one written; after the dense form of a structured one, with one matrix.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or its programme is no contact problem.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem
-    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_qps(springs, Path(folder, "problem.qps"))
-    ...     read_qps(Path(folder, "problem.qps")).identical(springs)
-    True
+    Other programs: columns not negative, one equality, no rows but those of the lifted form; numbers taken as mm and N.
     """
     require_file(path, unpacked_size_limit())
     try:
