@@ -65,15 +65,14 @@ def solve_scaled(name: str, problem: ScaledProblem, settings: Mapping[str, Any])
 
 
 def _entry(info: Any, name: str) -> Any:
-    """What a backend reports by a name; None where it does not."""
+    """Value that a backend reports by a name; None where it does not."""
     return info.get(name) if isinstance(info, Mapping) else getattr(info, name, None)
 
 
 def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> Any:
-    """Solve with the named backend and return the `qpsolvers.Solution`, found or not.
+    """Solve with the named backend; returns the `qpsolvers.Solution`, found or not.
 
-    The setting ``form`` chooses the dense form, which is the default, or the lifted one; ``initvals`` are forces (n)
-    to start from, scaled, which some backends ignore.
+    The setting ``form`` is dense by default, or lifted; ``initvals`` are scaled starting forces (n), which some ignore.
     """
     import qpsolvers
 
@@ -96,17 +95,7 @@ def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]
 
 
 def call_times(name: str, solution: Any, call: float) -> CallTimes:
-    """Return the times of a call [s]: as the backend reports them, or else as qpsolvers measured them.
-
-    Parameters
-    ----------
-    name
-        Of the backend.
-    solution
-        The `qpsolvers.Solution`.
-    call
-        Wall time of the call [s].
-    """
+    """Times of a call [s]: as the backend reports them, or else as qpsolvers measured them."""
     report = SOLVERS[name].report
     if report is not None and report.solve_time:
         info = solution.extras.get(report.place, solution.extras)
@@ -120,22 +109,9 @@ def call_times(name: str, solution: Any, call: float) -> CallTimes:
 
 
 def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
-    """Return the form in which a backend gets a problem, ``"dense"`` or ``"lifted"``.
+    """Form in which a backend gets a problem, ``dense`` or ``lifted``.
 
-    Parameters
-    ----------
-    name
-        Of the backend.
-    problem
-        The scaled problem.
-    form
-        ``"dense"``, ``"lifted"``, or ``"auto"``: lifted where the compliance is structured, with fewer modes than
-        segments, and the problem so large that the backend gains, by the table of settings.
-
-    Raises
-    ------
-    InputError
-        An unknown form, or one that the backend or the problem cannot have.
+    ``auto`` is lifted for a structured compliance with fewer modes than segments, if so large that the backend gains.
     """
     one_of("form", form, ("auto", "dense", "lifted"))
     if not problem.has_matrix and name != "native":
@@ -162,15 +138,10 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
 def read_answer(
     solution: Any, *, iterations: int = -1, message: str = "", suspicion: Status | None = None
 ) -> ScaledAnswer:
-    """Take forces, rotation and gaps from a `qpsolvers.Solution`.
+    """Forces, rotation and gaps of a `qpsolvers.Solution`.
 
-    qpsolvers writes P x + q + A'y + z_box = 0, so the rotation is -y and the gaps are -z_box. A rotation that is
-    missing is recovered from the forces: on the loaded segments the gap is zero, hence theta T = F'CF + S'F.
-
-    Raises
-    ------
-    NoAnswerError
-        There are no numbers.
+    qpsolvers has P x + q + A'y + z_box = 0: rotation -y, gaps -z_box. A missing rotation follows from the forces, as
+    the gap is zero on loaded segments: theta T = F'CF + S'F.
     """
     if not message:
         message = "found" if solution.found else "not found"
@@ -196,20 +167,7 @@ def read_answer(
 
 
 def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
-    """Refuse misspelt settings, which some backends ignore in silence.
-
-    Parameters
-    ----------
-    name
-        Of the backend.
-    settings
-        Keywords for it.
-
-    Raises
-    ------
-    InputError
-        A setting that is not among those that the table of solvers knows.
-    """
+    """Refuse misspelt settings, which some backends ignore in silence."""
     entry = SOLVERS[name]
     if not entry.known:
         return

@@ -48,13 +48,7 @@ Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
 
 def adapter_of(solver: str) -> Adapter:
-    """Return the adapter of a solver of the table, not of the native one, which has none; it loads the package.
-
-    Raises
-    ------
-    MissingSolverError
-        Its package is installed, and cannot be loaded.
-    """
+    """Adapter of a solver of the table, with its package loaded; the native one has none."""
     if SOLVERS[solver].report:
         _load(solver)
         return partial(solve_scaled, solver)
@@ -86,33 +80,10 @@ def backend_solution(
     own: tuple[str, ...] = (),
     limits: Limits = NO_LIMITS,
 ) -> ContactSolution:
-    """Solve a contact problem with a backend, and certify its answer.
+    """Solve a contact problem with a backend, named or of one's own, and certify its answer.
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    solver
-        Name of the solver; one that is not in the table gets the dense form.
-    adapter
-        Function that calls the backend, or the declaration of a solver of one's own.
-    settings
-        Of the backend.
-    form
-        As in `chosen_form`.
-    polish
-        What may be done to make the answer exact on the active set that it shows; None to leave it as it is.
-    raw
-        Give the backend the problem in mm and N as it is, and leave its answer as it is.
-    own
-        Settings that are the caller's own: an exception that a wrong one can have caused is raised as `InputError`.
-    limits
-        Of the solve; its tolerance is that of the certificate.
-
-    Raises
-    ------
-    InputError
-        A form that the solver or the problem cannot have, or a setting that the solver refuses.
+    ``raw`` gives it the problem in mm and N as it is and leaves its answer; an exception that one of the ``own``
+    settings can have caused is raised as `InputError`.
     """
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None

@@ -54,8 +54,8 @@ def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> 
 def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near: ScaledAnswer | None) -> Answers:
     """Answers of the primal active set whose segments in contact are solved for anew.
 
-    The inverse that it keeps up to date loses digits where the compliance is nearly singular. Then even which segments
-    touch is better known of a compliance that is further from singular; they are solved for in the given one.
+    Near a singular compliance its updated inverse loses digits; the touching set is then better known of a compliance
+    further from singular, and solved for in the given one.
     """
     if near is not None:
         yield exact_answer(problem, near, exchanges=0)
@@ -90,21 +90,7 @@ def answers(
 ) -> Iterator[tuple[str, ScaledAnswer]]:
     """Yield methods and their answers in turn; the caller stops at the first it accepts.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    active
-        Segments assumed in contact (n).
-    settings
-        ``method``: the name of a single method instead of the cascade.
-    budget
-        Limits of the whole solve.
-
-    Raises
-    ------
-    InputError
-        An unknown setting or method.
+    The setting ``method`` names a single method instead of the cascade; ``active`` (n) are assumed in contact.
     """
     settings = dict(settings)
     method = settings.pop("method", "cascade")

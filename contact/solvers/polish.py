@@ -30,18 +30,10 @@ MAX_EXCHANGES = 9
 
 @dataclass(frozen=True)
 class PolishRule:
-    """What a polish may do.
-
-    Attributes
-    ----------
-    exchanges
-        Exchanges of segments that it may make; none leaves the answer as it is if its active set was wrong.
-    roughest
-        Certificate up to which an answer is polished at all.
-    """
+    """Limits of a polish; without exchanges an answer with a wrong active set stays as it is."""
 
     exchanges: int = MAX_EXCHANGES
-    roughest: float = math.inf
+    roughest: float = math.inf  # certificate up to which an answer is polished
 
 
 #: Polish in a comparison: the active set was right or it was not, and the answer was at least roughly right. Without
@@ -51,38 +43,19 @@ STRICT_POLISH = PolishRule(exchanges=0, roughest=1e-3)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Polish:
-    """Result of a polish.
-
-    Attributes
-    ----------
-    answer
-        In the units of the problem, with its certificate: exact, or as the solver gave it.
-    polished
-        Whether it was made exact.
-    exchanges
-        Exchanges of segments made for it.
-    """
+    """Result of a polish: the answer, exact or as the solver gave it, in the units of the problem."""
 
     answer: Answer
-    polished: bool
+    polished: bool  # made exact
     exchanges: int
 
 
 def polished_answer(
     problem: ContactProblem, scaled: ScaledProblem, answer: ScaledAnswer, rule: PolishRule | None
 ) -> Polish:
-    """Return an answer in the units of the problem with its certificate, exact where it can be made so.
+    """Answer in the units of the problem with its certificate, exact where the rule lets it be made so.
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    scaled
-        The same, scaled.
-    answer
-        Answer of a solver, scaled. Numbers that are not finite show no active set.
-    rule
-        What may be done; None for an answer that stays as it is.
+    Numbers that are not finite show no active set.
     """
     if rule is None or not (math.isfinite(answer.rotation) and np.isfinite(answer.force).all()):
         return Polish(unscaled(problem, answer.force, answer.rotation), False, 0)
@@ -99,23 +72,10 @@ def polished_answer(
 
 
 def exact_answer(problem: ScaledProblem, answer: ScaledAnswer, exchanges: int = MAX_EXCHANGES) -> ScaledAnswer | None:
-    """Make an approximate answer exact.
+    """Make an approximate answer exact; None if a system has no solution or the active set does not settle.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    answer
-        Forces and rotation, approximately right.
-    exchanges
-        Exchanges of segments that may be made. Without any, forces that come out negative are set to zero: the
-        certificate tells whether they were more than rounding.
-
-    Returns
-    -------
-    ScaledAnswer or None
-        Its iterations are the linear systems solved. None if a system has no solution, or the active set could not be
-        settled.
+    Without exchanges negative forces are set to zero: the certificate tells whether they were more than rounding. Its
+    iterations are the linear systems solved.
     """
     solve_set: Callable[[NDArray[np.intp]], SolvedSet | None]
     modal = ModalProblem.of(problem)

@@ -48,7 +48,7 @@ class SolvedSet(Protocol):
 
     @property
     def shifted(self) -> bool:
-        """Whether the block of the active segments is singular to rounding."""
+        """True if the block of the active segments is singular to rounding."""
 
     def refine(self) -> None:
         """Take one step of iterative refinement."""
@@ -62,25 +62,9 @@ def primal_dual_active_set(
     solve_set: Callable[[NDArray[np.intp]], SolvedSet | None] | None = None,
     budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
-    """Solve the scaled problem from a starting set.
+    """Solve the scaled problem from a starting set (n); None if it did not end.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    active
-        Segments assumed in contact (n).
-    max_iterations
-        Linear systems solved before giving up, 40 + n by default.
-    solve_set
-        Solves the system of active segments (a); by default with the matrix C.
-    budget
-        Limits of the whole solve.
-
-    Returns
-    -------
-    ScaledAnswer or None
-        None if it did not end.
+    Iterations are linear systems, 40 + n at most by default; they are of C unless ``solve_set`` solves them.
     """
     active = active.copy()
     limit = 40 + active.size if max_iterations is None else max_iterations
@@ -151,24 +135,10 @@ def primal_active_set(
     max_iterations: int | None = None,
     budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
-    """Solve the scaled problem by feasible descent.
+    """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    start
-        Segments loaded at the start, equally (n); only those with a positive lever arm are taken. Without a torque the
-        descent starts from no load.
-    max_iterations
-        Linear systems solved before giving up, 20 + 5 n by default.
-    budget
-        Limits of the whole solve.
-
-    Returns
-    -------
-    ScaledAnswer or None
-        None if it did not end, or the energy has no minimum.
+    The start (n) is loaded equally, where lever arms are positive; no load without a torque. Iterations are linear
+    systems, 20 + 5 n at most by default.
     """
     size, closing, torque = problem.lever_arm.size, -problem.separation, problem.torque
     root = np.sqrt(problem.compliance.diagonal())

@@ -73,7 +73,7 @@ class ContactSolutions:
 
     @property
     def certified(self) -> NDArray[np.bool_]:
-        """Whether each answer is proved (b)."""
+        """True for each answer that is proved (b)."""
         return np.asarray(self.status == Status.CERTIFIED)
 
     def __len__(self) -> int:

@@ -34,22 +34,7 @@ RENEWAL_INTERVAL = 50
 def projected_conjugate_gradients(
     problem: ScaledProblem, active: Mask, budget: StepBudget | None = None
 ) -> ScaledAnswer | None:
-    """Solve a scaled contact problem by products with its compliance.
-
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    active
-        Segments assumed in contact (n).
-    budget
-        Limits of the whole solve.
-
-    Returns
-    -------
-    ScaledAnswer or None
-        None without torque, for which there is no admissible force to start from.
-    """
+    """Solve a scaled contact problem by products with its compliance; None without torque."""
     arm, separation, torque = problem.lever_arm, problem.separation, problem.torque
     if not torque > 0.0:
         return None
@@ -124,6 +109,6 @@ def _gaps(rigid: Array, arm: Array, loaded: Mask) -> tuple[float, Array]:
 
 
 def _settled(gap: Array, loaded: Mask, scale: float) -> bool:
-    """Whether the loaded segments touch and no other is penetrated."""
+    """True if the loaded segments touch and no other is penetrated."""
     worst = max(float(np.abs(gap[loaded]).max()), -float(gap.min()))
     return worst <= GAP_TOLERANCE * scale

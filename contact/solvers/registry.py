@@ -178,7 +178,7 @@ def solve(
 
 @dataclass(frozen=True, eq=False)
 class _Request:
-    """What `solve` was asked for, checked."""
+    """Checked arguments of `solve`."""
 
     problem: ContactProblem
     limits: Limits
@@ -191,15 +191,7 @@ class _Request:
 
 
 def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start: float) -> ContactSolution | None:
-    """Return the certified solution of the compiled modal method; None where it has none.
-
-    Parameters
-    ----------
-    problem, initial
-        As of `solve`.
-    start
-        Time at which the call began [s].
-    """
+    """Certified solution of the compiled modal method, or None; ``start`` is when the call began [s]."""
     found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
     if found is None:
         return None
@@ -353,7 +345,7 @@ def start_force(force: NDArray[np.float64], problem: ContactProblem) -> NDArray[
 
 
 def _is_definite(matrix: NDArray[np.float64]) -> bool:
-    """Whether a positive semidefinite matrix has no eigenvalue that rounding could have made."""
+    """True if a positive semidefinite matrix has no eigenvalue that rounding could have made."""
     eigenvalues = np.linalg.eigvalsh(matrix)
     return bool(eigenvalues[0] > matrix.shape[0] * np.finfo(np.float64).eps * eigenvalues[-1])
 

@@ -54,30 +54,13 @@ OWN_ENDS = (Status.SOLVER_FAILED, Status.TIME_LIMIT, Status.NOT_CONVERGED)
 
 @dataclass(frozen=True)
 class CallTimes:
-    """Times of the parts of a call of a backend [s]; NaN where unknown.
+    """Times of the parts of a call of a backend [s]; NaN where unknown."""
 
-    Attributes
-    ----------
-    call
-        Wall time of the backend, from its data in its form to its answer.
-    setup, solve
-        Set-up and solve, in the backend's own measurement, or else measured around them.
-    measured_by
-        Who measured these two: ``solver``, ``interface``, or nobody: an empty text.
-    polish
-        Wall time of the polish and the certificates it takes.
-
-    Examples
-    --------
-    >>> CallTimes(call=2e-3).call
-    0.002
-    """
-
-    call: float = math.nan
+    call: float = math.nan  # from the data in the backend's form to its answer
     setup: float = math.nan
     solve: float = math.nan
-    measured_by: str = ""
-    polish: float = math.nan
+    measured_by: str = ""  # setup and solve: solver, interface, or empty for nobody
+    polish: float = math.nan  # with the certificates it takes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -153,7 +136,7 @@ class ContactSolution:
 
     @property
     def certified(self) -> bool:
-        """Whether the answer is proved."""
+        """True if the answer is proved."""
         return self.status is Status.CERTIFIED
 
     @cached_property
@@ -223,7 +206,7 @@ class ContactSolution:
 
     @cached_property
     def conditioning(self) -> Conditioning:
-        """Whether the forces are the only ones, and bounds of the errors; computed when it is first asked for."""
+        """Uniqueness of the forces, and bounds of the errors; computed when it is first asked for."""
         answer = self.answer
         if answer.problem is None:
             return unknown_conditioning(answer.force.size)
@@ -253,23 +236,9 @@ def judged(
     message: str = "",
     stiffness: float = math.nan,
 ) -> ContactSolution:
-    """Return the solution with the status that the certificate of an answer gives it.
+    """Solution with the status that the certificate of an answer gives it.
 
-    Parameters
-    ----------
-    solver
-        Name of the solver.
-    answer
-        In the units of the problem, with its certificate.
-    tolerance
-        Largest violation that the certificate may have.
-    suspicion
-        What the solver reports: the status of a refused answer if it is one of `OWN_ENDS`, else this is
-        `Status.NOT_CERTIFIED`.
-    claim
-        The solver's own report; by default that of the certificate.
-    iterations, method, polished, message, stiffness
-        Passed on to the solution.
+    The suspicion, the solver's own report, is the status of a refused answer if in `OWN_ENDS`, else `NOT_CERTIFIED`.
     """
     status = suspicion if suspicion in OWN_ENDS else Status.NOT_CERTIFIED
     if answer.certificate.passes(tolerance):
@@ -325,24 +294,7 @@ _ENDS = {
 
 
 def course(method: str, solution: ContactSolution, words: str = "") -> str:
-    """Return the method and what happened, in plain words.
-
-    Parameters
-    ----------
-    method
-        Solver and method.
-    solution
-        Its end.
-    words
-        The solver's own message.
-
-    Examples
-    --------
-    >>> from easeoff.contact import ContactProblem, solve
-    >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, [[1e-6, 0.0], [0.0, 1e-6]])
-    >>> course("two springs", solve(springs))
-    'two springs, 1 step: certified'
-    """
+    """Method and end of a solution, in plain words."""
     count = solution.iterations
     steps = f", {count} step{'' if count == 1 else 's'}" if count >= 0 else ""
     if solution.polished:
@@ -359,31 +311,12 @@ def course(method: str, solution: ContactSolution, words: str = "") -> str:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ScaledAnswer:
-    """An answer to a `ScaledProblem`, not yet certified.
-
-    Attributes
-    ----------
-    force
-        Of every segment (n).
-    rotation
-        Beyond first contact.
-    iterations
-        -1 if unknown.
-    message
-        The solver's own message.
-    suspicion
-        Status that the solver reports; used only if the certificate refuses the answer.
-    gap
-        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Only for comparison: the gaps
-        of a solution are computed from its forces.
-    times
-        Times of the call, where they were taken.
-    """
+    """An answer to a `ScaledProblem`, not yet certified."""
 
     force: NDArray[np.float64]
     rotation: float
-    iterations: int
+    iterations: int  # -1 if unknown
     message: str = ""
-    suspicion: Status | None = None
-    gap: NDArray[np.float64] | None = None
+    suspicion: Status | None = None  # counts only if the certificate refuses
+    gap: NDArray[np.float64] | None = None  # multipliers of the bounds, in the sign of gaps; only for comparison
     times: CallTimes | None = None

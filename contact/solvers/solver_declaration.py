@@ -40,24 +40,7 @@ Array = NDArray[np.float64]
 
 
 def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> ScaledAnswer:
-    """Return the answer that a function of one's own gave.
-
-    Parameters
-    ----------
-    returned
-        A `qpsolvers.Solution`, a `ScaledAnswer`, the pair of unknowns and rotation, or the unknowns alone.
-    problem
-        The scaled problem.
-    form
-        In which the function got it.
-    posed
-        What it got.
-
-    Raises
-    ------
-    NoAnswerError
-        There are no finite numbers of the right shape.
-    """
+    """Answer of a function of one's own: a `qpsolvers.Solution`, a `ScaledAnswer`, or unknowns and rotation or not."""
     if isinstance(returned, ScaledAnswer):
         size = problem.separation.size
         force = _numbers(returned.force, "forces", (size,))
@@ -158,21 +141,11 @@ DECLARED_FORMS = {
 
 
 class ScaledLCP(NamedTuple):
-    """Linear complementarity problem w = M z + q >= 0, z >= 0, w'z = 0, as `lcp` has it, in scaled numbers.
-
-    Attributes
-    ----------
-    matrix
-        M (n, n).
-    vector
-        q (n).
-    eliminated
-        The segment whose entry of z is its gap.
-    """
+    """Linear complementarity problem w = M z + q >= 0, z >= 0, w'z = 0, as `lcp` has it, in scaled numbers."""
 
     matrix: NDArray[np.float64]
     vector: NDArray[np.float64]
-    eliminated: int
+    eliminated: int  # segment whose entry of z is its gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +231,7 @@ class Solver:
         return frozenset(named), any(p.kind is inspect.Parameter.VAR_KEYWORD for p in parameters)
 
     def takes(self, keyword: str) -> bool:
-        """Whether the function takes a keyword."""
+        """True if the function takes a keyword."""
         named, anything = self._keywords
         return anything or keyword in named
 
@@ -344,18 +317,10 @@ SolverChoice = str | Solver | Callable[..., Any]
 
 
 def declared_solver(solver: SolverChoice) -> Solver | None:
-    """Return the declaration of a solver of one's own; None for a name that is none, such as those of the table.
+    """Declaration of a solver of one's own; None for other names, such as those of the table.
 
-    Parameters
-    ----------
-    solver
-        A `Solver`, a function, ``module:function``, or a name of the entry-point group ``easeoff.solvers``. Names of
-        the table come first.
-
-    Raises
-    ------
-    InputError
-        It is nothing of the kind, or cannot be imported.
+    A `Solver`, a function, ``module:function``, or a name of the entry-point group ``easeoff.solvers``; the table's
+    names come first.
     """
     if isinstance(solver, Solver):
         return solver
@@ -419,13 +384,7 @@ def _entry_point_solver(name: str, _path: tuple[str, ...]) -> Solver | None:
 
 
 def declares_place(text: str) -> bool:
-    """Whether a text is of the form ``module:function``.
-
-    Raises
-    ------
-    InputError
-        It has a colon, and is none.
-    """
+    """True if a text is of the form ``module:function``; any other with a colon is refused."""
     module, colon, path = text.partition(":")
     if colon and not (module.replace(".", "a").isidentifier() and path.replace(".", "a").isidentifier()):
         raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION")

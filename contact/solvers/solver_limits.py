@@ -28,17 +28,7 @@ OWN_TIME_RANGE = (1e-9, 1e9)
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a solve; None for those of the solver.
-
-    Attributes
-    ----------
-    tolerance
-        Largest violation that the certificate may have.
-    time_limit
-        Wall time [s].
-    max_iterations
-        Steps of the method.
-    """
+    """Limits of a solve; None for those of the solver."""
 
     tolerance: float | None = None
     time_limit: float | None = None
@@ -55,7 +45,7 @@ class Limits:
 
     @property
     def none(self) -> bool:
-        """Whether nothing is limited."""
+        """True if nothing is limited."""
         return self == Limits()
 
     @property
@@ -65,21 +55,9 @@ class Limits:
 
 
 def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords for a backend of the table: its settings, the limits in its words, and the caller's settings.
+    """Keywords for a backend: settings of the table, limits in its own words, and the caller's settings on top.
 
-    Parameters
-    ----------
-    name
-        Of the backend.
-    limits
-        Of the solve.
-    settings
-        The caller's own, in the backend's words; they come on top.
-
-    Raises
-    ------
-    InputError
-        A limit that the backend cannot have, or that is given in both words.
+    A limit that the backend cannot have, or that is given in both words, is refused.
     """
     entry = SOLVERS[name]
     keywords, found = dict(entry.settings), {}
@@ -113,17 +91,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
 
 
 def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status | None:
-    """Return the limit that ended a backend without an answer, if it does not say so itself and a limit was met.
-
-    Parameters
-    ----------
-    name
-        Of the backend.
-    settings
-        It was called with.
-    elapsed
-        Its run time [s].
-    """
+    """Limit that ended a backend without an answer, if it does not say so itself; run time in [s]."""
     entry = SOLVERS[name]
     if elapsed >= settings.get(entry.time_setting, math.inf):
         return Status.TIME_LIMIT
@@ -133,20 +101,7 @@ def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status 
 
 
 def limit_hint(name: str, given: Collection[str]) -> str:
-    """Return what to give instead of settings that look like a limit in other words; empty where there is nothing.
-
-    Parameters
-    ----------
-    name
-        Of the backend.
-    given
-        Names of the settings.
-
-    Examples
-    --------
-    >>> limit_hint("clarabel", ["maxiter"])
-    '; give max_iterations, which every solver takes that has one'
-    """
+    """Advice for settings that look like a limit in other words; empty where there is none."""
     if name not in SOLVERS:
         return ""
     entry = SOLVERS[name]
@@ -167,12 +122,7 @@ def _able(word: str) -> str:
 class StepBudget:
     """Steps and time that the native solver has left, over all its methods.
 
-    Parameters
-    ----------
-    limits
-        Of the solve.
-    start
-        Time at which it began [s], of `time.perf_counter`.
+    The start is of `time.perf_counter` [s].
     """
 
     def __init__(self, limits: Limits, start: float | None = None) -> None:

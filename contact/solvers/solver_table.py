@@ -26,108 +26,48 @@ LARGEST_PIVOTING = 1000
 
 @dataclass(frozen=True)
 class Report:
-    """How a backend behind qpsolvers reports its end, among the extras of its solution.
+    """Names under which a backend behind qpsolvers reports its end, among the extras of its solution.
 
-    Attributes
-    ----------
-    place
-        Name among the extras; empty for the extras themselves.
-    status, iterations
-        Names of the words of its end and of the number of its steps; empty where it reports none.
-    ends
-        What its ends without an answer mean; with none a limit that was met counts.
-    end
-        Name of what ``ends`` go by, if not by the status.
-    other_end
-        What every other end without an answer means.
-    unit, set_up_time, solve_time
-        Unit [s] and names of the times that it reports; empty where it reports none.
+    Empty where it reports none.
     """
 
-    place: str = ""
+    place: str = ""  # among the extras; empty for the extras themselves
     status: str = ""
     iterations: str = ""
+    #: without an answer; with none a limit that was met counts
     ends: Mapping[str | int, Status] = field(default_factory=dict)
-    end: str = ""
-    other_end: Status | None = None
-    unit: float = 1.0
+    end: str = ""  # name of what ends go by, if not the status
+    other_end: Status | None = None  # meaning of every other end without an answer
+    unit: float = 1.0  # of the times [s]
     set_up_time: str = ""
     solve_time: str = ""
 
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """Facts and settings of one solver.
+    """Facts and settings of one solver; the caller's settings come on top."""
 
-    Attributes
-    ----------
-    package
-        Importable package it needs; empty for the solvers of this package.
-    requirement
-        Requirement that pip installs.
-    licence
-        SPDX identifier. What is under a copyleft licence is an optional extra of its own.
-    kind
-        The method, in a few words.
-    sparse
-        Whether it wants sparse matrices.
-    tolerance
-        Certificate that its unpolished answers reach with these settings.
-    largest
-        Number of segments up to which it is known to keep that tolerance on the problem library; None for all of it.
-        A solver that gets the whole matrix takes minutes on more. Nothing is refused for it but by `lemke`.
-    definite
-        Whether it begins with a Cholesky factor of the whole compliance: where that is singular to rounding it has no
-        answer, or one that the certificate refuses.
-    lifted_from
-        Number of segments from which a structured problem is given in the lifted form; None for a solver that takes
-        the dense form only.
-    settings
-        Keywords passed to it; what the caller gives comes on top.
-    tolerance_settings
-        Those of its settings that are stopping tolerances; empty for a method that is exact up to rounding. With them
-        as in ``settings`` its unpolished answers reach ``tolerance``.
-    tolerance_power
-        Power of the certificate to which they belong: 2 for interior-point methods, see `INTERIOR_POINT_TOLERANCE`.
-    least_tolerance
-        Smallest stopping tolerance that it takes.
-    time_setting, step_setting
-        Its names for a time limit [s] and a limit of its iterations; empty where it has none.
-    warm_start
-        Whether it makes use of the forces of a neighbouring problem. The others ignore them, or have no use for them.
-    report
-        How it reports its end, if it is called behind qpsolvers; None for one with an adapter of its own.
-    known
-        Settings there are, of a backend that ignores others in silence: their names, or objects of its package that
-        have them as attributes, such as ``"Settings()"``.
-    second_attempt
-        Settings of another attempt where it finds nothing.
-
-    Examples
-    --------
-    >>> SOLVERS["osqp"].licence, SOLVERS["osqp"].tolerance
-    ('Apache-2.0', 1e-06)
-    """
-
-    package: str
+    package: str  # importable; empty for solvers of this package
     requirement: str
-    licence: str
+    licence: str  # SPDX; copyleft ones are optional extras of their own
     kind: str
     sparse: bool = False
-    tolerance: float = EXACT_TOLERANCE
+    tolerance: float = EXACT_TOLERANCE  # certificate of unpolished answers with these settings
+    #: segments up to which it keeps the tolerance on the problem library; None for all; only `lemke` refuses more
     largest: int | None = None
-    definite: bool = False
-    lifted_from: int | None = None
+    definite: bool = False  # begins with a Cholesky factor of C: no answer, or a refused one, where C is singular
+    lifted_from: int | None = None  # segments; None for the dense form only
     settings: Mapping[str, Any] = field(default_factory=dict)
-    tolerance_settings: tuple[str, ...] = ()
-    tolerance_power: int = 1
-    least_tolerance: float = 0.0
-    time_setting: str = ""
+    tolerance_settings: tuple[str, ...] = ()  # stopping tolerances in settings; none if exact up to rounding
+    tolerance_power: int = 1  # of the certificate: 2 for interior points, see `INTERIOR_POINT_TOLERANCE`
+    least_tolerance: float = 0.0  # smallest stopping tolerance that it takes
+    time_setting: str = ""  # its name for a limit [s]; empty if none
     step_setting: str = ""
-    warm_start: bool = False
+    warm_start: bool = False  # uses the forces of a neighbouring problem
     report: Report | None = None
+    #: of a backend that ignores others in silence: names, or objects with them such as "Settings()"
     known: tuple[str, ...] = ()
-    second_attempt: Mapping[str, Any] = field(default_factory=dict)
+    second_attempt: Mapping[str, Any] = field(default_factory=dict)  # where it finds nothing
 
 
 _EXTRA = "easeoff[solvers]"

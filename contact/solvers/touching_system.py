@@ -109,33 +109,19 @@ SHIFTED_REFINEMENTS = 8
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TouchingFactor:
-    """Cholesky factor of the compliance among the touching segments.
-
-    Attributes
-    ----------
-    lower
-        L with L L' = C_AA (a, a).
-    arm
-        r_A (a).
-    turning
-        u = C_AA^-1 r_A (a).
-    moment
-        r_A'u: the torque that turns the gear by one radian, the touching segments being held [N mm/rad].
-    shifted
-        Whether C_AA is singular to rounding, and the factor that of C_AA + shift I.
-    """
+    """Cholesky factor L of the compliance C_AA (a, a) among the touching segments, and u = C_AA^-1 r_A."""
 
     lower: Array
     arm: Array
-    turning: Array
-    moment: float
-    shifted: bool = False
+    turning: Array  # u (a)
+    moment: float  # r_A'u, torque that turns the gear by one radian [N mm/rad]
+    shifted: bool = False  # C_AA singular to rounding; factor of C_AA + shift I
 
     @classmethod
     def of(cls, block: Array, arm: Array, *, shift: bool = False) -> TouchingFactor | None:
         """Factorise; a block that is singular to rounding is shifted, or else there is no factor.
 
-        None also where the block has no factor with a shift (it is not positive semidefinite), or overflows.
+        None also where it has no factor with a shift (it is not positive semidefinite), or overflows.
         """
         # The block is symmetric: its transpose is the same matrix in the order LAPACK wants.
         lower, failed = dpotrf(block.T, lower=1, clean=0)
@@ -196,37 +182,25 @@ def _shifted(block: Array) -> Array | None:
 
 @dataclass(slots=True)
 class ActiveSetPoint:
-    """Forces and rotation that close the gaps of an active set, in scaled numbers.
-
-    Attributes
-    ----------
-    index
-        The active segments (a).
-    force
-        Their forces (a), of any sign.
-    rotation
-        Beyond first contact.
-    gap
-        Gaps of all segments (n); zero up to rounding on the active ones.
-    """
+    """Forces of any sign (a) and rotation that close the gaps of an active set, in scaled numbers."""
 
     index: NDArray[np.intp]
     force: Array
-    rotation: float
-    gap: Array
+    rotation: float  # beyond first contact
+    gap: Array  # of all segments (n); zero up to rounding on the active
     _problem: ScaledProblem
     _rows: Array
     _factor: TouchingFactor
 
     @property
     def shifted(self) -> bool:
-        """Whether the block of the active segments is singular to rounding."""
+        """True if the block of the active segments is singular to rounding."""
         return self._factor.shifted
 
     def refine(self) -> None:
         """Take one step of iterative refinement; several if the block is singular and was shifted.
 
-        The residual is that of the true system, so that the shift speeds or slows the convergence but leaves no bias.
+        The residual is that of the true system: the shift changes the convergence but leaves no bias.
         """
         for _ in range(SHIFTED_REFINEMENTS if self.shifted else 1):
             imbalance = self._problem.torque - float(self._factor.arm @ self.force)
@@ -242,19 +216,9 @@ class ActiveSetPoint:
 
 
 def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
-    """Solve the system of an active set.
+    """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    index
-        Active segments (a), at least one of them with a lever arm other than zero.
-
-    Returns
-    -------
-    ActiveSetPoint or None
-        None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
+    None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
     """
     rows = problem.compliance[index]
     factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
@@ -279,16 +243,9 @@ MAX_UPDATES = 100
 
 
 class DenseTouching:
-    """See `touching_system.TouchingSystem`.
+    """A `TouchingSystem` of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm].
 
-    Parameters
-    ----------
-    compliance
-        C (n, n) [mm/N], symmetric and positive semidefinite.
-    lever_arm
-        r (n) [mm].
-    active
-        Touching segments (n). Those whose forces would not be unique are left out.
+    Touching segments whose forces would not be unique are left out.
     """
 
     def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
@@ -458,24 +415,12 @@ SMALL_PROBLEM = 300
 
 @dataclass(frozen=True, eq=False)
 class ModalProblem:
-    """A scaled problem with C = diag(d) + U U^T, taken apart once for several active sets.
-
-    Attributes
-    ----------
-    problem
-        The scaled problem.
-    local
-        d, (n).
-    modes
-        U, compressed where there are many segments (n, m).
-    rigid
-        Segments whose local compliance is not divided by (n).
-    """
+    """A scaled problem with C = diag(d) + U U^T, taken apart once for several active sets."""
 
     problem: ScaledProblem
     local: Array
-    modes: Array
-    rigid: NDArray[np.bool_]
+    modes: Array  # U (n, m), compressed where there are many segments
+    rigid: NDArray[np.bool_]  # (n), local compliance not divided by
 
     @classmethod
     def of(cls, problem: ScaledProblem) -> ModalProblem | None:
@@ -499,19 +444,7 @@ class ModalProblem:
 
 @dataclass(slots=True)
 class ModalActiveSetPoint:
-    """Forces and rotation that close the gaps of an active set; as `ActiveSetPoint`, from the modes.
-
-    Attributes
-    ----------
-    index
-        The active segments (a).
-    force
-        Their forces (a), of any sign.
-    rotation
-        Beyond first contact.
-    gap
-        Gaps of all segments (n); zero up to rounding on the active ones.
-    """
+    """Forces and rotation that close the gaps of an active set; as `ActiveSetPoint`, from the modes."""
 
     index: NDArray[np.intp]
     force: Array
@@ -522,7 +455,7 @@ class ModalActiveSetPoint:
 
     @property
     def shifted(self) -> bool:
-        """Whether the block of the active segments is singular to rounding."""
+        """True if the block of the active segments is singular to rounding."""
         return isinstance(self._system, TouchingFactor) and self._system.shifted
 
     def refine(self) -> None:
@@ -588,19 +521,9 @@ def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFacto
 
 
 def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ModalActiveSetPoint | None:
-    """Solve the system of an active set.
+    """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
-    Parameters
-    ----------
-    modal
-        The problem.
-    index
-        Active segments (a), at least one of them with a lever arm other than zero.
-
-    Returns
-    -------
-    ModalActiveSetPoint or None
-        None where no factor gives a solution, or the block of that many segments without local compliance is too large.
+    None where no factor gives a solution, or the block of segments without local compliance is too large.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         if index.size > SMALL_BLOCK:

@@ -43,20 +43,10 @@ _shelf: OrderedDict[tuple[Any, ...], ParametrisedProgramme] = OrderedDict()
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Root:
-    """A sparse matrix W with C = W W'.
-
-    Attributes
-    ----------
-    shape
-        Rows n and columns k.
-    rows, columns
-        Of each entry (m).
-    values
-        The entries (m).
-    """
+    """A sparse matrix W with C = W W', entry by entry."""
 
     shape: tuple[int, int]
-    rows: NDArray[np.intp]
+    rows: NDArray[np.intp]  # of each entry (m)
     columns: NDArray[np.intp]
     values: NDArray[np.float64]
 
@@ -99,13 +89,7 @@ def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
 
 
 class ParametrisedProgramme:
-    """A contact problem whose numbers can be set.
-
-    Parameters
-    ----------
-    root
-        Of whose shape and pattern the compliance will be; its values do not matter yet.
-    """
+    """A contact problem whose numbers can be set, for a compliance of the root's shape and pattern."""
 
     def __init__(self, root: Root) -> None:
         import cvxpy as untyped
@@ -138,12 +122,7 @@ class ParametrisedProgramme:
 def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
     """Take a programme for roots of this form off the shelf, or make one; put it back if nothing was raised.
 
-    Parameters
-    ----------
-    root
-        Of the compliance.
-    backend
-        Solver behind CVXPY: each has a translation of its own.
+    Each backend behind CVXPY has a translation of its own.
     """
     key = (root.shape, root.rows.tobytes(), root.columns.tobytes(), backend)
     programme = _shelf.pop(key, None) or ParametrisedProgramme(root)
@@ -170,8 +149,8 @@ _SUSPICIONS = {
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Solve the scaled problem.
 
-    Settings besides those of the solver behind CVXPY: ``backend``, its name, by default Clarabel; ``parametrised``,
-    whether to use a programme that is kept for more than one problem, by default where that is faster.
+    Settings beside the backend's own: ``backend``, by default Clarabel, and ``parametrised``, whether to use a
+    programme that is kept for several problems, by default where that is faster.
     """
     chosen = dict(settings)
     lifted = chosen.pop("form", "dense") == "lifted"

@@ -25,19 +25,7 @@ MAX_UPDATES = 64
 
 
 class ModalTouching:
-    """See `touching_system.TouchingSystem`.
-
-    Parameters
-    ----------
-    local
-        Compliance d of each segment by itself (n) [mm/N], positive.
-    basis
-        The modes.
-    lever_arm
-        r (n) [mm].
-    active
-        Touching segments (n).
-    """
+    """A `touching_system.TouchingSystem` of local compliance d (n) [mm/N], positive, and modes."""
 
     def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> None:
         self._local, self._arm = local, lever_arm

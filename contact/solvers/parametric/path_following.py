@@ -40,26 +40,14 @@ MAX_EVENTS_PER_SEGMENT = 50
 @frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
 class PathPiece:
-    """A part of the path with one touching set.
+    """A part of the path with one touching set (a), from the torque where it begins."""
 
-    Attributes
-    ----------
-    torque
-        Torque at which it begins [N mm].
-    index
-        Touching segments (a).
-    force, force_rate
-        Their forces there [N], and the derivatives by the torque [1/mm], (a).
-    rotation, rotation_rate
-        Rotation beyond first contact there [rad], and its derivative [1/(N mm)].
-    """
-
-    torque: float
+    torque: float  # [N mm]
     index: NDArray[np.intp]
     force: Array
-    force_rate: Array
-    rotation: float
-    rotation_rate: float
+    force_rate: Array  # by the torque (a) [1/mm]
+    rotation: float  # beyond first contact [rad]
+    rotation_rate: float  # by the torque [1/(N mm)]
 
     def begun_at(self, torque: float) -> PathPiece:
         """Return the rest of the piece from a torque on [N mm]."""
@@ -75,24 +63,12 @@ class PathPiece:
 
 @dataclass(eq=False)
 class FollowedPath:
-    """What was followed: pieces, changes of the set, and why it ended early.
-
-    Attributes
-    ----------
-    pieces
-        In the order of the torque.
-    changes
-        Torque [N mm], segment, and whether it enters, of every change.
-    reached
-        Torque up to which the path is proved [N mm].
-    failure
-        Why it was followed no further; empty if it was to the end.
-    """
+    """Followed pieces, changes of the touching set, and the reason of an early end."""
 
     pieces: list[PathPiece] = field(default_factory=list)
-    changes: list[tuple[float, int, bool]] = field(default_factory=list)
-    reached: float = 0.0
-    failure: str = ""
+    changes: list[tuple[float, int, bool]] = field(default_factory=list)  # torque [N mm], segment, True if it enters
+    reached: float = 0.0  # torque up to which the path is proved [N mm]
+    failure: str = ""  # empty if it was followed to the end
 
 
 class _Point:
@@ -122,7 +98,7 @@ class _Point:
         return index, np.maximum(value[index], 0.0) / -rate[index]
 
     def holds(self) -> bool:
-        """Whether all signs are right here, and stay so just beyond."""
+        """True if all signs are right here, and stay so just beyond."""
         value = np.where(self.active, self.force, self.gap)
         rate = np.where(self.active, self.force_rate, self.gap_rate)
         scale = np.where(self.active, self.force_scale, self.gap_scale)

@@ -50,21 +50,9 @@ def bending_change(
     factor: ArrayLike | None,
     compliance: ArrayLike | None,
 ) -> Array:
-    """Return the change of the deflections under the same forces, dC F (n) [mm].
+    """Change dC F (n) [mm] of the deflections under the same forces, see `Sensitivity.forward`.
 
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    force
-        F (n) [N].
-    local, factor, compliance
-        See `Sensitivity.forward`.
-
-    Raises
-    ------
-    InputError
-        A wrong shape, a number that is not finite, or a change of V where C is dense.
+    A change of V where C is dense is refused.
     """
     size, bent = problem.size, np.zeros(problem.size)
     if local is not None:
@@ -143,7 +131,7 @@ class ProblemGradient:
 
 
 class Differentiability(StoredStatus):
-    """What derivatives a solution has.
+    """Derivatives that a solution has.
 
     Examples
     --------
@@ -251,7 +239,7 @@ class Sensitivity:
 
     @property
     def status(self) -> Differentiability:
-        """Whether the solution is differentiable, has a kink, or has forces that are not unique."""
+        """Differentiability of the solution: it is differentiable, has a kink, or has forces that are not unique."""
         if self._undetermined(self._smooth).any():
             return Differentiability.FORCES_NOT_UNIQUE
         return Differentiability.ONE_SIDED if self.weak.any() else Differentiability.DIFFERENTIABLE
@@ -450,17 +438,7 @@ def answer_sensitivity(problem: ContactProblem, answer: Answer, tolerance: float
 def tangent_answer_sensitivity(
     problem: ContactProblem, answer: Answer, tangent: ComplianceMatrix, deflection: Array, tolerance: float
 ) -> Sensitivity:
-    """Return the derivatives where the compliance depends on the load.
-
-    Parameters
-    ----------
-    problem, answer, tolerance
-        As of `answer_sensitivity`.
-    tangent
-        Derivative of the deflections by the forces [mm/N].
-    deflection
-        Deflections under the forces of the answer (n) [mm].
-    """
+    """Derivatives where the compliance depends on the load; tangent of deflections (n) [mm] by forces [mm/N]."""
     positive("tolerance", tolerance, zero=True)
     force, gap = answer.force, answer.gap
     scale = abs(answer.elastic_rotation) * float(np.abs(problem.lever_arm[force > 0.0]).max(initial=0.0))

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class PathOverTorque(Protocol):
-    """What paths of linear and of load-dependent contact have in common."""
+    """Common part of paths of linear and of load-dependent contact."""
 
     @property
     def torque(self) -> Array:
@@ -43,11 +43,11 @@ class PathOverTorque(Protocol):
 
     @property
     def enters(self) -> NDArray[np.bool_]:
-        """Whether it enters (e)."""
+        """True where the segment enters, else it leaves (e)."""
 
     @property
     def status(self) -> Status:
-        """Whether the path was followed to its end."""
+        """Status of the path: followed to its end or not."""
 
     @property
     def message(self) -> str:
@@ -59,13 +59,7 @@ class PathOverTorque(Protocol):
 
 
 def torque_on(path: PathOverTorque, torque: float) -> float:
-    """Check that a path is known at a torque [N mm].
-
-    Raises
-    ------
-    InputError
-        It is not.
-    """
+    """Check that a path is known at a torque [N mm]."""
     given = float(array("torque", torque, "N mm", ndim=0))
     low, high = path.covered
     if not low <= given <= high:
@@ -77,19 +71,7 @@ def torque_on(path: PathOverTorque, torque: float) -> float:
 def path_table(
     path: PathOverTorque, size: int, torque: Array, solutions: Sequence[ContactSolution], **attributes: Any
 ) -> xr.Dataset:
-    """Return the events of a path, and its solutions at torques (b) [N mm], with units.
-
-    Parameters
-    ----------
-    path
-        The path.
-    size
-        Number of segments.
-    torque, solutions
-        Breakpoints and the solutions there (b).
-    **attributes
-        Of the dataset, beside status and message.
-    """
+    """Events of a path, and solutions at its breakpoints (b) [N mm], as a Dataset with units."""
     per_segment = ("breakpoint", "segment")
     data: Mapping[str, Any] = {
         "event_torque": ("event", path.torque),
@@ -160,7 +142,7 @@ class TorquePath:
 
     @property
     def certified(self) -> bool:
-        """Whether the whole path is proved."""
+        """True if the whole path is proved."""
         return self.status is Status.CERTIFIED
 
     @property

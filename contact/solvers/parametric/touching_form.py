@@ -20,16 +20,9 @@ LARGEST_PADDING = 4
 
 
 def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> TouchingSystem:
-    """Return the system of a set of touching segments: in the modes where there are many segments, else dense.
+    """System of a set of touching segments: in the modes where there are many segments, else dense.
 
-    Parameters
-    ----------
-    matrix
-        C [mm/N].
-    lever_arm
-        r (n) [mm].
-    active
-        Touching segments (n), some with a lever arm. Those whose forces would not be unique are left out.
+    Some must have a lever arm; those whose forces would not be unique are left out.
     """
     large = lever_arm.size > DENSE_FIRST_SIZE
     if large and isinstance(matrix, ModalCompliance) and matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
@@ -40,7 +33,7 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
 
 
 def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> float:
-    """Return the torque that turns the gear by one radian while these segments keep contact [N mm/rad].
+    """Torque that turns the gear by one radian while these segments keep contact [N mm/rad].
 
     It is dT / dtheta = r_A' C_AA^-1 r_A for C = diag(local) + modes; NaN where C_AA is singular.
     """

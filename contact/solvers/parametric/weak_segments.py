@@ -33,16 +33,9 @@ SMALLEST_CHANGE = 1e-12
 def loaded_and_weak(
     force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float
 ) -> tuple[Mask, Mask]:
-    """Return which segments carry load and which neither carry load nor are open, (n) each.
+    """Masks (n) of segments that carry load, and of those that neither carry load nor are open.
 
-    Parameters
-    ----------
-    force, gap
-        F [N] and Y [mm], (n).
-    force_scale, gap_scale
-        What they are compared with [N], [mm].
-    tolerance
-        Largest force and gap, relative to the scales, that count as none.
+    Forces and gaps up to the tolerance times their scales [N], [mm] count as none.
     """
     none = force <= tolerance * force_scale
     shut = gap <= tolerance * gap_scale
@@ -65,23 +58,9 @@ def system_in_direction(
     torque: float,
     first_contact: Callable[[ContactProblem], Answer | None] = answer_by_pivoting,
 ) -> TouchingSystem | None:
-    """Return the system of the segments that carry load when the data begin to change in a direction.
+    """System of the segments that carry load as the data begin to change by g (n) and T; None if none is found.
 
-    Parameters
-    ----------
-    matrix, lever_arm
-        C and r.
-    loaded, weak
-        See `loaded_and_weak`.
-    closing, torque
-        Right-hand sides g (n) and T of the direction, see `touching_system`.
-    first_contact
-        Solves the contact problem of the weak segments, where nothing carries load yet.
-
-    Returns
-    -------
-    TouchingSystem or None
-        None where there is no such change, or it cannot be found.
+    ``first_contact`` solves the contact problem of the weak segments, where nothing carries load yet.
     """
     segments = np.flatnonzero(weak)
     if not lever_arm[loaded].any():
