@@ -34,9 +34,8 @@ SLIDING_MINIMUM = 0.025  # of the rolling velocity, for the formula of Benedict 
 def xu_kahraman(conditions: ContactConditions) -> Array:
     """Full-film regression of Xu and others, ASME Journal of Mechanical Design 129, 2007 (...).
 
-    In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations
-    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both. It is taken as 1
-    um at most: the formula grows as exp(exp(roughness)).
+    In GPa, mPa s, m/s, m and um. Quotations do not say what the roughness of unlike flanks is: here the quadratic mean,
+    1 um at most, since the formula grows as exp(exp(roughness)).
     """
     b = (-8.916465, 1.03303, 1.036077, -0.354068, 2.812084, -0.100601, 0.752755, -0.390958, 0.620305)
     c = conditions
@@ -49,11 +48,10 @@ def xu_kahraman(conditions: ContactConditions) -> Array:
 
 
 def benedict_kelly(conditions: ContactConditions) -> Array:
-    """Benedict and Kelly, ASLE Transactions 4, 1961 (...): 0.0127 log10[0.02966 f / (viscosity * Vs * (u1 + u2)^2)].
+    """Benedict and Kelly, ASLE Trans. 4, 1961 (...), in SI: 0.0127 log10[0.02966 f / (viscosity * Vs * (u1 + u2)^2)].
 
-    In SI; the constant is 3.17e8 in lbf/in, mPa s and in/s. The sum of the surface velocities is twice the rolling
-    velocity. Without sliding the expression has no value: below 0.025 of the rolling velocity the sliding is taken as
-    that. A negative value, of a contact without load, is taken as zero.
+    The constant is 3.17e8 in lbf/in, mPa s and in/s; u1 + u2 is twice the rolling velocity. Sliding counts as 0.025 of
+    the rolling velocity at least; a negative value, of a contact without load, as zero.
     """
     c = conditions
     sliding = np.maximum(c.sliding_velocity, SLIDING_MINIMUM * c.rolling_velocity)
@@ -111,20 +109,7 @@ RANGE_FLAGS: Mapping[str, Callable[[ContactConditions, Array], Flags]] = {
 
 
 def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel:
-    """Friction model from its name, a constant coefficient, or a function.
-
-    Raises
-    ------
-    InputError
-        If there is no model of that name, or the constant is not from 0 to ``COEFFICIENT_LIMIT``.
-
-    Examples
-    --------
-    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
-    ...                              slide_to_roll=0.45, roughness=0.8e-6)
-    >>> print(f"{coefficient_model('benedict_kelly')(contact):.4f}")
-    0.0611
-    """
+    """Friction model from its name, a constant coefficient up to ``COEFFICIENT_LIMIT``, or a function."""
     if callable(model):
         return model
     if isinstance(model, str) and model in COEFFICIENTS:
@@ -138,25 +123,9 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
 
 
 def checked_coefficient(model: str | float | CoefficientModel, conditions: ContactConditions) -> Array:
-    """Friction coefficients (...) by a model, refused if it is the user's own and gives what no friction is.
+    """Friction coefficients (...) by a model; one's own is refused beyond 0 to ``COEFFICIENT_LIMIT``.
 
-    Parameters
-    ----------
-    model
-        As for ``coefficient_model``.
-    conditions
-        Operating conditions of the contacts.
-
-    Returns
-    -------
-    Array
-        Of the shape to which the conditions broadcast, or one that broadcasts to it.
-
-    Raises
-    ------
-    InputError
-        As ``coefficient_model``, or if the function gives other than numbers from 0 to ``COEFFICIENT_LIMIT``, or
-        another shape.
+    The shape is that to which the conditions broadcast, or broadcasts to it.
     """
     found = coefficient_model(model)(conditions)
     if not callable(model):
@@ -214,46 +183,10 @@ def contact_conditions(
     film_heating: str = "none",
     out_of_range: OutOfRange = "error",
 ) -> ContactConditions:
-    """Checked operating conditions of line contacts, from numbers or arrays that broadcast, in SI.
+    """Checked conditions of line contacts, in SI; pressure is Hertz's greatest, roughness Rq of both or a pair.
 
-    Parameters
-    ----------
-    hertz_pressure
-        Greatest Hertz pressure [Pa].
-    equivalent_radius
-        [m].
-    rolling_velocity
-        Mean of both surface velocities across the contact line [m/s].
-    slide_to_roll
-        Sliding across the contact line over the rolling velocity.
-    roughness
-        RMS height Rq of both flanks [m], or a tuple of pinion's and gear's.
-    temperature
-        Of the oil [degC].
-    oil
-        See ``lubricant``.
-    sliding_velocity
-        Whole sliding velocity [m/s]; that across the line if left out. Only ``benedict_kelly`` asks for it.
-    contact_modulus
-        2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
-    film
-        See ``FILMS``.
-    film_heating
-        Factor by which heat of the inlet thins the film, see ``FILM_FACTORS``.
-    out_of_range
-        What to do with temperatures the oil has no data for: ``error`` or ``clamp``.
-
-    Raises
-    ------
-    InputError
-        If a value is not finite, or not positive where it must be; or from oil and film.
-
-    Examples
-    --------
-    >>> contact = contact_conditions(hertz_pressure=[0.7e9, 1e9], equivalent_radius=0.042, rolling_velocity=2.2,
-    ...                              slide_to_roll=0.45, roughness=(0.8e-6, 0.4e-6), oil="pao-vg100")
-    >>> contact.lambda_ratio.round(3)
-    array([0.264, 0.241])
+    Rolling velocity is the mean across the contact line, sliding over it the slide-to-roll; ``sliding_velocity`` is the
+    whole, for ``benedict_kelly`` alone. The modulus is 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa], the oil in [degC].
     """
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:

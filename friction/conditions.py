@@ -88,7 +88,7 @@ class ContactConditions:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """What all arrays broadcast to."""
+        """Shape that all arrays broadcast to."""
         values = (getattr(self, entry.name) for entry in fields(self))
         return np.broadcast_shapes(*(np.shape(value) for value in values if not isinstance(value, str)))
 

@@ -67,11 +67,6 @@ class HottestContacts:
     """The hottest contact of each torque and condition, found a block of contacts at a time.
 
     Arrays over (torque, speed, temperature, roughness).
-
-    Parameters
-    ----------
-    shape
-        Numbers of torques, speeds, temperatures and roughnesses.
     """
 
     shape: tuple[int, int, int, int]
@@ -84,15 +79,7 @@ class HottestContacts:
         self.contact = np.zeros(self.shape, dtype=np.int64)
 
     def add(self, torque: NDArray[np.int64], block: HeatedBlock) -> None:
-        """Add a block of contacts.
-
-        Parameters
-        ----------
-        torque
-            Number of the torque of each (c), sorted.
-        block
-            Their flash temperatures; NaN does not count.
-        """
+        """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
         starts = np.flatnonzero(np.diff(torque, prepend=-1))
         flash, product = (
             np.where(np.isnan(values), -np.inf, values) for values in (block.flash_temperature, block.pressure_velocity)
@@ -107,16 +94,9 @@ class HottestContacts:
             self.pressure_velocity[at] = np.maximum(self.pressure_velocity[at], product[..., start:end].max(axis=-1))
 
     def variables(self, loaded: xr.Dataset, index: NDArray[np.int64], bulk_temperature: Array) -> dict[str, Any]:
-        """Variables of the group ``/friction``, NaN where no contact line carries.
+        """Variables of the group ``/friction``, NaN where no contact line carries; bulk temperature in [degC].
 
-        Parameters
-        ----------
-        loaded
-            The group ``/loaded``, with torque, mesh position and segment first.
-        index
-            Torque, mesh position and segment of the contacts (3, n).
-        bulk_temperature
-            Of the teeth [degC] (temperature).
+        Contacts are numbered by torque, mesh position and segment (3, n), which come first in ``/loaded``.
         """
         known = np.isfinite(self.flash)
         values: dict[str, Array] = {
@@ -153,19 +133,8 @@ def _rule() -> tuple[Array, Array, Array]:
 def band_temperature(position: Array, peclet: Array, distribution: Distribution = "elliptic") -> Array:
     """Temperature (...) within a moving band, by quadrature: within 2e-9 up to a Peclet number of 1e6.
 
-    Parameters
-    ----------
-    position
-        Over the half width, from -1, where the material enters, to 1 (...).
-    peclet
-        Velocity times half width over twice the diffusivity (...), positive.
-    distribution
-        Of the heat: ``elliptic`` as the Hertz pressure, or ``uniform``.
-
-    Examples
-    --------
-    >>> print(f"{float(band_temperature(np.array(0.65), np.array(10.0))):.4f}")
-    0.1755
+    Positions over the half width run from -1, where the material enters, to 1; the Peclet number is velocity times half
+    width over twice the diffusivity.
     """
     node, rest, weight = _rule()
     xi, number = (np.asarray(each, float)[..., None] for each in (position, peclet))
@@ -183,20 +152,9 @@ def band_temperature(position: Array, peclet: Array, distribution: Distribution 
 
 
 def uniform_band(position: Array, peclet: Array) -> Array:
-    """Temperature (...) within a uniform band at any Peclet number, in closed form.
+    """Temperature (...) within a uniform band at any Peclet number, in closed form; see ``band_temperature``.
 
     From the integral of exp(z) K0(|z|), which is z exp(z) (K0(|z|) + sign(z) K1(|z|)).
-
-    Parameters
-    ----------
-    position, peclet
-        As for ``band_temperature``.
-
-    Examples
-    --------
-    >>> at = np.array(0.3), np.array(10.0)
-    >>> bool(abs(uniform_band(*at) - band_temperature(*at, "uniform")) < 1e-12)
-    True
     """
     behind, ahead = peclet * (1.0 + position), peclet * (1.0 - position)
     with np.errstate(invalid="ignore"):
@@ -210,18 +168,8 @@ def uniform_band(position: Array, peclet: Array) -> Array:
 def fast_band(position: Array, distribution: Distribution = "elliptic") -> Array:
     """Limit of the temperature times the root of the Peclet number, for large ones, in closed form (...).
 
-    Heat flows straight into the material. Elliptic, with m = (1 + xi)/2 and complete elliptic integrals of that
-    parameter, 8/(3 pi^1.5) [(2 m - 1) E + (1 - m) K]; uniform, sqrt(m/pi).
-
-    Parameters
-    ----------
-    position
-        As for ``band_temperature``.
-
-    Examples
-    --------
-    >>> [f"{float(fast_band(np.array(1.0), name)):.4f}" for name in ("uniform", "elliptic")]
-    ['0.5642', '0.4789']
+    Heat flows straight into the material. With m = (1 + xi)/2, uniform sqrt(m/pi); elliptic 8/(3 pi^1.5) [(2 m - 1) E +
+    (1 - m) K] with complete elliptic integrals of the parameter m.
     """
     m = 0.5 * (1.0 + np.asarray(position, float))
     if distribution == "uniform":
@@ -235,16 +183,6 @@ def slow_band(position: Array, peclet: Array, distribution: Distribution = "elli
     """Limit of the temperature for small Peclet numbers, in closed form (...).
 
     Elliptic, [ln(4/L) - gamma + 1/2 - xi^2]/pi; uniform, [ln(2/L) - gamma + 1 - sum of (1 +- xi) ln(1 +- xi)/2]/pi.
-
-    Parameters
-    ----------
-    position, peclet
-        As for ``band_temperature``.
-
-    Examples
-    --------
-    >>> print(f"{float(slow_band(np.array(0.0), np.array(1e-4))):.4f}")
-    3.3484
     """
     xi = np.asarray(position, float)
     if distribution == "elliptic":
@@ -271,18 +209,7 @@ def _nodes(count: int) -> Array:
 
 
 def searched_greatest(peclet: Array) -> Array:
-    """Greatest temperature (n) over the band, from its quadrature at many positions.
-
-    Parameters
-    ----------
-    peclet
-        Peclet numbers (n).
-
-    Examples
-    --------
-    >>> bool(abs(searched_greatest(np.array([1e3])) * np.sqrt(1e3) / FAST_LIMIT - 1.0) < 1e-6)
-    True
-    """
+    """Greatest temperature (n) over the band, from its quadrature at many positions."""
     nodes, (low, high) = _nodes(POSITION_COUNT), POSITIONS
     found = band_temperature(low + 0.5 * (high - low) * (nodes + 1.0), peclet[:, None])
     series = chebyshev.chebfit(nodes, found.T, POSITION_COUNT - 1)
@@ -304,18 +231,7 @@ def _logarithms() -> Array:
 
 
 def greatest_temperature(peclet: Array) -> Array:
-    """Greatest temperature times conductivity over heat per length (...), within 1e-7.
-
-    Parameters
-    ----------
-    peclet
-        Velocity times half width over twice the diffusivity (...); below 1e-12 it counts as that.
-
-    Examples
-    --------
-    >>> greatest_temperature(np.array([0.1, 1.0, 10.0, 100.0])).round(4)
-    array([1.1571, 0.5231, 0.1756, 0.0556])
-    """
+    """Greatest temperature times conductivity over heat per length (...), within 1e-7; Peclet number from 1e-12."""
     number = np.maximum(np.asarray(peclet, float), PECLET_MINIMUM)
     within = np.clip(np.log(number / SLOW) / np.log(FAST / SLOW), 0.0, 1.0)
     found = np.exp(chebyshev.chebval(2.0 * within - 1.0, _logarithms()))
@@ -328,22 +244,7 @@ STEEL_PAIR = (ThermalMaterial(), ThermalMaterial())
 
 
 def peclet_number(velocity: ArrayLike, half_width: ArrayLike, material: ThermalMaterial) -> Array:
-    """Velocity times half width over twice the diffusivity (...).
-
-    Parameters
-    ----------
-    velocity
-        Of the flank relative to the contact line, across it [m/s] (...).
-    half_width
-        Of the band of contact [m] (...).
-    material
-        Of the flank.
-
-    Examples
-    --------
-    >>> print(f"{float(peclet_number(2.0, 0.3e-3, ThermalMaterial())):.1f}")
-    23.5
-    """
+    """Peclet number (...): velocity [m/s] over the contact line times half width [m] over twice the diffusivity."""
     return np.asarray(np.abs(velocity) * np.asarray(half_width) / (2.0 * material.diffusivity))
 
 
@@ -354,20 +255,7 @@ def rise_per_heat(
 ) -> tuple[Array, Array]:
     """Greatest temperature [K] of pinion and gear (...), each with a watt a metre of contact all to itself.
 
-    Parameters
-    ----------
-    half_width
-        Of the band of contact [m] (...).
-    velocities
-        Of pinion and gear relative to the contact line, across it [m/s] (...).
-    materials
-        Of pinion and gear.
-
-    Examples
-    --------
-    >>> pinion, gear = rise_per_heat(0.3e-3, (4.0, 1.0))
-    >>> print(f"{gear / pinion:.3f}")
-    1.999
+    From the half width [m] and the flanks' velocities relative to the contact line, across it [m/s].
     """
     width, speeds, bodies = _checked(half_width, velocities, materials)
     pinion, gear = (
@@ -480,7 +368,7 @@ def _kernel_integral(z: Array) -> Array:
 
 
 def _influence(middles: Array, ends: Array, peclet: float) -> Array:
-    """Temperature times conductivity in the middle of strips (n, n) by a unit of heat flux over half width in each.
+    """Temperature times conductivity amid strips (n, n) by a unit of heat flux over half width in each.
 
     The Peclet number is negative where the material runs towards negative positions.
     """

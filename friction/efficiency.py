@@ -100,18 +100,9 @@ def losses_dataset(
     segments: int = 0,
     progress: Callable[[], None] | None = None,
 ) -> tuple[xr.Dataset, HottestContacts]:
-    """Losses and efficiency over (torque, mesh_position, speed, temperature, roughness), and fields over the segments.
+    """Losses and efficiency over (torque, mesh_position, speed, temperature, roughness), and the hottest contacts.
 
-    And where the flash temperature is greatest.
-
-    Parameters
-    ----------
-    contacts, operation, model
-        See ``losses.losses``.
-    segments
-        Number of segments of a mesh position; zero leaves out the fields.
-    progress
-        Called after every block of contacts.
+    With fields over the segments unless their number is zero; progress is told after every block.
     """
     cycle, shape = contacts.solved.shape, operation.shape
     group = contacts.group
@@ -238,7 +229,7 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, Any]:
 
 
 def _made_for_another_oil(operation: Operation, model: FrictionModel) -> bool:
-    """Whether the formula of the coefficient was made for one oil, and this is not like it."""
+    """True if the coefficient's formula was made for one oil, and this is not like it."""
     if not model.has_regimes:
         return False
     of_formula = lubricant(FORMULA_OIL).at(operation.temperatures, out_of_range="clamp")

@@ -40,17 +40,8 @@ TORQUE_TOLERANCE = 1e-11  # of the torque
 def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
     """Torque that friction takes from the pinion, and what it gives to the gear over the ratio (t, k) [N m].
 
-    Their difference is the power loss over the pinion's angular velocity. The rolling traction acts on both surfaces,
-    half on each, against their motion.
-
-    Parameters
-    ----------
-    contacts
-        Loaded contacts.
-    operation
-        One speed, temperature and roughness.
-    model
-        Model of friction.
+    Their difference is power loss over the pinion's angular velocity; rolling traction acts half on each surface,
+    against its motion. One speed, temperature and roughness.
     """
     v = contacts.velocities
     # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.

@@ -33,17 +33,17 @@ Array = NDArray[Any]
 
 
 def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:
-    """Least film thickness over equivalent radius (...) from U, G, W (...).
+    """Least film over equivalent radius (...) of Pan and Hamrock: H = 1.714 U^0.694 G^0.568 W^-0.128.
 
-    Pan and Hamrock, ASME Journal of Tribology 111, 1989, doi 10.1115/1.3261900: H = 1.714 U^0.694 G^0.568 W^-0.128.
+    ASME Journal of Tribology 111, 1989, doi 10.1115/1.3261900.
     """
     return 1.714 * speed**0.694 * material**0.568 * load**-0.128
 
 
 def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
-    """Least film thickness over equivalent radius (...) from U, G, W (...).
+    """Least film over equivalent radius (...) of Dowson and Higginson: H = 2.65 U^0.7 G^0.54 W^-0.13.
 
-    Dowson and Higginson, Elastohydrodynamic Lubrication, Pergamon, 1966: H = 2.65 U^0.7 G^0.54 W^-0.13.
+    Elastohydrodynamic Lubrication, Pergamon, 1966.
     """
     return 2.65 * speed**0.7 * material**0.54 * load**-0.13
 
@@ -55,34 +55,14 @@ FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
 
 
 def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
-    """A film formula by name.
-
-    Raises
-    ------
-    InputError
-        If the name is unknown.
-    """
+    """Film formula by name; an unknown one is refused."""
     return FILMS[one_of("film", name, FILMS)]
 
 
 def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
-    """The group ``/friction`` with the least film thickness over the mesh cycle, at every operating condition.
+    """The group ``/friction`` with the least film thickness over the mesh cycle at every operating condition.
 
-    Parameters
-    ----------
-    friction
-        Of ``friction`` or ``friction_feedback``; returned as it is if its fields over the segments were not kept.
-    loaded
-        The group ``/loaded``.
-
-    Examples
-    --------
-    >>> import easeoff
-    >>> from easeoff.friction import Operation, friction
-    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
-    >>> found = with_least_film(friction(tree, Operation(speed=1500.0)), tree["loaded"].to_dataset())
-    >>> bool(found["min_film_thickness"].item() == found["film_thickness"].min())
-    True
+    Returned as it is if its fields over the segments were not kept.
     """
     if "film_thickness" not in friction:
         return friction
@@ -112,10 +92,7 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
 
 
 class DimensionlessGroups(Protocol):
-    """Dimensionless groups of line contacts, under the same names in friction and in the film model.
-
-    ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
-    """
+    """Dimensionless groups of line contacts, in ``ContactConditions`` and ``ehl.LubricatedContact`` alike."""
 
     @property
     def pressure_parameter(self) -> Any:
@@ -159,11 +136,10 @@ def murch_wilson(conditions: DimensionlessGroups) -> Array:
 
 
 def gupta_cheng(conditions: DimensionlessGroups) -> Array:
-    """Thermal factor of the film with sliding (...).
+    """Thermal factor of the film with sliding (...), doi 10.1080/10402009208982117.
 
-    Gupta, Cheng, Zhu, Forster and Schrand, Tribology Transactions 35, 1992, doi 10.1080/10402009208982117, as quoted by
-    Arana, Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655. Zero where the formula, far beyond its range
-    of pressure and speed, would be negative.
+    As quoted by Arana, Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655; zero where it would be
+    negative, far beyond its range of pressure and speed.
     """
     c = conditions
     thermal = c.thermal_parameter

@@ -52,14 +52,7 @@ TOLD_THINNING = 0.1
 
 
 def combined_flags(conditions_of: dict[int, Array]) -> Flags:
-    """Sum of the flags (...) from where each holds (...).
-
-    Examples
-    --------
-    >>> combined_flags({1: np.array([True, False]), 4: np.array([[True], [False]])})
-    array([[5, 4],
-           [1, 0]], dtype=uint16)
-    """
+    """Sum of the flags (...) by the places where each holds."""
     # One after the other, small arrays first: the sum is large.
     total: Any = np.uint16(0)
     for bit, where in sorted(conditions_of.items(), key=lambda item: np.size(item[1])):
@@ -69,14 +62,9 @@ def combined_flags(conditions_of: dict[int, Array]) -> Flags:
 
 @dataclass
 class LossShares:
-    """Parts of the power loss that need a word, summed over the segments of a mesh cycle.
+    """Parts of the power loss outside a formula's range or the like, summed over the segments of a mesh cycle.
 
     Arrays over (torque, speed, temperature, roughness), those of the flags with the flag first.
-
-    Parameters
-    ----------
-    shape
-        Numbers of torques, speeds, temperatures and roughnesses.
     """
 
     shape: tuple[int, int, int, int]
@@ -92,20 +80,10 @@ class LossShares:
         self.by_flag = np.zeros((len(FLAGS), *self.shape))
 
     def add(self, torque: NDArray[np.int64], loss: Array, flags: Flags | None, between: Array, thinning: Array) -> None:
-        """Add a block of segments.
+        """Add a block of segments by sorted torque numbers (n), with losses (speed, temperature, roughness, n).
 
-        Parameters
-        ----------
-        torque
-            Number of the torque of each (n), sorted.
-        loss
-            Power loss (speed, temperature, roughness, n).
-        flags
-            Of the formula (...), or none if it has no range.
-        between
-            Whether the coefficient is where two expressions of the formula meet (...).
-        thinning
-            Part by which heat of the inlet thins the film (...).
+        ``between``: the coefficient is where two expressions of the formula meet; ``thinning``: part lost to inlet
+        heat.
         """
         starts = np.flatnonzero(np.diff(torque, prepend=-1))
         at = torque[starts]
@@ -130,16 +108,9 @@ class LossShares:
                 put(self.by_flag[number], loss * (flags & bit > 0))
 
     def variables(self, dimensions: tuple[str, ...], *, ranged: bool, joined: bool) -> dict[str, Any]:
-        """The shares as variables of a dataset.
+        """The shares as variables of a dataset over torque, speed, temperature and roughness.
 
-        Parameters
-        ----------
-        dimensions
-            Names of torque, speed, temperature and roughness.
-        ranged
-            Whether the formula has a range.
-        joined
-            Whether it is made of several expressions.
+        ``ranged``: the formula has a range; ``joined``: it is made of several expressions.
         """
         with np.errstate(invalid="ignore", divide="ignore"):
             data: dict[str, Any] = {
@@ -263,23 +234,10 @@ def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
 
 
 def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -> Array:
-    """Friction coefficient (...) by Eq. 5.11 in its three regimes.
+    """Friction coefficient (...) in three regimes, Kolivand 2009, Eq. 5.11 and Table 5.3; see ``formula_flags``.
 
-    Slide-to-roll is kept within 0.025 and 1, the pressure at 2.5 GPa at most and, from lambda = 1 on, at 0.5 GPa at
-    least, each roughness at 0.1 um and lambda at 0.0266 at least: beyond, the expressions diverge or vanish. Elsewhere
-    they are extrapolated, and the result is kept within what the study has; ``formula_flags`` says what was done where.
-
-    Parameters
-    ----------
-    conditions
-        Operating conditions of the contacts.
-    blend
-        Pass smoothly from one regime to the next, for lambda within 0.9 to 1.1 and 2.7 to 3.3; the expressions jump
-        there, by 12 and 9 % in the median over the study's ranges, and up to twofold.
-
-    References
-    ----------
-    Kolivand 2009, Eq. 5.11 and Table 5.3.
+    Slide-to-roll is kept to 0.025-1, pressure below 2.5 GPa and, from lambda = 1 on, above 0.5 GPa, roughness above 0.1
+    um, lambda above 0.0266. ``blend`` smooths the jumps, up to twofold, at lambda 0.9-1.1 and 2.7-3.3.
     """
     log_ratio, gentle, strict = _arguments(conditions)
     windows = BLEND_WINDOWS if blend else [(at, at) for at in LAMBDA_BOUNDARIES]
@@ -306,7 +264,7 @@ def _joined(below: Array, above: Array, weight: Array) -> Array:
 
 
 def between_regimes(conditions: ContactConditions) -> NDArray[np.bool_]:
-    """Whether lambda (...) is within one of the ``BLEND_WINDOWS``, about the steps of the formula."""
+    """True where lambda (...) is within one of the ``BLEND_WINDOWS``, about the steps of the formula."""
     lowest = STUDY_RANGES["roughness"][0]
     ratio = conditions.film_thickness / np.hypot(
         *(np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear))

@@ -31,20 +31,10 @@ AXIS_ATTRIBUTES = ("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_
 
 @dataclass(frozen=True)
 class Axes:
-    """Both axes of a pair in the global frame.
-
-    Parameters
-    ----------
-    pinion_axis, gear_axis
-        Unit vectors (3), oriented so that the drive rotation is positive.
-    pinion_origin, gear_origin
-        A point (3) on each [m].
-    ratio
-        Gear teeth over pinion teeth.
-    """
+    """Both axes of a pair in the global frame: unit vectors (3) of positive drive rotation, and a point on each."""
 
     pinion_axis: Array
-    pinion_origin: Array
+    pinion_origin: Array  # [m]
     gear_axis: Array
     gear_origin: Array
     ratio: float
@@ -58,25 +48,14 @@ class Axes:
 
 @dataclass(frozen=True)
 class SurfaceVelocities:
-    """Velocities at points of contact (...) per angular velocity of the pinion [m/rad].
-
-    Parameters
-    ----------
-    pinion, gear
-        Velocities (3, ...) of the two surfaces in the global frame.
-    normal, along, across
-        Unit vectors (3, ...): the pinion's outward normal, the contact line towards the heel, and across it in the
-        tangent plane, in the direction in which the line moves over the gear's flank.
-    line_over_gear
-        Speed (...) at which the contact line moves over the gear's flank, in the direction across.
-    """
+    """Velocities (3, ...) at points of contact per angular velocity of the pinion [m/rad], in the global frame."""
 
     pinion: Array
     gear: Array
-    normal: Array
-    along: Array
-    across: Array
-    line_over_gear: Array
+    normal: Array  # the pinion's outward
+    along: Array  # the contact line, towards the heel
+    across: Array  # as the line moves over the gear
+    line_over_gear: Array  # speed of the line over the gear's flank, across
 
     def chosen(self, index: Any) -> SurfaceVelocities:
         """The velocities of some of the points."""
@@ -119,13 +98,7 @@ class SurfaceVelocities:
 
 
 def axes_of(ease_off: xr.Dataset) -> Axes:
-    """Axes of the pair a result's ``/ease_off`` belongs to.
-
-    Raises
-    ------
-    InputError
-        If the result has none, as those of older versions.
-    """
+    """Axes of the pair a result's ``/ease_off`` belongs to; refused in results of older versions."""
     if "action_position" not in ease_off or any(name not in ease_off.attrs for name in AXIS_ATTRIBUTES):
         raise InputError(
             "this result has no points of action in its group ease_off, which friction needs: it was written by an "
@@ -149,16 +122,9 @@ def action_splines(ease_off: xr.Dataset) -> FlankSplines:
 
 
 def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> SurfaceVelocities:
-    """Surface velocities at points of the gear's flank, each at its conjugate position.
+    """Surface velocities at points (2, ...) of the gear's flank, each at its conjugate position.
 
-    Parameters
-    ----------
-    axes
-        From ``axes_of``.
-    splines
-        From ``action_splines``.
-    points
-        Lengthwise and profile fractions (2, ...).
+    The splines are from ``action_splines``.
     """
     here = splines.evaluate(["position", "normal"], points)
     position = here["position"]
@@ -184,38 +150,18 @@ def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> Surf
 
 @dataclass(frozen=True)
 class LoadedContacts:
-    """Contact segments that carry force (n), over all torques and mesh positions of a result, in SI.
+    """Contact segments that carry force (n), over all torques (t) and mesh positions (k) of a result, in SI."""
 
-    Parameters
-    ----------
-    index
-        Where each stands: torque, mesh position, segment (3, n); sorted.
-    torque
-        At the pinion [N m], of the result (t).
-    force, length
-        Normal force [N] and length [m] (n).
-    hertz_pressure, equivalent_radius
-        [Pa] and [m] (n).
-    velocities
-        At the segments (n), per angular velocity of the pinion.
-    solved
-        Whether torque and mesh position (t, k) have a certified solution.
-    contact_modulus
-        [Pa].
-    on_line
-        Which are on contact lines (n), not on tooth edges beside them.
-    """
-
-    index: NDArray[np.int64]
-    torque: Array
+    index: NDArray[np.int64]  # torque, mesh position, segment (3, n), sorted
+    torque: Array  # at the pinion (t) [N m]
     force: Array
     length: Array
     hertz_pressure: Array
     equivalent_radius: Array
     velocities: SurfaceVelocities
-    solved: NDArray[np.bool_]
+    solved: NDArray[np.bool_]  # (t, k) certified
     contact_modulus: float
-    on_line: NDArray[np.bool_]
+    on_line: NDArray[np.bool_]  # not on tooth edges (n)
 
     @property
     def half_width(self) -> Array:
@@ -229,10 +175,9 @@ class LoadedContacts:
 
     @property
     def friction_arms(self) -> tuple[Array, Array]:
-        """Velocity of pinion's and gear's surface along the sliding direction (n) [m/rad].
+        """Velocity of pinion's and gear's surface along the sliding direction (n) [m/rad]; zero without sliding.
 
         Friction of one newton takes as much torque of the pinion [N m], and gives as much to the gear over the ratio.
-        Without sliding there is no direction and they are zero.
         """
         v = self.velocities
         sliding = v.along * v.sliding_along + v.across * v.sliding_across
@@ -242,13 +187,7 @@ class LoadedContacts:
 
 
 def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
-    """The group ``/loaded`` with torque, mesh position and segment first.
-
-    Raises
-    ------
-    InputError
-        If one of these dimensions was taken away.
-    """
+    """The group ``/loaded`` with torque, mesh position and segment first; refused if one is missing."""
     instance("tree", tree, xr.DataTree)
     if lost := [name for name in ("ease_off", "loaded") if name not in tree.children]:
         raise InputError(f"tree = DataTree without {' and '.join(lost)}: must be a result of analyze or read_result")
@@ -263,17 +202,9 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class PotentialSegments:
-    """All segments of a result and their surface velocities, which are the same at every torque.
+    """All segments of a result and their surface velocities, which are the same at every torque."""
 
-    Parameters
-    ----------
-    exists
-        Which segments there are (mesh position, segment).
-    velocities
-        At those (n), per angular velocity of the pinion.
-    """
-
-    exists: NDArray[np.bool_]
+    exists: NDArray[np.bool_]  # (mesh position, segment)
     velocities: SurfaceVelocities
 
     def spread(self, values: Array) -> Array:
@@ -284,18 +215,9 @@ class PotentialSegments:
 
 
 def potential_segments(tree: xr.DataTree) -> PotentialSegments:
-    """Velocities at all segments of a result, whether they carry force or not.
+    """Velocities at all segments of a result, loaded or not.
 
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-
-    Raises
-    ------
-    InputError
-        If the result is of an older version without points of action, or lacks a dimension, or its misalignment depends
-        on the torque.
+    Refused in results of older versions, or if the misalignment depends on the torque.
     """
     _require_one_assembly(tree)
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
@@ -320,20 +242,7 @@ def _require_one_assembly(tree: xr.DataTree) -> None:
 
 
 def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None) -> LoadedContacts:
-    """Gather the segments that carry force.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-    segments
-        Its ``potential_segments``, if they are known.
-
-    Raises
-    ------
-    InputError
-        If the result is of an older version.
-    """
+    """Segments of a result that carry force; its ``potential_segments`` may be given if known."""
     segments = segments or potential_segments(tree)
     loaded = loaded_segments(tree)
     if "contact_modulus_MPa" not in loaded.attrs:

@@ -29,40 +29,18 @@ BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cach
 
 @dataclass(frozen=True)
 class Losses:
-    """Friction coefficient and power loss of a block of contacts.
-
-    Parameters
-    ----------
-    contacts
-        Which contacts (c).
-    conditions
-        Their operating conditions.
-    coefficient
-        Friction coefficient (speed, temperature, roughness, c).
-    sliding_loss, rolling_loss
-        Power loss [W], the second of length one over the roughness.
-    flags
-        What is beyond the range of the coefficient's formula, as sums of ``FLAGS``; none if it has no range.
-    between_regimes
-        Whether the coefficient is where two expressions of its formula meet.
-    film_thinning
-        Part by which heat of the inlet thins the film by the model's factor, or would by that of Gupta and others.
-    flash_temperature
-        [K] (speed, temperature, roughness, c); NaN on tooth edges, where there is no band of contact.
-    pressure_velocity
-        Hertz pressure times sliding velocity [W/m^2] (speed, 1, 1, c); NaN on tooth edges.
-    """
+    """Friction and power loss of contacts (speed, temperature, roughness, c); edges have NaN temperatures."""
 
     contacts: slice
     conditions: ContactConditions
     coefficient: Array
-    sliding_loss: Array
-    rolling_loss: Array
-    flags: Flags | None
+    sliding_loss: Array  # [W]
+    rolling_loss: Array  # [W], length one over the roughness
+    flags: Flags | None  # beyond the formula's range, sums of FLAGS; None without one
     between_regimes: Array
-    film_thinning: Array
-    flash_temperature: Array
-    pressure_velocity: Array
+    film_thinning: Array  # by inlet heat, by the model's factor, or Gupta's
+    flash_temperature: Array  # [K]
+    pressure_velocity: Array  # Hertz pressure times sliding velocity [W/m^2], (speed, 1, 1, c)
 
 
 def conditions_of(
@@ -96,8 +74,8 @@ def conditions_of(
 def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> Iterator[Losses]:
     """Friction coefficient and power loss of all contacts (Kolivand 2009, Eq. 5.10 to 5.12), block by block.
 
-    The sliding loss is the friction force times the whole sliding velocity, the rolling loss the rolling traction times
-    length and rolling velocity.
+    Sliding loss is friction force times whole sliding velocity, rolling loss rolling traction times length and
+    velocity.
     """
     materials = model.materials
     heating = TOLD_FACTOR if model.film_heating == "none" else model.film_heating

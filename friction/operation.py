@@ -205,12 +205,12 @@ class FrictionModel:
 
     @property
     def has_range(self) -> bool:
-        """Whether the model of the coefficient has a range that is known."""
+        """True if the model of the coefficient has a range that is known."""
         return isinstance(self.coefficient, str) and self.coefficient in RANGE_FLAGS
 
     @property
     def has_regimes(self) -> bool:
-        """Whether the model of the coefficient is made of several expressions."""
+        """True if the model of the coefficient is made of several expressions."""
         return isinstance(self.coefficient, str) and self.coefficient in ("kolivand", "kolivand_blended")
 
     def oil_states(self, operation: Operation) -> OilState:
@@ -219,13 +219,7 @@ class FrictionModel:
 
 
 def checked_model(operation: Operation, model: FrictionModel | str | float | CoefficientModel | None) -> FrictionModel:
-    """Friction model, complete where that of the coefficient alone is given.
-
-    Raises
-    ------
-    InputError
-        If the operation is none, or there is no such model.
-    """
+    """Friction model, completed where that of the coefficient alone is given."""
     instance("operation", operation, Operation)
     if model is None:
         return FrictionModel()

@@ -17,8 +17,7 @@ Array = NDArray[Any]
 def isothermal_traction(conditions: ContactConditions) -> Array:
     """Rolling traction without heating of the inlet [N/m of contact length] (...).
 
-    Goksem and Hargreaves, ASME Journal of Lubrication Technology 100, 1978, doi 10.1115/1.3453183; Kolivand 2009, Eq.
-    5.10: 4.318 (G U)^0.658 W^0.0126 R / alpha.
+    4.318 (G U)^0.658 W^0.0126 R / alpha: Goksem and Hargreaves 1978, doi 10.1115/1.3453183; Kolivand 2009, Eq. 5.10.
     """
     c = conditions
     scale = 4.318 * c.equivalent_radius / c.pressure_viscosity

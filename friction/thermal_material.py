@@ -19,26 +19,11 @@ CONDUCTIVITY_RANGE, DENSITY_RANGE, HEAT_CAPACITY_RANGE = (0.01, 1e4), (10.0, 1e5
 
 @dataclass(frozen=True)
 class ThermalMaterial:
-    """Material of a member.
+    """Thermal properties of a member: conductivity, density and specific heat capacity."""
 
-    Parameters
-    ----------
-    conductivity
-        Thermal conductivity [W/(m K)].
-    density
-        [kg/m^3].
-    heat_capacity
-        Specific heat capacity [J/(kg K)].
-
-    Examples
-    --------
-    >>> print(f"{ThermalMaterial().thermal_contact_coefficient:.0f}")
-    12888
-    """
-
-    conductivity: float = CONDUCTIVITY
-    density: float = DENSITY
-    heat_capacity: float = HEAT_CAPACITY
+    conductivity: float = CONDUCTIVITY  # [W/(m K)]
+    density: float = DENSITY  # [kg/m^3]
+    heat_capacity: float = HEAT_CAPACITY  # [J/(kg K)]
 
     def __post_init__(self) -> None:
         for name, unit, (least, most) in (
@@ -60,18 +45,7 @@ class ThermalMaterial:
 
 
 def by_member(name: str, value: Any, unit: str, bounds: tuple[float, float]) -> tuple[float, float]:
-    """A property of pinion and gear, given as one number for both or as a pair.
-
-    Raises
-    ------
-    InputError
-        If it is neither, or out of its bounds.
-
-    Examples
-    --------
-    >>> by_member("tooth_conductivity", 46.0, "W/(m K)", CONDUCTIVITY_RANGE)
-    (46.0, 46.0)
-    """
+    """Property of pinion and gear, given as one number for both or as a pair; refused out of its bounds."""
     pair = value if isinstance(value, tuple | list) else (value, value)
     if len(pair) != 2:
         raise InputError(f"{name} = {value!r}: must be a number, or a pair for pinion and gear [{unit}]")

@@ -102,7 +102,7 @@ class Film:
 
     @property
     def certified(self) -> bool:
-        """Whether the answer is proved."""
+        """True if the answer is proved."""
         return self.status is Status.CERTIFIED
 
     @cached_property
@@ -146,15 +146,10 @@ class Film:
 
 
 def domain(contact: LubricatedContact, flooded: float = INLET_GAP_RATIO) -> tuple[float, float]:
-    """Ends of the part of the contact that is solved for, in half widths.
+    """Ends of the part of the contact that is solved for, in half widths; ``flooded`` is inlet gap over film.
 
-    Parameters
-    ----------
-    contact
-        Operating conditions.
-    flooded
-        Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
-        40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
+    A short inlet thins the film by 0.3 % at 40 and 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid
+    cylinders wants 600 for 0.5 %.
     """
     checks.instance("contact", contact, LubricatedContact)
     checks.number("flooded", flooded, above=1.0)
@@ -259,11 +254,10 @@ def mixed_film(
 
 
 def touching_start(contact: LubricatedContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
-    """Film between smooth surfaces, which touch where it would be thinner than ``touching_film`` [m].
+    """Starting film of rough surfaces: smooth ones, touching where it would be thinner than ``touching_film`` [m].
 
-    What rough surfaces start from: where the film is thicker than twice that, it is ``smooth_film``. Where neither can
-    be found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps
-    carry away.
+    Above twice that it is ``smooth_film``; where neither can be found, on a coarse grid, the film of faster surfaces,
+    which the first steps carry away.
     """
     for factor in START_VELOCITY_FACTORS:
         faster = replace(contact, rolling_velocity=factor * contact.rolling_velocity)

@@ -43,18 +43,10 @@ SERIES_DISTANCE = 40
 
 
 def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
-    """Integral of a hat function of unit spacing against ln|k - x|, for whole distances k.
+    """Integral (n) of a hat function of unit spacing against ln|k - x|, for whole distances k of either sign.
 
-    Parameters
-    ----------
-    distance
-        Distance k between node and centre of the hat, in spacings (n); its sign does not matter.
-
-    Returns
-    -------
-    (n) array
-        The closed form [G(k + 1) - 2 G(k) + G(k - 1)] with G(x) = x^2 ln|x| / 2 - 3 x^2 / 4 for small k; for large k
-        its expansion ln k - 1/(12 k^2) - 1/(60 k^4) - 1/(168 k^6), to rounding.
+    G(k + 1) - 2 G(k) + G(k - 1) with G(x) = x^2 ln|x| / 2 - 3 x^2 / 4; for large k ln k - 1/(12 k^2) - 1/(60 k^4) -
+    1/(168 k^6), to rounding.
     """
     k = np.abs(np.asarray(distance, dtype=np.float64))
     near = k < SERIES_DISTANCE
@@ -73,18 +65,10 @@ def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
 @frozen_arrays
 @dataclass(frozen=True)
 class Deflection:
-    """Deflection of the surfaces on a uniform grid.
-
-    Parameters
-    ----------
-    nodes
-        Number of nodes n.
-    spacing
-        Distance of neighbouring nodes, in half widths of the Hertz contact.
-    """
+    """Deflection of the surfaces on a uniform grid, with its spacing in half widths of the Hertz contact."""
 
     nodes: int
-    spacing: float
+    spacing: float  # in half widths
 
     @cached_property
     def influence(self) -> NDArray[np.float64]:
@@ -125,13 +109,9 @@ BLOCK_TOLERANCE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Halving:
-    """Influence of one half of a block on the other, as products of thin matrices.
+    """Influence of one half of a block on the other, as pairs (rows, v) with influence = rows v'.
 
-    Parameters
-    ----------
-    on_first, on_second
-        Pairs (rows, v) with influence = rows v'. ``rows`` (h + 3, r) has a row for each node of the half that feels it
-        and for the neighbours that the bands of C reach; ``v`` (h, r) one for each node of the half that acts.
+    Rows (h + 3, r) are the nodes that feel it and the neighbours that the bands of C reach; v (h, r) those that act.
     """
 
     on_first: tuple[Array, Array]

@@ -341,27 +341,9 @@ VISCOSITY_EXPONENT = 0.694
 
 
 def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> float:
-    """Film thickness with a heated inlet over that without, by a published formula.
+    """Film thickness with a heated inlet over that without, by ``gupta_cheng``, or ``murch_wilson`` in pure rolling.
 
-    Parameters
-    ----------
-    contact
-        Its oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
-    factor
-        Name in ``friction.FILM_FACTORS`` other than ``none``: ``gupta_cheng`` with sliding, ``murch_wilson`` in pure
-        rolling.
-
-    Raises
-    ------
-    InputError
-        If there is no such factor, a property is missing, or the conditions are beyond the formula.
-
-    Examples
-    --------
-    >>> from easeoff.friction.ehl import LubricatedContact, Oil
-    >>> oil = Oil(0.05, 1.4e-8, temperature_viscosity=0.04, thermal_conductivity=0.14)
-    >>> print(f"{film_factor(LubricatedContact(1e9, 0.02, 10.0, oil)):.3f}")
-    0.736
+    The oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
     """
     instance("contact", contact, LubricatedContact)
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))

@@ -72,40 +72,22 @@ LOG_VISCOSITY_LIMIT = 100.0
 
 @dataclass(frozen=True)
 class History:
-    """Storage of the steps in time before; in one step the mean flow advances by one node.
+    """Storage of the steps in time before; in one step the mean flow advances by one node."""
 
-    Parameters
-    ----------
-    storage
-        What rho H of the new step is compared with, along the path of the mean flow (n): rho H of the node upstream a
-        step ago (first order), or twice that less half of the next node upstream two steps ago (second order).
-    weight
-        Factor of the new rho H: 1 or 3/2.
-    """
-
+    #: rho H on the mean flow's path (n): the node upstream a step ago, or twice that less half of two steps ago
     storage: Array
-    weight: float
+    weight: float  # of the new rho H: 1 or 3/2
 
 
 @frozen_arrays
 @dataclass(frozen=True)
 class Balance:
-    """Mass balance of all nodes.
+    """Mass balance of all nodes."""
 
-    Parameters
-    ----------
-    residual
-        F (n); zero at both ends.
-    flow
-        q between the nodes (n - 1); in time with m of the node upstream.
-    by_pressure, by_film
-        Derivatives of F(i) by P(i + k) at fixed H and by H(i + k) at fixed P, for k of ``OFFSETS`` (4, n).
-    """
-
-    residual: Array
-    flow: Array
-    by_pressure: Array
-    by_film: Array
+    residual: Array  # (n), zero at both ends
+    flow: Array  # between the nodes (n - 1); in time with that upstream
+    by_pressure: Array  # of F(i) by P(i + k) at fixed H, for k of OFFSETS (4, n)
+    by_film: Array  # by H(i + k) at fixed P (4, n)
 
 
 def balance(
@@ -117,20 +99,9 @@ def balance(
     history: History | None = None,
     touching_film: float = -math.inf,
 ) -> Balance:
-    """Mass balance and its derivatives.
+    """Mass balance of P and H (n) and its derivatives; negative values count as none and as next to none.
 
-    Parameters
-    ----------
-    contact
-        Operating conditions.
-    spacing
-        Distance of the nodes in half widths.
-    pressure, film
-        P and H (n); negative values, which occur on the way to a solution, count as none and as next to none.
-    history
-        The steps before; none for the steady state.
-    touching_film
-        H_c, see ``fluid_part``.
+    Steady without a history; spacing in half widths.
     """
     oil, unit = contact.oil, contact.hertz_pressure
     positive = np.maximum(pressure, 0.0)
@@ -199,15 +170,7 @@ def balance(
 
 
 def chained(flow: Balance, pressure_by_film: Array, film_by_film: Array) -> Balance:
-    """Balance of a fluid pressure and a mean gap that depend on the separation: derivatives by separation for H.
-
-    Parameters
-    ----------
-    flow
-        With derivatives by the lubricant's own pressure and the mean gap.
-    pressure_by_film, film_by_film
-        Derivatives of both by the separation (n).
-    """
+    """Balance of a fluid pressure and a mean gap that depend on the separation: derivatives by separation for H."""
     by_film = np.zeros_like(flow.by_film)
     nodes = pressure_by_film.size
     for k, offset in enumerate((-2, -1, 0, 1)):
@@ -221,9 +184,8 @@ def chained(flow: Balance, pressure_by_film: Array, film_by_film: Array) -> Bala
 def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:
     """Part of the pressure that the lubricant carries, and its derivative by H.
 
-    All of it from twice the film of touching asperities on, none where they touch, with a straight line in between.
-    The rest is carried by the layers on the surfaces and drives no flow: otherwise the load of an asperity would press
-    the lubricant out of its surroundings, or into them.
+    All from twice the film of touching asperities on, none where they touch, a straight line between. The rest drives
+    no flow: it would press the lubricant out of an asperity's surroundings, or into them.
     """
     if math.isinf(touching_film):
         return np.ones_like(film), np.zeros_like(film)
@@ -274,20 +236,10 @@ class State(StoredStatus):
 
 @dataclass(frozen=True)
 class Pace:
-    """Limits and scales of the steps of the iteration.
+    """Limits and scales of the steps of the iteration."""
 
-    Parameters
-    ----------
-    step_limit
-        Largest change of a pressure in one step, in units of the Hertz pressure.
-    gap_scale
-        Scale of the gap in the condition, in units of the deflection under a node's own pressure. Below 1, a node that
-        penetrates is taken to touch regardless of its mass balance.
-    iterations
-        After as many the iteration gives up.
-    """
-
-    step_limit: float
+    step_limit: float  # of a pressure, over the Hertz pressure
+    #: over a node's own deflection; below 1 a penetrating node touches regardless of its mass balance
     gap_scale: float = 0.1
     iterations: int = 40
 
@@ -302,93 +254,43 @@ ROUGH = (Pace(3.0, 0.1, 30), Pace(10.0, 0.1, 40), Pace(10.0, 1e-4, 40), Pace(3.0
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """One steady state or one step in time, in units of the Hertz contact.
-
-    Parameters
-    ----------
-    contact
-        Operating conditions.
-    deflection
-        Of the surfaces, on the grid.
-    profile
-        Gap of the undeformed surfaces but for the approach: the parabola less the heights of both surfaces (n).
-    touching_film
-        H_c; minus infinity for surfaces that cannot touch.
-    history
-        The steps in time before; none for a steady state.
-    lacking
-        V that arrives at each node from upstream (n).
-    asperities
-        Roughness by its statistics, which carries a part of the pressure; H is then the separation of the mean planes.
-    """
+    """One steady state or one step in time, in units of the Hertz contact."""
 
     contact: LubricatedContact
     deflection: Deflection
-    profile: Array
-    touching_film: float = -math.inf
+    profile: Array  # gap of the undeformed surfaces but for the approach (n)
+    touching_film: float = -math.inf  # H_c; -inf: surfaces cannot touch
     history: History | None = None
-    lacking: Array | float = 0.0
-    asperities: Asperities | None = None
+    lacking: Array | float = 0.0  # V that arrives at each node from upstream (n)
+    asperities: Asperities | None = None  # statistical roughness; H is then the mean planes' separation
 
 
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point of the iteration.
-
-    Parameters
-    ----------
-    pressure, film
-        P and H (n).
-    approach
-        H_0.
-    balance
-        Of the lubricant's mass.
-    lack
-        V (n).
-    gap
-        g (n).
-    fluid, fluid_by_film
-        Pressure of the lubricant, and its derivative by H: P itself, or what statistical asperities leave of it (n).
-    clearance
-        Mean thickness of the film: H, or the mean gap between statistically rough surfaces (n).
-    """
+    """A point of the iteration, with P, H and other fields of the nodes (n)."""
 
     pressure: Array
     film: Array
-    approach: float
+    approach: float  # H_0
     balance: Balance
-    lack: Array
-    gap: Array
-    fluid: Array
+    lack: Array  # V (n)
+    gap: Array  # g (n)
+    fluid: Array  # pressure of the lubricant: P, or what asperities leave
     fluid_by_film: Array
-    clearance: Array
+    clearance: Array  # mean film: H, or the mean gap of rough surfaces
 
 
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """End of an iteration.
-
-    Parameters
-    ----------
-    point
-        Where it ended.
-    state
-        Values of ``State`` (n).
-    iterations
-        Of all attempts together.
-    converged
-        Whether the last change was below the tolerance with the states settled.
-    history
-        Largest violation of the condition at each step of the last attempt.
-    """
+    """End of an iteration."""
 
     point: Point
     state: States
-    iterations: int
+    iterations: int  # of all attempts
     converged: bool
-    history: tuple[float, ...] = field(default=())
+    history: tuple[float, ...] = field(default=())  # largest violation at each step of the last attempt
 
     @property
     def pressure(self) -> Array:
@@ -573,7 +475,7 @@ class Certificate:
         return math.inf if any(map(math.isnan, entries)) else max(entries)
 
     def passes(self, tolerance: float = CERTIFICATE_TOLERANCE) -> bool:
-        """Whether every violation is within the tolerance."""
+        """True if every violation is within the tolerance."""
         return self.worst <= tolerance
 
 

@@ -203,23 +203,10 @@ def film_temperature(
     conductivity: Array | float,
     effusivity: float,
 ) -> Array:
-    """Mean temperature rise over the film thickness [K].
+    """Mean temperature rise (n) over the film thickness [K], from |tau u_s| at nodes [m], [Pa], [m]; SI.
 
-    The heat |tau u_s| flows into both surfaces as they pass; common surface temperature by the theory of moving heat
-    sources (Blok; Jaeger): the integral of the heat over the root of the distance from upstream, by the sum of
-    effusivity times root velocity of both. Within the film, conduction adds heat times thickness over 12 times the
-    conductivity.
-
-    Parameters
-    ----------
-    contact
-        Operating conditions.
-    position, stress, film
-        Of the nodes (n) [m], [Pa], [m].
-    conductivity
-        Of the oil (n) [W/(m K)].
-    effusivity
-        Of the bodies [J/(m^2 K s^0.5)].
+    Surfaces by the theory of moving heat sources (Blok; Jaeger): the integral of heat over the root of the upstream
+    distance, by effusivity times root velocity of both; conduction in the film adds heat times thickness / (12 k).
     """
     heat = np.abs(stress * contact.sliding_velocity)
     spacing = float(position[1] - position[0])

@@ -124,19 +124,7 @@ def _density(weight: float, celsius: Array) -> Array:
 
 
 def lubricant_toml(oil: Lubricant) -> str:
-    """Text of a file that ``lubricant`` reads as the given one, to six digits.
-
-    Parameters
-    ----------
-    oil
-        The lubricant.
-
-    Examples
-    --------
-    >>> from easeoff.friction import lubricant
-    >>> print(lubricant_toml(lubricant("75w90")).splitlines()[0])
-    title = "75W90 axle oil"
-    """
+    """Text of a file that ``lubricant`` reads as the given one, to six digits."""
 
     def digits(values: Array) -> list[float]:
         return [float(f"{value:.6g}") for value in values]

@@ -246,7 +246,7 @@ def available_lubricants() -> list[str]:
 
 
 def is_shipped(name: str) -> bool:
-    """Whether a lubricant of this name, in any case of its letters, comes with the package."""
+    """True if a lubricant of this name, in any case of its letters, comes with the package."""
     return name.lower() in available_lubricants()
 
 

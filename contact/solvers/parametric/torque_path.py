@@ -51,7 +51,7 @@ class PathOverTorque(Protocol):
 
     @property
     def message(self) -> str:
-        """Why it was not."""
+        """Reason why it was followed no further."""
 
     @property
     def covered(self) -> tuple[float, float]:

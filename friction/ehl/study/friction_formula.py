@@ -63,19 +63,9 @@ FORMULA_FILE = Path(__file__).with_name("formula.json")
 
 @dataclass(frozen=True)
 class RegimeError:
-    """Error of the formula in a range of the lambda ratio, each case predicted from other nine tenths.
+    """Error of ln(mu), formula less model, in a range of lambda, each case predicted from other nine tenths."""
 
-    Parameters
-    ----------
-    lowest, highest
-        Of the lambda ratio.
-    cases
-        Number of cases in the range.
-    mean, rms, worst
-        Error of ln(mu): formula less model.
-    """
-
-    lowest: float
+    lowest: float  # lambda
     highest: float
     cases: int
     mean: float
@@ -239,21 +229,7 @@ def shipped_formula() -> FrictionFormula:
 
 
 def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> None:
-    """Write a formula as JSON.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     write_formula(f"{folder}/formula.json", shipped_formula())
-    ...     print(read_formula(f"{folder}/formula.json").cases == shipped_formula().cases)
-    True
-    """
+    """Write a formula as JSON."""
     content = {
         name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
     }
@@ -265,18 +241,7 @@ def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> Non
 
 
 def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
-    """Read what ``write_formula`` wrote.
-
-    Raises
-    ------
-    InputError
-        If the file is not a formula.
-
-    Examples
-    --------
-    >>> read_formula(FORMULA_FILE).boundary_friction
-    0.1
-    """
+    """Formula that ``write_formula`` wrote."""
     try:
         content = parsed_json(read_text(path, TOML_SIZE_LIMIT))
         if not isinstance(content, dict):
@@ -394,18 +359,7 @@ RIDGE = 1e-7
 
 
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
-    """Arguments of a formula for each case of a study; SI.
-
-    Examples
-    --------
-    >>> from easeoff.friction.ehl.study import Design
-    >>> from easeoff.friction.ehl.study.study_design import run_case
-    >>> from easeoff.friction.ehl.study.study_design import study_dataset
-    >>> study = study_dataset(Design(), {31499: run_case(Design().condition(31499))})
-    >>> pressure, radius, *_ = study_inputs(study)
-    >>> print(pressure, radius)
-    [2.5e+09] [0.04]
-    """
+    """Arguments of a formula for each case of a study; SI."""
     oils = {float(t): oil_75w90(float(t)) for t in np.unique(dataset["temperature"].values)}
     own = [oils[float(t)] for t in dataset["temperature"].values]
     return (
@@ -577,9 +531,9 @@ def _by_regime(ratio: Array, error: Array) -> tuple[RegimeError, ...]:
 
 
 def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_friction: float) -> tuple[Array, Array]:
-    """Coefficients of odds and film for the least squares of ln(mu): Gauss and Newton, from both parts of the model.
+    """Coefficients of odds and film for the least squares of ln(mu), by Gauss and Newton.
 
-    Each step is linear in the coefficients, with each part weighted by what it changes in the whole.
+    Each step is linear in the coefficients, with each part of the model weighted by what it changes in the whole.
     """
     odds, logarithm = guesses
     size = columns.shape[1]

@@ -60,13 +60,7 @@ PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
-    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 degC.
-
-    Raises
-    ------
-    InputError
-        If the temperature is beyond the table.
-    """
+    """Oil of the dissertation (its table 5.2) at a temperature from 25 to 100 degC; refused beyond."""
     checks.number("temperature", temperature, "degC")
     return Oil.of(
         # As the stored studies have it, in which levels between the temperatures of the table count.
@@ -90,41 +84,14 @@ def _level(name: str, value: Any) -> float:
 
 @dataclass(frozen=True)
 class Condition:
-    """One combination of the study, in its units.
+    """One combination of the study, in its units, checked against the range of a contact and of the oil."""
 
-    Parameters
-    ----------
-    hertz_pressure
-        [GPa].
-    equivalent_radius
-        [mm].
-    rolling_velocity
-        [m/s].
-    slide_to_roll
-        [1].
-    temperature
-        Of the oil in the inlet [degC].
-    roughness_1, roughness_2
-        Rms heights of the surfaces [um].
-
-    Raises
-    ------
-    InputError
-        If a number is not positive, or not in the range of a contact or of the oil.
-
-    Examples
-    --------
-    >>> condition = Condition(0.5, 5.0, 20.0, 0.5, 50.0, roughness_1=0.3, roughness_2=0.4)
-    >>> print(f"{condition.composite_roughness:.1e} m")
-    5.0e-07 m
-    """
-
-    hertz_pressure: float
-    equivalent_radius: float
-    rolling_velocity: float
+    hertz_pressure: float  # [GPa]
+    equivalent_radius: float  # [mm]
+    rolling_velocity: float  # [m/s]
     slide_to_roll: float
-    temperature: float
-    roughness_1: float
+    temperature: float  # oil in the inlet [degC]
+    roughness_1: float  # rms [um]
     roughness_2: float
 
     def __post_init__(self) -> None:
@@ -260,13 +227,7 @@ REFINED = Design(
 
 
 def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.int_]:
-    """Numbers of the combinations that are wanted: given, a subset of a size, or all.
-
-    Raises
-    ------
-    InputError
-        If a number is not whole, or there is none.
-    """
+    """Numbers of the wanted combinations: given ones, a subset of a size, or all."""
     if wanted is None:
         return np.arange(design.size)
     if _is_whole(wanted):
@@ -393,19 +354,10 @@ NUMBERS = (
 
 
 def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
-    """Compute one combination.
+    """Row of one combination: ``status`` and the numbers of the dataset, in its units.
 
-    Returns
-    -------
-    dict
-        ``status`` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a
-        row with the status ``FAILED`` and a ``message``; a mistake in the program is an exception as ever.
-
-    Examples
-    --------
-    >>> row = run_case(Condition(0.5, 5.0, 20.0, 0.5, 50.0, 0.2, 0.2), Resolution(fewest=97))
-    >>> Status(int(row["status"])).name, round(row["lambda_ratio"], 1)
-    ('CERTIFIED', 6.0)
+    Where the model or its arithmetic fails, the status is ``FAILED`` with a ``message``; a mistake in the program
+    raises.
     """
     checks.instance("condition", condition, Condition)
     resolution = Resolution() if resolution is None else resolution
@@ -605,18 +557,10 @@ def run_study(
 
 
 def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
-    """Return rows as a labelled dataset over the dimension ``combination``, failed ones included.
+    """Rows as a labelled dataset over the dimension ``combination``, failed ones included.
 
-    Variables: the condition, ``status``, ``friction_coefficient`` and its parts by film and asperities,
-    ``asperity_share``, ``mean_film``, ``smooth_film`` (smallest of the smooth surfaces), ``lambda_ratio``,
-    ``certified_share``, and the cost; ``failure``, what went wrong, if a case has failed.
-
-    Examples
-    --------
-    >>> row = run_case(Design().condition(31499), Resolution(fewest=97))
-    >>> study = study_dataset(Design(), {31499: row})
-    >>> dict(study.sizes), study["temperature"].item()
-    ({'combination': 1}, 100.0)
+    The variables are the conditions, ``status``, friction and its parts, films, ratios and cost; ``failure`` if one
+    failed.
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
