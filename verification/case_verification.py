@@ -67,14 +67,7 @@ MEANINGS = {
 
 
 def closing(outside: Sequence[VerificationRow]) -> str:
-    """What it means that these rows alone are outside their limits; empty if their own meanings say it.
-
-    Examples
-    --------
-    >>> row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
-    >>> closing([row])[:40]
-    'these are curvature and direction of con'
-    """
+    """Meaning of these rows alone being outside their limits; empty if their own meanings say it."""
     if not outside or not all(row.quantity.startswith(LINE_ROWS) for row in outside):
         return ""
     return (
@@ -84,14 +77,7 @@ def closing(outside: Sequence[VerificationRow]) -> str:
 
 
 def meaning(row: VerificationRow) -> str:
-    """What it means that a row is outside its limit; empty for one that is not.
-
-    Examples
-    --------
-    >>> row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
-    >>> meaning(row)
-    'pressures may be off by about half of it, 2.4 %; transmission error and load shares are not affected'
-    """
+    """Meaning of a row outside its limit; empty for one that is not."""
     if row.status != RowStatus.OUTSIDE:
         return ""
     if math.isnan(row.difference):
@@ -109,13 +95,7 @@ WORDS = {RowStatus.WITHIN: "yes", RowStatus.OUTSIDE: "NO", RowStatus.NOT_APPLICA
 
 
 def cells(row: VerificationRow) -> tuple[str, ...]:
-    """Cells of a row.
-
-    Examples
-    --------
-    >>> cells(VerificationRow("path", "another method", 1.0, 2.0, "um"))
-    ('path', 'another method', '1', '2', 'um', 'yes')
-    """
+    """Cells of a row."""
     if not row.applicable:
         return row.quantity, f"not applicable: {row.compared}", "", "", "", WORDS[row.status]
     unit = "" if row.unit == "1" else row.unit
@@ -130,13 +110,7 @@ def cells(row: VerificationRow) -> tuple[str, ...]:
 
 
 def difference_text(difference: float, limit: float) -> str:
-    """A difference, to as many digits as tell it from its limit.
-
-    Examples
-    --------
-    >>> difference_text(0.1034, 0.1), difference_text(0.0834, 0.1)
-    ('0.103', '0.083')
-    """
+    """A difference, to as many digits as tell it from its limit."""
     text = f"{difference:.2g}"
     for digits in range(3, 6):
         if difference <= limit or float(text) > limit:
@@ -146,24 +120,12 @@ def difference_text(difference: float, limit: float) -> str:
 
 
 def head_lines() -> str:
-    """Heads of the table, underlined.
-
-    Examples
-    --------
-    >>> head_lines().splitlines()[0].split()[-3:]
-    ['limit', 'unit', 'within']
-    """
+    """Heads of the table, underlined."""
     return f"{_line(HEADS)}\n{GAP.join('-' * width for width in WIDTHS)}"
 
 
 def row_lines(row: VerificationRow) -> str:
-    """Lines of a row, with what it means if it is outside its limit.
-
-    Examples
-    --------
-    >>> print(row_lines(VerificationRow("mesh positions: shares", "32 against 64", 3.0, 2.0, "%")).splitlines()[1])
-      -> numbers of this kind may be off by 3 %; set more mesh_positions under [contact]
-    """
+    """Lines of a row, with its meaning if it is outside its limit."""
     found = cells(row)
     wrapped = [textwrap.wrap(cell, width) or [""] for cell, width in zip(found, WIDTHS, strict=True)]
     height = max(map(len, wrapped))
@@ -213,7 +175,7 @@ class Verification:
 
     @property
     def passed(self) -> bool:
-        """Whether every row that applies is within its limit."""
+        """True if every row that applies is within its limit."""
         return not self.outside
 
     def dataset(self) -> xr.Dataset:

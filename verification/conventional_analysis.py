@@ -52,33 +52,13 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class ShapeOperator:
-    """Shape operator of a surface at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
+    """Shape operator of a surface at n points, symmetric, in an orthonormal tangent basis; convex bodies positive."""
 
-    Curvatures are positive where the body is convex.
-
-    Parameters
-    ----------
-    first, second
-        Unit tangents (3, n); the second is the outward normal times the first.
-    along, across
-        Normal curvatures (n) along the first and the second tangent [1/mm].
-    torsion
-        Geodesic torsion along the first tangent (n) [1/mm].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> x, y = np.eye(3)[:2, :, None]
-    >>> cylinder = ShapeOperator(x, y, along=np.array([0.0]), across=np.array([0.1]), torsion=np.zeros(1))
-    >>> cylinder.principal().curvature.ravel()
-    array([0.1, 0. ])
-    """
-
-    first: Array
-    second: Array
-    along: Array
+    first: Array  # unit tangents (3, n)
+    second: Array  # outward normal times first
+    along: Array  # normal curvature along first (n) [1/mm]
     across: Array
-    torsion: Array
+    torsion: Array  # geodesic, along first (n) [1/mm]
 
     def principal(self) -> Curvatures:
         """Principal curvatures and first principal direction, in closed form."""
@@ -93,31 +73,11 @@ class ShapeOperator:
 @frozen_arrays
 @dataclass(frozen=True)
 class DirectionalCurvatures:
-    """Normal curvature and geodesic torsion along the two parameter curves, at n points.
+    """Normal curvature and geodesic torsion along the two parameter curves, at n points."""
 
-    Parameters
-    ----------
-    tangent
-        Unit tangents (2, 3, n) of the curves on which the first and the second parameter grows.
-    across
-        Outward normal times tangent (2, 3, n).
-    normal_curvature, geodesic_torsion
-        Components of the normal's change per mm along ``tangent`` and ``across`` (2, n) [1/mm].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gear = geometry.members.gear
-    >>> found = directional_curvatures(gear.surface, gear.parameters)
-    >>> bool(np.abs(found.torsion_residual()).max() < 1e-12)
-    True
-    """
-
-    tangent: Array
-    across: Array
-    normal_curvature: Array
+    tangent: Array  # unit, of rising parameters (2, 3, n)
+    across: Array  # outward normal times tangent
+    normal_curvature: Array  # (2, n) [1/mm]
     geodesic_torsion: Array
 
     def _turn(self) -> tuple[Array, Array]:
@@ -140,27 +100,10 @@ class DirectionalCurvatures:
 
 
 def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> DirectionalCurvatures:
-    """Normal curvatures and geodesic torsions along both parameter curves.
+    """Normal curvatures and geodesic torsions along both parameter curves (2, n), Kolivand 2009, Eq. 2.10 and 2.12.
 
-    Kolivand 2009, Eq. 2.10 and 2.12: the change of the normal per mm is -(k t + tau v) for the inward normal, so
-    k t + tau v for the outward one; derivatives by complex step.
-
-    Parameters
-    ----------
-    surface
-        Generating surface of the flank.
-    parameters
-        Surface parameters (2, n), see ``GeneratingSurface.evaluate``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry, principal_curvatures
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gear = geometry.members.gear
-    >>> found = directional_curvatures(gear.surface, gear.parameters).shape_operator().principal()
-    >>> np.allclose(found.curvature, principal_curvatures(gear).curvature)
-    True
+    The change of the outward normal per mm is k t + tau v, of the inward one -(k t + tau v); derivatives by complex
+    step.
     """
 
     def position_and_normal(p: Array) -> Array:
@@ -185,37 +128,14 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
 @frozen_arrays
 @dataclass(frozen=True)
 class PointContact:
-    """Contact points at the given pinion rotations (n); columns that did not converge are NaN.
-
-    Parameters
-    ----------
-    pinion_rotation
-        Rotation of the pinion in the drive sense [rad].
-    closing_angle
-        Gear rotation against the drive sense, beyond the ideal ratio, at which the flanks touch [rad]: the ease-off
-        method's transmission error plus its ``first_contact_rad``.
-    gear_parameters, pinion_parameters
-        Surface parameters (2, n).
-    gear_position, pinion_position
-        Contact point (3, n) in each member's own frame [mm].
-    converged
-        Where the equations are solved.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
-    >>> path.converged.tolist(), path.gear_position.shape
-    ([True, True, True], (3, 3))
-    """
+    """Contact points at pinion rotations (n), each in the member's own frame; NaN where not converged."""
 
     pinion_rotation: Array
+    #: of the gear against the drive, beyond the ideal ratio [rad]: transmission error plus first_contact_rad
     closing_angle: Array
-    gear_parameters: Array
+    gear_parameters: Array  # (2, n)
     pinion_parameters: Array
-    gear_position: Array
+    gear_position: Array  # (3, n) [mm]
     pinion_position: Array
     converged: NDArray[np.bool_]
 
@@ -230,36 +150,9 @@ def point_contact(
     *,
     iterations: int = 30,
 ) -> PointContact:
-    """Solve the five equations of contact at every pinion rotation.
+    """Solve the five equations of contact at pinion rotations (n) in the drive sense [rad] by Newton's method.
 
-    Parameters
-    ----------
-    motion
-        Axes, senses and pinion surface.
-    gear_surface
-        The gear flank.
-    pinion_rotation
-        Pinion rotations (n) in the drive sense, counted as in ``motion`` [rad].
-    gear_start, pinion_start, closing_start
-        First guess of the surface parameters (2, n) each, and of the closing angle (n).
-    iterations
-        Newton iterations.
-
-    Returns
-    -------
-    PointContact
-        Contact points, NaN where not converged.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> exact = geometry.exact
-    >>> start = geometry.members.gear.parameters[:, 31:32], exact.pinion_parameters[:, 31:32], np.zeros(1)
-    >>> found = point_contact(exact.motion, geometry.members.gear.surface, np.array([exact.motion.center]), *start)
-    >>> bool(found.converged[0])
-    True
+    Rotations count as in ``motion``; starts are surface parameters (2, n) and closing angle (n).
     """
     assembly = motion.assembly
     # The five unknowns, and below them the given rotation.
@@ -304,25 +197,9 @@ def point_contact(
 
 
 def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
-    """Points of contact at the given pinion rotations, each started from the node that is nearest to touching.
+    """Points of contact at pinion rotations (n) [rad], each started from the node nearest to touching.
 
-    Parameters
-    ----------
-    gear
-        The gear flank on its nodes.
-    ease_off
-        Ease-off at these nodes.
-    rotations
-        Pinion rotations (n) in the drive sense, from the middle of the pinion [rad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
-    >>> path.converged.tolist()
-    [True, True, True]
+    Rotations are in the drive sense, from the middle of the pinion.
     """
     motion = ease_off.motion
     inside = np.flatnonzero(ease_off.inside)
@@ -378,14 +255,9 @@ class RelativeCurvature:
 
 
 def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array:
-    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis.
+    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis, in one frame, normals opposite.
 
-    Each operator counts its own body convex, so that the sum is the difference S_gear - S_pinion for one common normal.
-
-    Parameters
-    ----------
-    gear, pinion
-        Both in one frame, their normals opposite.
+    Each counts its own body convex, so it is S_gear - S_pinion for one common normal.
     """
     # Columns: the gear's tangents in the pinion's basis.
     turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
@@ -394,17 +266,10 @@ def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array
 
 
 def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -> RelativeCurvature:
-    """Directions of stationary relative curvature from both members' principal curvatures, in closed form.
+    """Directions of stationary relative curvature in closed form, Kolivand 2009, Eq. 2.15 to 2.18.
 
-    Kolivand 2009, Eq. 2.15 to 2.18, with angles counted about the gear's normal, theta from the first principal
-    direction of the pinion and sigma from the gear's to the pinion's. The smaller one is the contact line.
-
-    Parameters
-    ----------
-    gear, pinion
-        Principal curvatures, convex positive for either body, and directions in one frame.
-    normal
-        Outward normal of the gear (3, n).
+    Angles about the gear's outward normal: theta from the pinion's first principal direction, sigma from the gear's to
+    the pinion's. The smaller one is the contact line; convex is positive for either body.
     """
     first, second = pinion.direction, cross(normal, pinion.direction)
     sigma = np.arctan2(dot(cross(gear.direction, pinion.direction), normal), dot(gear.direction, pinion.direction))
@@ -482,39 +347,15 @@ BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 @frozen_arrays
 @dataclass(frozen=True)
 class BothMethods:
-    """Analysis of a pair by both methods at n rotations, tooth pair by tooth pair.
-
-    Parameters
-    ----------
-    geometry
-        Geometry of the ease-off method.
-    splines, mesh
-        Its splines and contact lines.
-    contact
-        Conventional points of contact; NaN where they did not converge.
-    relative
-        Relative curvature there.
-    inside
-        Where the point of contact lies within both flanks, by a margin (n).
-    first_contact
-        Closing angle at which the ease-off method counts its error zero [rad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> both = both_methods(pair, (9, 7), mesh_positions=2)
-    >>> bool(both.inside.any()), sorted(both.unloaded().sizes)
-    (True, ['end', 'fine_position', 'mesh_position', 'pair'])
-    """
+    """Analysis of a pair by the ease-off method and conventionally, at n rotations, tooth pair by tooth pair."""
 
     geometry: PairGeometry
     splines: FlankSplines
     mesh: MeshLines
     contact: PointContact
     relative: RelativeCurvature
-    inside: NDArray[np.bool_]
-    first_contact: float
+    inside: NDArray[np.bool_]  # contact point within both flanks, by a margin (n)
+    first_contact: float  # closing angle where the ease-off method's error is zero [rad]
 
     @property
     def motion(self) -> ConjugateMotion:
@@ -528,45 +369,12 @@ class BothMethods:
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
-    """Analyse a pair by the ease-off method and conventionally.
-
-    Parameters
-    ----------
-    pair
-        The pair, with its misalignment.
-    nodes
-        Grid of the ease-off method.
-    mesh_positions
-        Rotations in a pitch; every tooth pair counts.
-
-    Raises
-    ------
-    GeometryError
-        As ``geometry.pair_geometry``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> both = both_methods(pair, (9, 7), mesh_positions=2)
-    >>> bool(both.contact.converged[both.inside].all())
-    True
-    """
+    """Analyse a pair by the ease-off method and conventionally; every tooth pair counts."""
     return methods_compared(pair_geometry(pair, nodes), mesh_positions)
 
 
 def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMethods:
-    """As ``both_methods``, from a geometry: the ease-off method takes its ease-off, the conventional one its flanks.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> both = methods_compared(geometry, mesh_positions=2)
-    >>> bool(both.contact.converged[both.inside].all())
-    True
-    """
+    """As ``both_methods``, from a geometry: one method takes its ease-off, the conventional one its flanks."""
     pair, gear, surface = geometry.pair, geometry.members.gear, geometry.exact
     splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
@@ -582,7 +390,7 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
-    """Where points (3, n) with surface parameters (2, n) lie within a flank by the margins, and are not undercut."""
+    """True where points (3, n) lie within a flank by the margins, and are not undercut."""
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):
         valid_side = (
@@ -596,14 +404,6 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
     """Differences of transmission error (n) [rad] and of the point of contact on the gear flank (n) [mm].
 
     NaN where the point of contact is not inside both flanks.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> error, away = point_differences(both_methods(pair, (15, 11), mesh_positions=2))
-    >>> bool(np.nanmax(np.abs(error)) < 1e-6), bool(np.nanmax(away) < 0.1)
-    (True, True)
     """
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
@@ -614,28 +414,10 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
 
 
 def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array]:
-    """Differences between the contact line and the major axis of the contact ellipse.
+    """Angle (n) [rad] and relative length (n), less one, of contact lines over major axes of the contact ellipse.
 
-    Parameters
-    ----------
-    both
-        From ``both_methods``.
-    separation
-        Of the flanks at the ends of the line [um].
-
-    Returns
-    -------
-    tuple
-        Angle about the gear's normal (n) [rad] from the major axis to the chord between the points of closest approach
-        at both ends, and length over that of the major axis, less one (n). NaN where the edge of a flank ends the line.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> angle, longer = line_differences(both_methods(pair, (15, 11), mesh_positions=2), separation=3.0)
-    >>> bool(np.nanmax(np.abs(angle)) < 0.1), bool(np.nanmax(np.abs(longer)) < 0.1)
-    (True, True)
+    The chord joins the closest points at ends with the separation [um], its angle is about the gear's normal. NaN where
+    the edge of a flank ends the line.
     """
     own = both.unloaded(separation)
     ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])

@@ -39,34 +39,9 @@ Array = NDArray[Any]
 def cutter_position(
     surface: GeneratingSurface, coordinate: Array, cutter_angle: Array, cradle_rotation: Array
 ) -> Array:
-    """Positions of points of the blade in the frame of the member being cut.
+    """Positions (3, n) [mm] of blade points (n), see ``blade_sections`` [mm], in the frame of the member being cut.
 
-    Parameters
-    ----------
-    surface
-        Blade, settings and hand.
-    coordinate
-        Where on the blade (n), see ``blade_sections`` [mm].
-    cutter_angle
-        Angle of the cutter (n) [rad].
-    cradle_rotation
-        Rotation of the cradle (n) [rad]; zero for a Formate member.
-
-    Returns
-    -------
-    Array
-        Positions (3, n) [mm].
-
-    Examples
-    --------
-    The cutter carries the blade's point through the flank:
-
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pinion = gear_pair(read_case("nasa-12x36")).pinion
-    >>> middle = pinion.middle()
-    >>> found = cutter_position(pinion.loaded, middle.blade_distance, *middle.parameters)
-    >>> np.allclose(found, middle.position, atol=1e-10)
-    True
+    Angles of cutter and cradle in [rad]; the cradle's is zero for a Formate member.
     """
     settings, sense = surface.settings, surface.sense
     increment = sense * np.asarray(cradle_rotation, dtype=float)
@@ -207,14 +182,7 @@ def _compared(
 
 
 def difference(function: Callable[[Array], Array], values: Array, row: int, step: float) -> Array:
-    """Derivative of a function of values (k, n) by one of their rows, as a central difference of sixth order.
-
-    Examples
-    --------
-    >>> at = np.array([[0.3]])
-    >>> bool(abs(difference(np.sin, at, 0, 0.01)[0, 0] - np.cos(0.3)) < 1e-12)
-    True
-    """
+    """Derivative of a function of values (k, n) by one of their rows, as a central difference of sixth order."""
     shift = np.zeros_like(values)
     shift[row] = step
     ends = [weight * (function(values + k * shift) - function(values - k * shift)) for k, weight in DIFFERENCE_WEIGHTS]
@@ -225,34 +193,9 @@ MAX_ITERATIONS = 20
 
 
 def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
-    """Distance from nominal points along their normals to a flank.
+    """Distance (n) [mm] from nominal points along their normals (3, n) to a flank, positive for more metal.
 
-    Parameters
-    ----------
-    surface, section
-        The flank as it is, and its blank.
-    position, normal
-        Nominal points [mm] and outward unit normals (3, n), in the member's frame.
-
-    Returns
-    -------
-    Array
-        Distance along each normal (n) [mm], positive where the flank has more metal.
-
-    Raises
-    ------
-    GeometryError
-        If a normal misses the flank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gear = geometry.members.gear
-    >>> distance = distance_along_normals(gear.surface, geometry.pair.gear.section, gear.position, gear.normal)
-    >>> bool(np.abs(distance).max() < 1e-9)
-    True
+    Fails if a normal misses the flank.
     """
     seeds = seed_lattice(surface, section)
     target = np.stack([position[2], np.hypot(position[0], position[1])])

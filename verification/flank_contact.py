@@ -45,35 +45,15 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class SurfaceContact:
-    """Solved pressures of one mesh position.
+    """Solved pressures of one mesh position; NaN unless certified."""
 
-    Parameters
-    ----------
-    force
-        Normal force on every cell, by tooth pair [N].
-    rotation
-        Of the gear [rad].
-    settled
-        Whether the answer is certified; if not, force and rotation are NaN.
-    """
-
-    force: list[Array]
-    rotation: float
+    force: list[Array]  # on every cell, by tooth pair [N]
+    rotation: float  # of the gear [rad]
     settled: bool
 
 
 def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:
-    """Deflection (n, n) of both half spaces in the middle of a cell under an even pressure on another [mm/N].
-
-    Examples
-    --------
-    >>> from easeoff.contact import STEEL
-    >>> at, zero, one = np.zeros(1, dtype=int), np.zeros((2, 1)), np.ones(1)
-    >>> along, across, middle = np.eye(3)[:, None]
-    >>> cell = SurfaceCells(at, at, along, across, np.array([[0.2, 0.1]]), middle, zero, zero, one, one)
-    >>> half_space_compliance(cell, (STEEL, STEEL)).shape
-    (1, 1)
-    """
+    """Deflection (n, n) of both half spaces amid a cell under an even pressure on another [mm/N]."""
     offset = cells.position[:, None] - cells.position[None]
     along, across = (np.einsum("ijx,jx->ij", offset, side) for side in (cells.along, cells.across))
     # On a curved flank the distance counts, not its projection.
@@ -89,17 +69,7 @@ def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Materi
 def surface_contact_compliance(
     cells: SurfaceCells, responses: tuple[FlankResponse, FlankResponse], materials: tuple[Material, Material]
 ) -> Array:
-    """Compliance (n, n) of the cells of one tooth pair, both members together [mm/N].
-
-    Parameters
-    ----------
-    cells
-        The cells.
-    responses
-        Of pinion and gear.
-    materials
-        Of pinion and gear.
-    """
+    """Compliance (n, n) of the cells of one tooth pair, both members together [mm/N]."""
     compliance = half_space_compliance(cells, materials)
     for response, fractions in zip(responses, (cells.pinion_fractions, cells.gear_fractions), strict=True):
         shares = response.shares(fractions)
@@ -110,19 +80,9 @@ def surface_contact_compliance(
 def solve_surface_contact(
     separation: list[Array], lever_arm: list[Array], compliance: list[Array], torque: float
 ) -> SurfaceContact:
-    """Pressures of several tooth pairs that turn together.
+    """Pressures of tooth pairs that turn together, under a torque about the gear's axis [N mm].
 
-    Parameters
-    ----------
-    separation, lever_arm, compliance
-        Of the cells of every tooth pair: (n), (n) [mm] and (n, n) [mm/N].
-    torque
-        About the gear's axis [N mm].
-
-    Returns
-    -------
-    SurfaceContact
-        Certified, or not settled: if a compliance has a negative eigenvalue, for instance.
+    Cells have separation and lever arm (n) [mm] and compliance (n, n) [mm/N]; a negative eigenvalue is not settled.
     """
     problem = ContactProblem(
         np.concatenate(separation), np.concatenate(lever_arm), torque, scipy.linalg.block_diag(*compliance)
@@ -299,24 +259,9 @@ def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
 
 
 def greatest_stretch_load(place: Array, length: Array, force: Array, stretch: float) -> float:
-    """Greatest load per length over any stretch of a line [N/mm].
+    """Greatest load per length [N/mm] over any stretch [mm] of a line under pieces (n) [N], which may overlap.
 
-    Parameters
-    ----------
-    place, length
-        Middles and lengths along the line of pieces (n), which may overlap [mm].
-    force
-        On the pieces, spread evenly over each (n) [N].
-    stretch
-        Length of the stretches [mm].
-
-    Examples
-    --------
-    Two pieces of 1 mm side by side under 100 N and 300 N:
-
-    >>> place, length, force = np.array([0.5, 1.5]), np.ones(2), np.array([100.0, 300.0])
-    >>> [greatest_stretch_load(place, length, force, stretch) for stretch in (1.0, 2.0, 4.0)]
-    [300.0, 200.0, 100.0]
+    Forces are spread evenly over each piece, of a middle and a length [mm].
     """
     loaded = np.flatnonzero(force > 0.0)
     if not loaded.size:
@@ -334,13 +279,7 @@ def greatest_stretch_load(place: Array, length: Array, force: Array, stretch: fl
 
 
 def stretch_load(contact: FlankContact, stretch: float) -> float:
-    """Greatest load per length of a contact without the split over any stretch of its lines [N/mm]; zero if none.
-
-    Examples
-    --------
-    >>> stretch_load(FlankContact(0.0, [], [], []), 1.0)
-    0.0
-    """
+    """Greatest load per length over any stretch of the lines of a contact without the split [N/mm]; 0 if none."""
     found = [0.0]
     for direction, cells, force in zip(line_directions(contact), contact.cells, contact.force, strict=True):
         found.append(greatest_stretch_load(cells.position @ direction, cells.sides[:, 0], force, stretch))
@@ -348,13 +287,7 @@ def stretch_load(contact: FlankContact, stretch: float) -> float:
 
 
 def line_directions(contact: FlankContact) -> list[Array]:
-    """Unit vector (3) along the contact line of every tooth pair, in the gear's frame.
-
-    Examples
-    --------
-    >>> line_directions(FlankContact(0.0, [], [], []))
-    []
-    """
+    """Unit vector (3) along the contact line of every tooth pair, in the gear's frame."""
     means = [cells.along.mean(axis=0) for cells in contact.cells]
     return [mean / np.linalg.norm(mean) for mean in means]
 
@@ -367,34 +300,14 @@ THIN_BRICKS = 4  # of these
 @frozen_arrays
 @dataclass(frozen=True)
 class LineStations:
-    """Stations (n) across the contact lines that carry load.
-
-    Parameters
-    ----------
-    tooth
-        Tooth pair.
-    lengthwise, profile
-        Place of the greatest pressure, as fractions on the gear.
-    pressure
-        Greatest pressure [MPa].
-    line_load
-        Force per length of the line [N/mm].
-    edge_distance
-        Distance from toe, heel and tip of either member [mm].
-
-    Examples
-    --------
-    >>> one = np.ones(1)
-    >>> LineStations(one, one, one, one, one, one).table.shape
-    (6, 1)
-    """
+    """Stations (n) across the contact lines that carry load, at the greatest pressure."""
 
     tooth: Array
-    lengthwise: Array
+    lengthwise: Array  # fraction on the gear, as is profile
     profile: Array
-    pressure: Array
+    pressure: Array  # greatest [MPa]
     line_load: Array
-    edge_distance: Array
+    edge_distance: Array  # from toe, heel and tip of either member [mm]
 
     @property
     def table(self) -> Array:
@@ -404,22 +317,7 @@ class LineStations:
 
 
 def line_stations(pair: GearPair, contact: FlankContact) -> LineStations:
-    """Stations of a solved contact.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    contact
-        From ``contact_of_flanks``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> line_stations(pair, FlankContact(0.0, [], [], [])).pressure.size
-    0
-    """
+    """Stations of a solved contact, from ``contact_of_flanks``."""
     columns = []
     for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
         pressure = force / cells.area
@@ -437,14 +335,7 @@ def line_stations(pair: GearPair, contact: FlankContact) -> LineStations:
 
 
 def edge_distance(section: BlankSection, place: Array) -> float:
-    """Distance of a place (2), as fractions, from toe, heel and tip of its flank [mm].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> edge_distance(gear_pair(read_case("nasa-12x36")).gear.section, np.array([0.5, 1.0]))
-    0.0
-    """
+    """Distance of a place (2), as fractions, from toe, heel and tip of its flank [mm]."""
     corners = section.corners
     height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
     length = np.linalg.norm(corners[1, 1] - corners[0, 1])
@@ -452,14 +343,7 @@ def edge_distance(section: BlankSection, place: Array) -> float:
 
 
 def response_size(pair: GearPair, member: MemberName, *, finer: bool = False) -> LatticeSize:
-    """Bricks of a tooth for its response: more than those of the analysis, thin ones at its ends, or many more.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> response_size(gear_pair(read_case("nasa-12x36")), "gear").lengthwise
-    24
-    """
+    """Bricks of a tooth for its response: more than those of the analysis, thin ones at its ends, or many more."""
     one = getattr(pair, member)
     trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
     length = float(np.linalg.norm(np.diff(trace, axis=1), axis=0).sum())

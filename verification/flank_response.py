@@ -49,22 +49,7 @@ Array = NDArray[Any]
 
 
 def point_force_displacement(offset: Array, inward: Array, material: Material) -> Array:
-    """Displacement under a unit force.
-
-    Parameters
-    ----------
-    offset
-        From the force to the points (..., 3) [mm].
-    inward
-        Unit normal into the body (..., 3), the direction of the force.
-    material
-        Of the body.
-
-    Returns
-    -------
-    Array
-        (..., 3) [mm/N].
-    """
+    """Displacement (..., 3) [mm/N] at offsets (..., 3) [mm] from a unit force along the normal into the body."""
     nu = material.poisson_ratio
     shear = 0.5 * material.elastic_modulus / (1.0 + nu)
     rho = np.linalg.norm(offset, axis=-1, keepdims=True)
@@ -75,23 +60,9 @@ def point_force_displacement(offset: Array, inward: Array, material: Material) -
 
 
 def point_force_traction(offset: Array, inward: Array, normal: Array, poisson_ratio: float) -> Array:
-    """Traction of the field of a unit force on surfaces with given normals.
+    """Traction (..., 3) [MPa/N] of a unit force's field on surfaces with given normals.
 
-    Parameters
-    ----------
-    offset
-        From the force to the points (..., 3) [mm].
-    inward
-        Unit normal into the body (..., 3), the direction of the force.
-    normal
-        Unit normals (..., 3) of the surfaces.
-    poisson_ratio
-        Of the body.
-
-    Returns
-    -------
-    Array
-        (..., 3) [MPa/N]; zero on the half space's own surface.
+    Offsets in [mm], the force along the normal into the body; zero on the half space's own surface.
     """
     rho = np.linalg.norm(offset, axis=-1, keepdims=True)
     d, z = offset / rho, np.sum(offset * inward, axis=-1, keepdims=True) / rho
@@ -114,31 +85,10 @@ def surface_compliance(
     loaded: NDArray[np.int64],
     normal: Array,
 ) -> Array:
-    """Normal displacements of a smooth surface under normal forces on it.
+    """Displacements (k, k) [mm/N] into the body by unit forces into it at nodes (k) of a smooth surface.
 
-    Parameters
-    ----------
-    nodes, cells
-        The bricks, as ``elastic_body.brick_stiffness``.
-    held
-        Nodes that do not move.
-    material
-        The material.
-    loaded
-        Nodes (k) of the surface, none of them on its edge.
-    normal
-        Outward unit normals (k, 3) there.
-
-    Returns
-    -------
-    Array
-        (k, k) [mm/N]: displacement into the body of a node by a force into the body at another. On the diagonal what
-        the body adds to the displacement of its half space.
-
-    Raises
-    ------
-    GeometryError
-        If a brick is turned inside out.
+    None on its edge; normals point outwards. The diagonal has what the body adds to the half space. Fails if a brick is
+    turned inside out.
     """
     body = elastic_body(nodes, cells, held, material)
     near = _near(nodes, cells, loaded, normal)

@@ -30,24 +30,7 @@ SQUARE_LIMIT = 1e-6  # least squared sine between the two directions; below it r
 
 
 def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[VerificationRow]:
-    """Rows of one member's flank.
-
-    Parameters
-    ----------
-    member
-        Its name.
-    flank
-        Its flank on the nodes of the analysis.
-    section
-        Its blank.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> gear = gear_pair(read_case("nasa-12x36")).gear
-    >>> [row.status.name for row in flank_rows("gear", gear.middle(), gear.section)]
-    ['WITHIN', 'WITHIN', 'WITHIN', 'WITHIN']
-    """
+    """Rows of one member's flank on the nodes of the analysis."""
     usable = np.isfinite(flank.position[0])
     nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
     limit = POSITION_LIMIT * section.outer_cone_distance
@@ -78,20 +61,14 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
 
 
 def _others(flank: Flank, usable: NDArray[np.bool_]) -> str:
-    """What the nodes without a flank are."""
+    """Description of the nodes without a flank."""
     left = flank.status[~usable]
     told = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
     return f" (the others: {', '.join(told)})" if told else ""
 
 
 def greatest(values: Array) -> float:
-    """Greatest magnitude; NaN if any value is NaN or there is none.
-
-    Examples
-    --------
-    >>> greatest(np.array([1.0, -2.0])), greatest(np.array([]))
-    (2.0, nan)
-    """
+    """Greatest magnitude; NaN if any value is NaN or there is none."""
     return float(np.max(np.abs(values))) if values.size else float("nan")
 
 

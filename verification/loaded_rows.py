@@ -31,14 +31,7 @@ GAP_POSITIONS, SOLVER_POSITIONS = 8, 4
 
 
 def positions(pair: VerifiedPair, count: int) -> list[int]:
-    """Evenly spread mesh positions, at most so many.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> positions(VerifiedPair.of(read_case("nasa-12x36")), 4)
-    [0, 8, 16, 24]
-    """
+    """Evenly spread mesh positions, at most so many."""
     number = pair.case.contact.mesh_positions
     return sorted({number * k // count for k in range(min(count, number))})
 
@@ -50,28 +43,14 @@ def cases_at(pair: VerifiedPair, count: int) -> list[LoadedCase]:
 
 
 def certificate_row(pair: VerifiedPair) -> VerificationRow:
-    """Mesh positions and torques without a certified solution.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> certificate_row(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).difference
-    0.0
-    """
+    """Mesh positions and torques without a certified solution."""
     status = pair.analysis.tree["loaded"].to_dataset()["status"].values
     failed = float(np.count_nonzero(status))
     return VerificationRow("certificates", f"solutions without one, of {status.size}", failed, 0.0, "1")
 
 
 def gap_row(pair: VerifiedPair) -> VerificationRow:
-    """What errors of the gaps of loaded segments do to the transmission error.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> gap_row(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).status.name
-    'WITHIN'
-    """
+    """Effect of gap errors of loaded segments on the transmission error."""
     chosen = [case for case in cases_at(pair, GAP_POSITIONS) if case.solution.certified]
     found = [
         segment_gaps(pair.flanks, pair.state.cycle, case).rotation_error / case.solution.rotation for case in chosen
@@ -85,21 +64,7 @@ def gap_row(pair: VerifiedPair) -> VerificationRow:
 def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> list[VerificationRow]:
     """Rotations by other solvers on the same contact problems, over those of the analysis.
 
-    A row a solver, polished, and one for the least accurate answer that was not.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    solvers
-        Names of solvers; all that are installed if left out.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> rows = solver_rows(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0), ["lemke"])
-    >>> [(row.quantity, row.status.name) for row in rows]
-    [('solver lemke', 'WITHIN'), ('solvers without polish', 'WITHIN')]
+    A row a solver, polished, and one for the least accurate answer that was not; all that are installed by default.
     """
     chosen = cases_at(pair, SOLVER_POSITIONS)
     greatest_size = max((case.problem.size for case in chosen), default=0)
@@ -166,23 +131,7 @@ UNLOADED_ERROR_MINIMUM = 1.0  # [urad]; the errors of a pair without any are com
 
 @dataclass(frozen=True)
 class Refinement:
-    """One way of computing a case more finely.
-
-    Parameters
-    ----------
-    name
-        What is finer.
-    table
-        Table of the case file.
-    values
-        Finer values of its keys.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> Refinement("mesh positions", "contact", {"mesh_positions": 64}).described(read_case("nasa-12x36"))
-    '32 against 64'
-    """
+    """One way of computing a case more finely: finer values for keys of a table of the case file."""
 
     name: str
     table: str
@@ -196,14 +145,7 @@ class Refinement:
 
 
 def refinements(case: Case) -> list[Refinement]:
-    """Refinements that make sense for a case; those of the elastic teeth depend on its model.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> [one.name for one in refinements(read_case("nasa-12x36"))][:3]
-    ['grid of the flank', 'segments of a line', 'mesh positions']
-    """
+    """Refinements that make sense for a case; those of the elastic teeth depend on its model."""
     contact, elastic = case.contact, case.compliance
     nodes = {
         key: math.ceil((getattr(contact, key) - 1) * GRID_FACTOR) + 1 for key in ("lengthwise_nodes", "profile_nodes")
@@ -228,16 +170,7 @@ def refinements(case: Case) -> list[Refinement]:
 
 
 def convergence_rows(pair: VerifiedPair, refinement: Refinement) -> list[VerificationRow]:
-    """Change of the key numbers by one refinement, a row a group of numbers.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> pair = VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)
-    >>> rows = convergence_rows(pair, refinements(pair.case)[0])
-    >>> {row.status.name for row in rows}
-    {'WITHIN'}
-    """
+    """Change of the key numbers by one refinement, a row a group of numbers."""
     finer = pair.changed(refinement.table, **refinement.values)
     compared, limits = refinement.described(pair.case), LIMITS[refinement.name]
     return [
@@ -248,26 +181,10 @@ def convergence_rows(pair: VerifiedPair, refinement: Refinement) -> list[Verific
 
 
 def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, str]]:
-    """Greatest change of every group of key numbers [%], and which number changes so much.
+    """Greatest change of every group of key numbers [%], and the number that changes so much.
 
     Transmission errors count over the mean level at their torque, unloaded ones over the peak to peak; fractions in
     points, ratios above one and all other numbers over themselves.
-
-    Parameters
-    ----------
-    coarse, fine
-        From ``study.key_numbers``.
-
-    Examples
-    --------
-    >>> coarse, fine = (
-    ...     xr.Dataset({"mean_level": ("torque", [level], {"units": "urad"})}, {"torque": [50.0]})
-    ...     for level in (200.0, 201.0)
-    ... )
-    >>> next(changes(coarse, fine))
-    ('transmission error', 0.5, 'mean_level at 50 N m 200 and 201 urad')
-
-    A number that is compared with another one says so, such as "29.699 and 29.757 urad, over the mean level 604.9".
     """
     worst: dict[str, tuple[float, str]] = {}
     for name, values in coarse.data_vars.items():
@@ -302,7 +219,7 @@ def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...
 
 
 def _relative_to(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
-    """What a change is relative to, if it is not the number itself, with its value."""
+    """Reference of a change, with its value, if it is not the number itself."""
     values = numbers[name]
     unit, scale = values.attrs.get("units", "1"), float(_scale(numbers, name)[place])
     if scale == abs(float(values.values[place])):
@@ -313,7 +230,7 @@ def _relative_to(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
 
 
 def _scale(numbers: xr.Dataset, name: str) -> Array:
-    """What the changes of a key number are divided by."""
+    """Divisor of the changes of a key number."""
     values = numbers[name]
     unit, size = values.attrs.get("units", "1"), np.abs(values.values)
     if unit == "urad" and "torque" in values.dims:

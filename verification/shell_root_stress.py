@@ -51,26 +51,9 @@ Array = NDArray[Any]
 
 
 def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
-    """Forces and moments with which the root springs hold the tooth, per length of the root line.
+    """Forces and moments of the root springs, per length of the root line (5, s, n) [N/mm and N].
 
-    Parameters
-    ----------
-    shell
-        A shell on root springs.
-    arc
-        Arc lengths from the toe (s) [mm].
-    load_vectors
-        Loads (n, n_dof), see ``Shell.load_vectors``.
-
-    Returns
-    -------
-    Array
-        (5, s, n), in the order of ``shell_kinematics`` [N/mm and N].
-
-    Raises
-    ------
-    InputError
-        If the root is clamped.
+    At arc lengths from the toe (s) [mm], in the order of ``shell_kinematics``; a clamped root is refused.
     """
     if shell.foundation is None:
         raise InputError("foundation = None: must be springs, a clamped root has none whose forces could be read")
@@ -141,24 +124,7 @@ def shell_root_stress(
 def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
     """Displacement assumption of the dissertation: the deflection W and two transverse shear strains p_x, p_y.
 
-    Parameters
-    ----------
-    curvature
-        Curvature of the tooth trace, 1 / r_c [1/mm].
-    fanning
-        Must be zero: there are no displacements along the height.
-
-    Raises
-    ------
-    InputError
-        If the heights fan out.
-
-    Examples
-    --------
-    >>> from easeoff.contact import Material, Shell, ToothDimensions
-    >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
-    >>> Shell(tooth, Material(206000.0, 0.3), (5, 3), assumption=thesis_kinematics).size
-    45
+    The curvature is of the tooth trace, 1 / r_c [1/mm]; no displacement along the height, so fanning is refused.
     """
     if fanning:
         raise InputError(f"fanning = {fanning!r}: must be 0, the dissertation's shell has parallel heights only")
@@ -191,11 +157,6 @@ def monomials(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray
     """Values and derivatives of plain powers; parameters and result as ``shell.legendre``.
 
     They span the space of the Legendre polynomials, and lose all digits beyond about (5, 5) modes.
-
-    Examples
-    --------
-    >>> monomials(np.array([0.5]), 3)[0]
-    array([[1.  , 0.5 , 0.25]])
     """
     values = np.zeros((order + 1, *relative.shape, count))
     for derivative in range(order + 1):

@@ -108,22 +108,7 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
 
 
 def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, NDArray[np.int64]]:
-    """Smallest gap over all tooth pairs at pinion rotations (n), and the tooth pair (n) that carries.
-
-    Parameters
-    ----------
-    geometry, rotations
-        As of ``smallest_gap``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> smallest, pair = smallest_envelope(geometry, np.array([0.0]))
-    >>> smallest.edge.tolist(), pair.tolist()
-    ([''], [0])
-    """
+    """Smallest gap over all tooth pairs at pinion rotations (n), and the tooth pair (n) that carries."""
     flanks, pitch = _Flanks(geometry), geometry.pair.assembly.pinion_pitch
     best, carrying = [], []
     for rotation in np.atleast_1d(rotations):
@@ -357,7 +342,7 @@ def _valley(field: Array) -> Array:
 
 
 def _within(fractions: Array) -> NDArray[np.bool_]:
-    """Whether fractions (2, n) lie on a flank."""
+    """True where fractions (2, n) lie on a flank."""
     with np.errstate(invalid="ignore"):
         return np.asarray(np.all(np.abs(fractions - 0.5) <= 0.5 + FRACTION_TOLERANCE, axis=0))
 
@@ -400,36 +385,13 @@ RESIDUAL_TOLERANCE = 1e-9  # [mm]
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankGap:
-    """Gap at points (n) of the gear flank; NaN where no pinion flank was found.
+    """Gap along the outward normal at points (n) of the gear flank; NaN where no pinion flank was found."""
 
-    Parameters
-    ----------
-    gap
-        Distance along the gear's outward normal [mm].
-    pinion_parameters
-        Parameters (2, n) of the pinion point opposite.
-    pinion_position, pinion_normal
-        That point [mm] and its outward normal (3, n), in the pinion's frame.
-    facing
-        Cosine of the angle between the normals of both flanks (n).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gear, exact = geometry.members.gear, geometry.exact
-    >>> start = exact.pinion_parameters
-    >>> found = flank_gap(exact.motion, gear.position, gear.normal, exact.motion.center, 0.0, start)
-    >>> found.pinion_position.shape
-    (3, 63)
-    """
-
-    gap: Array
+    gap: Array  # [mm]
     pinion_parameters: Array
-    pinion_position: Array
+    pinion_position: Array  # (3, n) [mm], in the pinion's frame
     pinion_normal: Array
-    facing: Array
+    facing: Array  # cosine between both normals
 
 
 def flank_gap(
@@ -440,32 +402,10 @@ def flank_gap(
     closing: float,
     start: Array,
 ) -> FlankGap:
-    """Gap between the flanks at one mesh position.
+    """Gap between the flanks at one mesh position, at points (3, n) [mm] of the gear, started from ``start``.
 
-    Parameters
-    ----------
-    motion
-        Axes, senses and the pinion flank.
-    position, normal
-        Points of the gear flank and their outward unit normals (3, n), in the gear's frame [mm].
-    rotation
-        Pinion rotation in the drive sense, counted as in ``motion`` [rad].
-    closing
-        Gear rotation against the drive sense, beyond the ideal ratio [rad].
-    start
-        First guess of the pinion parameters (2, n).
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gear, exact = geometry.members.gear, geometry.exact
-    >>> middle, start = exact.motion.center, exact.pinion_parameters
-    >>> before = flank_gap(exact.motion, gear.position, gear.normal, middle, 0.0, start)
-    >>> closer = flank_gap(exact.motion, gear.position, gear.normal, middle, 1e-5, start)
-    >>> bool(np.nanmax(closer.gap - before.gap) < 0.0)
-    True
+    Pinion rotation is in the drive sense, as in ``motion`` [rad]; the closing angle of the gear, beyond the ideal
+    ratio, against it [rad].
     """
     if position.shape[1] > COLUMNS_PER_BLOCK:
         parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, position.shape[1], COLUMNS_PER_BLOCK)]

@@ -74,16 +74,7 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
 
 
 def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
-    """As ``flanks_in_mesh``, from a geometry.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> flanks_of(geometry).motion is geometry.exact.motion
-    True
-    """
+    """As ``flanks_in_mesh``, from a geometry."""
     surface, ease_off = geometry.exact, geometry.ease_off
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *geometry.nodes), 0, -1)
     usable = np.isfinite(surface.angle).reshape(*geometry.nodes, 1)
@@ -94,42 +85,17 @@ def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
 @frozen_arrays
 @dataclass(frozen=True)
 class SurfaceCells:
-    """Cells (n) of one tooth pair at one mesh position.
+    """Cells (n) of one tooth pair at one mesh position."""
 
-    Parameters
-    ----------
-    station, row
-        Where a cell stands along the contact line and across it, zero on the line.
-    along, across
-        Unit vectors (n, 3) of its sides.
-    sides
-        Its lengths along and across the line (n, 2) [mm].
-    position
-        Its middle (n, 3) in the gear's frame [mm].
-    gear_fractions, pinion_fractions
-        Lengthwise and profile fractions (2, n) on both members.
-    separation
-        Normal gap at first contact's closing angle [mm].
-    lever_arm
-        Of a normal force about the gear's axis [mm].
-
-    Examples
-    --------
-    >>> at, side, zero = np.zeros(1, dtype=int), np.ones((1, 3)), np.zeros((2, 1))
-    >>> cells = SurfaceCells(at, at, side, side, np.array([[0.4, 0.1]]), side, zero, zero, np.zeros(1), np.ones(1))
-    >>> cells.area
-    array([0.04])
-    """
-
-    station: NDArray[np.int64]
-    row: NDArray[np.int64]
+    station: NDArray[np.int64]  # along the line
+    row: NDArray[np.int64]  # across, zero on the line
     along: Array
     across: Array
-    sides: Array
-    position: Array
+    sides: Array  # along and across (n, 2) [mm]
+    position: Array  # middle (n, 3) in the gear's frame [mm]
     gear_fractions: Array
     pinion_fractions: Array
-    separation: Array
+    separation: Array  # normal gap at first contact's closing angle [mm]
     lever_arm: Array
 
     @property
@@ -148,24 +114,10 @@ def cells_on_line(
     extension: float,
     widest_gap: float,
 ) -> SurfaceCells:
-    """Cells around one contact line.
+    """Cells around a contact line (2, m), or one not far from it, in lengthwise and profile fractions.
 
-    Parameters
-    ----------
-    flanks
-        The pair.
-    line
-        Points (2, m) of the contact line, or of one not far from it: lengthwise and profile fractions.
-    rotation
-        Pinion rotation from its middle [rad].
-    step
-        Lengths of a cell along and across the line [mm].
-    half_band
-        Half-width of the band of cells along the line [mm].
-    extension
-        Its extension beyond the ends of the line, where cells lie on both flanks [mm].
-    widest_gap
-        Cells with a wider gap are left out [mm].
+    Lengths in [mm]: steps along and across, half-width of the band, extension beyond the ends on both flanks, widest
+    gap of a cell. The rotation is from the pinion's middle [rad].
     """
     middle, slope = _stations(flanks.splines, line, step[0], extension)
     half = int(np.ceil(half_band / step[1]))
@@ -239,27 +191,11 @@ def _stations(splines: FlankSplines, points: Array, step: float, extension: floa
 @frozen_arrays
 @dataclass(frozen=True)
 class SegmentGaps:
-    """Gaps of the segments (n) of one solved case, as gear rotations [rad].
-
-    Parameters
-    ----------
-    own
-        The analysis's.
-    exact
-        Those of the turned flanks; NaN where no pinion flank is met.
-    share
-        Share of every segment in one more unit of torque, zero where it does not touch.
-
-    Examples
-    --------
-    >>> gaps = SegmentGaps(np.array([2e-6, 5e-6]), np.array([1e-6, 5e-6]), np.array([0.25, 0.75]))
-    >>> print(round(gaps.rotation_error, 9))
-    2.5e-07
-    """
+    """Gaps of the segments (n) of one solved case, as gear rotations [rad]."""
 
     own: Array
-    exact: Array
-    share: Array
+    exact: Array  # of the turned flanks; NaN off the pinion
+    share: Array  # in one more unit of torque; zero where it does not touch
 
     @property
     def rotation_error(self) -> float:
@@ -272,29 +208,7 @@ class SegmentGaps:
 
 
 def segment_gaps(flanks: FlanksInMesh, cycle: MeshCycle, case: LoadedCase) -> SegmentGaps:
-    """Gaps of a solved case's segments against those of the turned flanks.
-
-    Parameters
-    ----------
-    flanks
-        The pair.
-    cycle
-        The pair in mesh.
-    case
-        One of its solved cases.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> from easeoff.verification.surface_cells import flanks_of
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")))
-    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
-    >>> gaps = segment_gaps(flanks_of(geometry), cycle, cycle.solved([100.0])[1])
-    >>> bool(abs(gaps.rotation_error) < 1e-6)
-    True
-    """
+    """Gaps of a solved case's segments against those of the turned flanks."""
     # Where edges may touch, the lines end at the edges and know how far these are.
     cut = bool(np.any(np.isfinite(case.segments.line_contact.overhang)))
     found = cycle.segments.to_edges if cut else cycle.segments
@@ -325,32 +239,9 @@ def _share_of_more_torque(case: LoadedCase) -> Array:
 
 
 def exact_gap(flanks: FlanksInMesh, places: Array, rotation: Array) -> tuple[Array, Array]:
-    """Gap of the turned flanks along the gear's normals.
+    """Gap of the turned flanks as a gear rotation (n) [rad], zero at first contact, and pinion fractions (2, n).
 
-    Parameters
-    ----------
-    flanks
-        The pair.
-    places
-        Lengthwise and profile fractions on the gear (2, n).
-    rotation
-        Rotation of the pinion (n) from the middle of its flank [rad].
-
-    Returns
-    -------
-    tuple
-        Gap as a gear rotation (n) [rad], zero at first contact, and fractions on the pinion (2, n); NaN where no
-        pinion flank is met.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.verification import flanks_in_mesh
-    >>> flanks = flanks_in_mesh(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> middle = np.array([[0.5], [0.5]])
-    >>> gap, _ = exact_gap(flanks, middle, flanks.splines("roll_angle", middle))
-    >>> bool(abs(gap[0] - flanks.splines("ease_off_angle", middle)[0]) < 1e-5)
-    True
+    Along the gear's normals at fractions (2, n), at rotations (n) from the pinion's middle [rad]; NaN off the pinion.
     """
     gear, pinion = flanks.pair.gear, flanks.pair.pinion.section
     nodes = solve_flank(gear.loaded, gear.section, *gear.section.points(*places))

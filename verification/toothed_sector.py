@@ -42,37 +42,14 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class ToothedSector:
-    """Teeth (t) on one body.
-
-    Parameters
-    ----------
-    pitch
-        The lattice of one pitch.
-    nodes, cells, held
-        Nodes, bricks and held nodes of the whole.
-    numbers
-        Nodes of the whole (t, n) by those of the pitch, of every tooth.
-    angles
-        Of the teeth about the member's axis (t) [rad].
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import STEEL
-    >>> from easeoff.geometry import LatticeSize, tooth_lattice
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> pitch = tooth_lattice(pair, "pinion", LatticeSize(3, 1, 1, 1, 0, 1, 1))
-    >>> on_flanks, _ = toothed_sector(pitch, 12, 2).compliance(STEEL, loaded=0)
-    >>> bool(on_flanks[0].sum() > 5.0 * on_flanks[1].sum() > 0.0)
-    True
-    """
+    """Teeth (t) on one body, meshed in copies of the lattice of one pitch."""
 
     pitch: ToothLattice
     nodes: Array
     cells: NDArray[np.int64]
     held: NDArray[np.int64]
-    numbers: NDArray[np.int64]
-    angles: Array
+    numbers: NDArray[np.int64]  # of the pitch's nodes in the whole (t, n)
+    angles: Array  # about the member's axis (t) [rad]
 
     def body(self, material: Material) -> ElasticBody:
         """The whole, factored."""
@@ -93,12 +70,9 @@ class ToothedSector:
         return csc_array((turned.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
 
     def compliance(self, material: Material, loaded: int) -> tuple[Array, Array]:
-        """Displacements under unit loads (n) on the flank of one tooth.
+        """Displacements [mm/N] under unit loads (n) on one tooth's flank: of all teeth's flanks (t, n, n) and feet.
 
-        Returns
-        -------
-        tuple
-            On the flanks of all teeth (t, n, n), and at the feet of the normals of the loaded one (n, n) [mm/N].
+        The feet of the normals are those of the loaded one (n, n).
         """
         from scipy.sparse import hstack
 
@@ -110,26 +84,9 @@ class ToothedSector:
 
 
 def toothed_sector(pitch: ToothLattice, teeth: int, on_sector: int | None = None) -> ToothedSector:
-    """Teeth of a member on one body.
+    """Teeth of a member on one body, from the lattice of one pitch with mid slot to mid slot.
 
-    Parameters
-    ----------
-    pitch
-        Lattice of one pitch, from mid slot to mid slot (``LatticeSize(beside=0)``).
-    teeth
-        Teeth of the member.
-    on_sector
-        Teeth on the sector; ``None`` for all of them on a closed body.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry import LatticeSize, tooth_lattice
-    >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> pitch = tooth_lattice(pair, "pinion", LatticeSize(3, 1, 1, 1, 0, 1, 1))
-    >>> three, all_of_them = toothed_sector(pitch, 12, 3), toothed_sector(pitch, 12)
-    >>> len(three.angles), len(all_of_them.cells) // len(pitch.cells)
-    (3, 12)
+    The lattice has ``LatticeSize(beside=0)``; without a number on the sector, all teeth on a closed body.
     """
     angle = pitch_angle(pitch, teeth)
     start, end = (side.ravel() for side in pitch.sides)
@@ -173,7 +130,7 @@ BORDER_COUNT_LIMIT = 16  # 1 km
 @frozen_arrays
 @dataclass(frozen=True)
 class EndRelief:
-    """What a free end adds to the displacements under a line load of 1 N/mm.
+    """Added displacements of a free end under a line load of 1 N/mm.
 
     Parameters
     ----------
@@ -266,14 +223,7 @@ def _traction(across: Array, depth: Array, leaning: tuple[float, float], poisson
 
 
 def serendipity_functions(points: Array) -> tuple[Array, Array]:
-    """Shape functions and gradients as ``elastic_body.shape_functions``, zero for the seven nodes that the brick lacks.
-
-    Examples
-    --------
-    >>> values, _ = serendipity_functions(np.zeros((1, 3)))
-    >>> float(values.sum()), int(np.count_nonzero(values))
-    (1.0, 20)
-    """
+    """Shape functions and gradients as ``elastic_body.shape_functions``, zero for seven nodes the brick lacks."""
     values, gradients = shape_functions(points)
     fewer = _serendipity()
     return values @ fewer, np.einsum("nak,ab->nbk", gradients, fewer)

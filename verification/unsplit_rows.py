@@ -34,23 +34,7 @@ COARSER_CELLS = 0.7  # resolution of the cells that tell what their size matters
 
 @dataclass(frozen=True)
 class UnsplitContact:
-    """Contact without the split, ready to be solved at some mesh positions.
-
-    Each tooth has a body of its own, as in the analysis that it is compared with.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    cells_per_half_width
-        Resolution of the pressures.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> UnsplitContact(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).places
-    [(0, 0), (0, 8), (0, 16), (0, 24)]
-    """
+    """Contact without the split at some mesh positions, each tooth with a body of its own, as in the analysis."""
 
     pair: VerifiedPair
     cells_per_half_width: float = 8.0
@@ -103,15 +87,7 @@ class UnsplitContact:
 
 
 def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], FlankContact]) -> Iterator[VerificationRow]:
-    """Rows of all torques and mesh positions.
-
-    Parameters
-    ----------
-    contact
-        The contact without the split.
-    solutions
-        Its solutions by numbers of torque and mesh position.
-    """
+    """Rows of all torques and mesh positions, from solutions by the numbers of both."""
     loaded = contact.separate.analysis.tree["loaded"].to_dataset()
     compared = f"contact without the split, {len(solutions)} positions and torques"
     splines = contact.pair.flanks.splines
@@ -155,19 +131,7 @@ def strip_width(loaded: xr.Dataset) -> float:
 
 
 def line_load_difference(loaded: xr.Dataset, solutions: list[FlankContact], splines: FlankSplines) -> float:
-    """Relative difference of the greatest line load over the mesh positions.
-
-    Both are means over the same length, that of ``strip_width``.
-
-    Parameters
-    ----------
-    loaded
-        An analysis at one torque, at the mesh positions of the solutions.
-    solutions
-        Contact without the split.
-    splines
-        Splines of the gear flank's ``position``.
-    """
+    """Relative difference of the greatest line load over the mesh positions, both over the ``strip_width``."""
     stretch, own = strip_width(loaded), [0.0]
     for k, one in enumerate(solutions):
         here = loaded.isel(mesh_position=k)

@@ -65,11 +65,5 @@ class VerificationRow:
 
 
 def not_applicable(quantity: str, reason: str) -> VerificationRow:
-    """A row for a comparison that makes no sense for this pair.
-
-    Examples
-    --------
-    >>> not_applicable("modes", "the teeth are bricks").compared
-    'the teeth are bricks'
-    """
+    """A row for a comparison that makes no sense for this pair."""
     return VerificationRow(quantity, reason, math.nan, math.nan, "", applicable=False)

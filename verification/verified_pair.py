@@ -28,26 +28,7 @@ Array = NDArray[Any]
 @frozen_arrays
 @dataclass(frozen=True)
 class VerifiedPair:
-    """A case's pair in mesh with its analysis, and what makes others of it.
-
-    Parameters
-    ----------
-    case
-        The checked case.
-    flank
-        ``drive`` or ``coast``.
-    misalignment
-        Assembly errors.
-    torques
-        Torques at the pinion (t) [N m].
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> pair = VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)
-    >>> pair.analysis.tree["loaded"].sizes["torque"]
-    1
-    """
+    """A case's pair in mesh with its analysis, and what makes others of it."""
 
     case: Case
     flank: FlankName
