@@ -349,3 +349,7 @@ def test_freed_memory_is_kept_and_taken_again_without_page_faults() -> None:
             ended = subprocess.run([sys.executable, "-c", code.format(kept)], capture_output=True, check=True)
         faults[how] = int(ended.stdout)
     assert faults["keep"] < 0.3 * faults["free"]
+
+
+def test_time_to_make_the_teeth_of_a_shipped_case_is_told() -> None:
+    assert AnalysisSize.teeth_seconds(easeoff.read_case("nasa-12x36")) == 2.5

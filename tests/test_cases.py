@@ -17,6 +17,8 @@ from runs import replaced
 
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, case_text, case_toml, gear_pair, parse_case, read_case, shipped_cases, write_case
+from easeoff.cases.conversion import given_pair
+from easeoff.cases.reading import stem
 from easeoff.geometry import Misalignment, pair_geometry, tooth_angle
 from easeoff.geometry.design.blank import angles_of_normal
 from easeoff.geometry.pair.backlash import filling_thickness
@@ -436,3 +438,13 @@ def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:
     assert [p.name for p in (tmp_path / "new").iterdir()] == ["pair.toml"]
     with pytest.raises(InputError, match="folder"):
         write_case(case, tmp_path)
+
+
+def test_given_pair_is_that_of_the_drive_side_where_the_case_has_it() -> None:
+    case = read_case("nasa-12x36")
+    assert given_pair(case) == gear_pair(case, "drive")
+
+
+@pytest.mark.parametrize(("given_name", "shown"), [("fm-11x41", "fm-11x41"), ("cases/mine.toml", "mine")])
+def test_name_of_a_case_is_that_of_its_file(given_name: str, shown: str) -> None:
+    assert stem(given_name) == shown

@@ -76,6 +76,7 @@ def test_errors_of_sums_and_products_are_exact() -> None:
             (Fraction(a) * Fraction(b), error_free.two_product(a, b)),
         ):
             assert Fraction(rounded) + Fraction(error) == operation
+    assert error_free.double_double(np.array([1e30, 1.0, 1e-30, -1e30])) == (1.0, 1e-30)
 
 
 @pytest.mark.parametrize("signed", [False, True])

@@ -389,3 +389,24 @@ def test_impossible_conditions_are_refused() -> None:
     with pytest.raises(InputError, match="conductivity = -1"):
         ThermalMaterial(conductivity=-1.0)
     assert float(peclet_number(-2.0, WIDTH, STEEL)) == float(peclet_number(2.0, WIDTH, STEEL))
+
+
+@pytest.mark.parametrize(
+    ("found", "known"),
+    [
+        (band_temperature(np.array(0.65), np.array(10.0)), 0.1755),
+        (fast_band(np.array(1.0), "uniform"), 0.5642),
+        (fast_band(np.array(1.0)), 0.4789),
+        (slow_band(np.array(0.0), np.array(1e-4)), 3.3484),
+        (greatest_temperature(np.array([0.1, 1.0, 10.0, 100.0])), [1.1571, 0.5231, 0.1756, 0.0556]),
+        (1e-3 * peclet_number(2.0, 0.3e-3, ThermalMaterial()), 0.0235),
+        (1e-5 * ThermalMaterial().thermal_contact_coefficient, 0.12888),
+    ],
+)
+def test_temperatures_of_bands_have_their_known_values(found: Array, known: Any) -> None:
+    np.testing.assert_allclose(found, known, atol=5.1e-5)
+
+
+def test_the_slower_flank_is_heated_more_by_the_root_of_the_velocities() -> None:
+    pinion, gear = rise_per_heat(0.3e-3, (4.0, 1.0))
+    assert gear / pinion == pytest.approx(1.999, abs=5e-4)

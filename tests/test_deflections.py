@@ -17,6 +17,8 @@ from runs import output_of, read_only, refusal_of, small, text_file
 
 import easeoff
 from easeoff.cases import Case, Deflections, LoadCase, case_text, case_toml, parse_case, read_deflections
+from easeoff.cases.deflection_table import misalignment_of
+from easeoff.cases.schema.case_schema import DeflectionRow, deflections_of
 from easeoff.contact import read_problems
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds
 from easeoff.core.errors import InputError
@@ -440,3 +442,9 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
     assert "at 400 N m E, P, G and Sigma were extrapolated" in said
     for wrong, message in (("exle.csv", "there is no file of this name"), ("case.toml", "is no column")):
         assert message in refusal_of("run", "case.toml", "--misalignment", wrong, "-o", "axle.nc")
+
+
+def test_misalignment_is_given_by_keys_and_deflections_by_rows_in_degrees() -> None:
+    assert misalignment_of({"E": 0.1, "P": -0.05}) == Misalignment(offset=0.1, pinion_axial=-0.05)
+    rows = [DeflectionRow(torque=0.0, Sigma=0.0), DeflectionRow(torque=300.0, Sigma=1.8)]
+    assert deflections_of(rows).at(300.0).shaft_angle == pytest.approx(np.radians(1.8), rel=1e-15)

@@ -285,6 +285,7 @@ def test_old_spiral_angle_key_says_its_new_names() -> None:
 
 
 def test_torques_grow_with_the_cube_of_the_size() -> None:
+    assert usual_torques(5.0, 30.0, 11) == (33.0, 160.0, 330.0)
     small, large = usual_torques(2.0, 20.0, 15), usual_torques(20.0, 200.0, 15)
     assert [big / little for big, little in zip(large, small, strict=True)] == pytest.approx([1000.0] * 3)
 

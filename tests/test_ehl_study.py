@@ -391,3 +391,8 @@ def test_shipped_formula_is_a_model_for_gears() -> None:
     np.testing.assert_allclose(by_gear, expected, rtol=1e-9)
     assert (expected > 1e-3).all()
     assert (expected < 0.1).all()
+
+
+def test_composite_roughness_is_the_root_of_the_sum_of_squares() -> None:
+    condition = Condition(0.5, 5.0, 20.0, 0.5, 50.0, roughness_1=0.3, roughness_2=0.4)
+    assert condition.composite_roughness == pytest.approx(0.5e-6)

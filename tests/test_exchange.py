@@ -15,8 +15,9 @@ import xarray as xr
 from runs import text_file
 
 from easeoff import InputError
-from easeoff.contact import ContactProblem, export_problems, read_problems, write_problems
-from easeoff.contact.problem.exchange.problem_file import read_labels
+from easeoff.contact import ContactProblem, ProblemSet, export_problems, read_problems, write_problems
+from easeoff.contact.problem.exchange.problem_file import joined, read_labels, set_checksum
+from easeoff.contact.problem.exchange.problem_units import ProblemUnits
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
@@ -370,3 +371,17 @@ def test_what_is_no_list_of_problems_is_refused_by_name(tmp_path: Path, wrong: s
         with pytest.raises(InputError, match=r"^problems(\[1\])? = .*: must be a "):
             write(given, path)
     assert not target.exists()
+
+
+def test_joined_sets_keep_the_labels_that_all_have() -> None:
+    one = ProblemSet(dense()[:1], {"name": np.array(["springs"]), "step": np.array([0])})
+    both = joined([one, ProblemSet(dense()[:1], {"name": np.array(["again"])})])
+    assert {name: labels.tolist() for name, labels in both.labels.items()} == {"name": ["springs", "again"]}
+
+
+def test_checksum_of_a_set_depends_on_the_names() -> None:
+    assert set_checksum(["one"], dense()[:1]) != set_checksum(["two"], dense()[:1])
+
+
+def test_unit_of_rotations_follows_from_the_others() -> None:
+    assert ProblemUnits(force=8.0, compliance=2.0**-20, lever_arm=32.0).rotation == 2.0**-22

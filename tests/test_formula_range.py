@@ -32,7 +32,7 @@ from easeoff.friction import (
 )
 from easeoff.friction.coefficient import contact_conditions
 from easeoff.friction.ehl.study import shipped_formula
-from easeoff.friction.kolivand_formula import FLAGS
+from easeoff.friction.kolivand_formula import FLAGS, combined_flags
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
 from easeoff.study.plot.friction_charts import draw_efficiency, draw_friction_maps as draw_maps
@@ -387,3 +387,8 @@ def test_jumps_of_the_printed_formula_have_the_size_that_is_told() -> None:
         jumps = np.abs(np.log(pairs[1] / pairs[0]))
         assert np.median(np.expm1(jumps)) == pytest.approx(median, abs=0.02)
         assert np.exp(jumps.max()) < 2.1
+
+
+def test_flags_of_all_shapes_are_added() -> None:
+    flags = combined_flags({1: np.array([True, False]), 4: np.array([[True], [False]])})
+    np.testing.assert_array_equal(flags, np.array([[5, 4], [1, 0]]))

@@ -20,7 +20,7 @@ from easeoff.friction import (
     lubricant,
     rolling_traction,
 )
-from easeoff.friction.coefficient import contact_conditions, xu_kahraman
+from easeoff.friction.coefficient import coefficient_model, contact_conditions, xu_kahraman
 from easeoff.friction.film_thickness import dowson_higginson, pan_hamrock
 from easeoff.friction.rolling_traction import isothermal_traction
 
@@ -483,3 +483,19 @@ def test_mistakes_are_named(changed: dict[str, Any], message: str) -> None:
 def test_unknown_thermal_factor() -> None:
     with pytest.raises(InputError, match="thermal_factor = 'hot'"):
         rolling_traction(conditions(), "hot")
+
+
+def test_benedict_kelly_and_lambda_ratio_of_a_contact() -> None:
+    contact = contact_conditions(
+        hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2, slide_to_roll=0.45, roughness=0.8e-6
+    )
+    assert coefficient_model("benedict_kelly")(contact) == pytest.approx(0.0611, abs=5e-5)
+    contact = contact_conditions(
+        hertz_pressure=[0.7e9, 1e9],
+        equivalent_radius=0.042,
+        rolling_velocity=2.2,
+        slide_to_roll=0.45,
+        roughness=(0.8e-6, 0.4e-6),
+        oil="pao-vg100",
+    )
+    np.testing.assert_allclose(contact.lambda_ratio, [0.264, 0.241], atol=5e-4)

@@ -13,7 +13,8 @@ from runs import call, output_of, refusal_of, small, text_file
 import easeoff
 from easeoff import GeometryError, InputError, read_case
 from easeoff.cases import Case, LoadCase, case_text, case_toml, parse_case, read_load_cases, write_case
-from easeoff.cases.load_cases import load_case_misalignment
+from easeoff.cases.load_cases import has_own_misalignment, load_case_misalignment
+from easeoff.cases.schema.load_case_table import named_load_cases
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, equivalent_torque, key_numbers
 from easeoff.study.load_case_analysis import DAMAGE_EXPONENTS, duty_means
@@ -302,3 +303,12 @@ def test_a_wrong_load_case_in_a_case_is_refused(added: str, said: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_case(case_text("nasa-12x36") + "\n" + added)
     assert said in str(caught.value)
+
+
+def test_a_load_case_without_a_name_takes_its_number() -> None:
+    assert list(named_load_cases([LoadCase(torque=100.0), LoadCase(torque=250.0, name="climb")])) == ["1", "climb"]
+
+
+def test_a_zero_is_a_value_of_its_own_for_an_assembly_error() -> None:
+    assert has_own_misalignment(LoadCase(torque=100.0, P=0.0))
+    assert not has_own_misalignment(LoadCase(torque=100.0))

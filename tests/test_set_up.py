@@ -12,7 +12,7 @@ import pytest
 
 from easeoff import EaseoffError, GeometryError, InputError
 from easeoff.cases import Case, design_text, designed_blanks, gear_pair, parse_design, read_case, read_design
-from easeoff.cases.conversion import ease_off_target, machine_resolution
+from easeoff.cases.conversion import ease_off_target, machine_resolution, setting_limits, standard_steps
 from easeoff.geometry import (
     Assembly,
     BlankDesign,
@@ -378,3 +378,10 @@ def test_settings_of_files_and_of_surfaces_have_one_step() -> None:
     assert (step_of("work_offset_motion_1", fine), step_of("toprem_depth", fine)) == (0.001, None)
     assert step_of("sliding_base_motion_2", fine) == fine.motion
     assert gear_pair(read_case("fm-11x41")).pinion.loaded.blade.edge_radius == 0.8
+
+
+def test_limits_steps_and_targets_of_a_design_are_in_mm_and_rad() -> None:
+    design = read_design("fm-11x41")
+    assert setting_limits(design.pinion.limits).cutter_tilt == pytest.approx(math.radians(30.0))
+    assert standard_steps(design.cutter_steps).point_width == 0.0
+    assert ease_off_target(read_case("fm-11x41").target.drive).profile_crowning == pytest.approx(0.0199, abs=5e-5)

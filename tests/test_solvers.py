@@ -17,7 +17,7 @@ from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, av
 from easeoff.contact.problem.scaled_problem import ScaledProblem
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
-from easeoff.contact.solvers.solution import ScaledAnswer
+from easeoff.contact.solvers.solution import ScaledAnswer, course
 from easeoff.contact.solvers.touching_system import DenseTouching
 from easeoff.core.errors import how_to_install
 from easeoff.verification import problems
@@ -501,3 +501,8 @@ def test_energy_is_the_work_of_the_torque_less_the_work_on_the_separations(name:
 
 def test_energy_without_an_answer_is_not_a_number() -> None:
     assert np.isnan(solve(realistic()[0], installed("clarabel"), polish=False, max_iter=1).energy)
+
+
+def test_course_tells_method_steps_and_end() -> None:
+    springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, [[1e-6, 0.0], [0.0, 1e-6]])
+    assert course("two springs", solve(springs)) == "two springs, 1 step: certified"

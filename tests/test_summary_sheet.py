@@ -31,6 +31,7 @@ from easeoff.cases import (
     shipped_cases,
     write_case,
 )
+from easeoff.cases.schema.case_schema import motion_name, usual_name
 from easeoff.cases.writing import changed_case, with_blanks
 from easeoff.geometry import MachineResolution, ease_off
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet
@@ -401,3 +402,8 @@ def test_limits_of_a_design_reach_its_rounding(tmp_path: Path) -> None:
     tilts = [getattr(read_case(tmp_path / "c.toml").pinion, side).machine.cutter_tilt for side in FLANKS]
     assert max(tilts) <= 15.0006
     assert min(tilts) == 15.0
+
+
+def test_settings_and_their_motions_have_the_usual_names() -> None:
+    assert [usual_name(key) for key in ("cutter_tilt", "hypoid_offset")] == ["tilt", "hypoid offset"]
+    assert [motion_name(key) for key in ("sliding_base", "cutter_tilt")] == ["helical motion", "motion of tilt"]

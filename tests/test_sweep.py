@@ -27,7 +27,7 @@ from sweeps import CASE, RADIAL, SETTING, analyse_points_once, case_file
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases.writing import changed_case, numeric_keys
+from easeoff.cases.writing import changed_case, numeric_keys, require_numeric_key
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import Modification
 from easeoff.study import key_numbers
@@ -215,6 +215,8 @@ def test_sweep_too_large_for_the_memory_is_refused(monkeypatch: pytest.MonkeyPat
 def test_changed_case_has_other_numbers_and_is_checked() -> None:
     assert {"pinion.concave.cutter.blade_point_radius", "gear.blank.face_width"} <= set(numeric_keys())
     assert not {"contact.torques", "title", "pinion.concave.machine.motions.cutter_tilt"} & set(numeric_keys())
+    assert numeric_keys()["pinion.concave.machine.radial_distance"] == ("mm", "radial setting")
+    assert require_numeric_key("gear.blank.face_width")[0] == "mm"
     changed = changed_case(CASE, {"contact.mesh_positions": 5.0, "gear.material.elastic_modulus": 2e5})
     assert (changed.contact.mesh_positions, changed.gear.material.elastic_modulus) == (5, 2e5)
     assert changed.contact.torques == CASE.contact.torques

@@ -24,7 +24,7 @@ from easeoff.cases import (
     with_supports,
 )
 from easeoff.cases.reading import SUPPORT
-from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, inner_model, template, template_text
+from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, inner_model, template, template_text, toml_value
 from easeoff.cases.schema.schema_table import number
 from easeoff.cases.schema.supports_table import SupportFile
 from easeoff.core.errors import InputError
@@ -267,3 +267,7 @@ def test_a_name_with_another_suffix_is_a_mistake(tmp_path: Path) -> None:
         said = refusal_of("new", kind, "-o", tmp_path / name)
         assert f"must be a name that ends in {TEMPLATE_KINDS[kind].suffix}" in said
         assert not (tmp_path / name).exists()
+
+
+def test_nested_values_stand_in_one_line_of_toml() -> None:
+    assert toml_value({"start": 1.0, "ends": [True, "a"]}) == '{ start = 1.0, ends = [true, "a"] }'

@@ -51,12 +51,12 @@ from easeoff.verification import (
     unsplit_rows,
     verify,
 )
-from easeoff.verification.case_verification import meaning, row_lines
+from easeoff.verification.case_verification import cells, closing, difference_text, head_lines, meaning, row_lines
 from easeoff.verification.conventional_analysis import methods_compared, point_differences
 from easeoff.verification.envelope_condition import cutter_position
 from easeoff.verification.flank_rows import flank_rows
-from easeoff.verification.loaded_rows import LIMITS, changes, convergence_rows, refinements
-from easeoff.verification.surface_cells import SurfaceCells, segment_gaps
+from easeoff.verification.loaded_rows import LIMITS, Refinement, changes, convergence_rows, refinements
+from easeoff.verification.surface_cells import SegmentGaps, SurfaceCells, segment_gaps
 from easeoff.verification.unloaded_rows import conventional_rows, smallest_gap_rows
 from easeoff.verification.unsplit_rows import UnsplitContact
 from easeoff.verification.verification_row import not_applicable
@@ -606,3 +606,24 @@ def test_command_refuses_mistakes(arguments: list[str]) -> None:
 def test_shipped_cases_are_within_every_limit(name: str, flank: FlankName) -> None:
     found = verify(easeoff.read_case(name), flank=flank)
     assert [(row.quantity, row.compared, row.difference) for row in found.outside] == []
+
+
+def test_differences_are_told_apart_from_their_limits() -> None:
+    assert [difference_text(value, 0.1) for value in (0.1034, 0.0834)] == ["0.103", "0.083"]
+    assert cells(VerificationRow("path", "another method", 1.0, 2.0, "um"))[2:] == ("1", "2", "um", "yes")
+    assert head_lines().splitlines()[0].split()[-3:] == ["limit", "unit", "within"]
+
+
+def test_rows_of_curvatures_alone_are_explained_together() -> None:
+    row = VerificationRow("relative curvature across the line", "both members' curvatures", 4.7, 4.0, "%")
+    assert closing([row]).startswith("these are curvature and direction of con")
+
+
+def test_gap_errors_count_by_the_share_of_each_segment() -> None:
+    gaps = SegmentGaps(np.array([2e-6, 5e-6]), np.array([1e-6, 5e-6]), np.array([0.25, 0.75]))
+    assert gaps.rotation_error == pytest.approx(2.5e-7)
+
+
+def test_a_refinement_tells_the_values_compared() -> None:
+    finer = Refinement("mesh positions", "contact", {"mesh_positions": 64})
+    assert finer.described(read_case("nasa-12x36")) == "32 against 64"

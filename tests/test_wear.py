@@ -16,7 +16,7 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, write_case
 from easeoff.contact import MeshCycle
-from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
+from easeoff.contact.archard_wear import Engagement, engagement, integral, on_flank, rolling_splines, touched
 from easeoff.contact.lines.contact_lines import arc_length, contact_splines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.geometry import FlankName, Misalignment, deviation_from_formula, pair_geometry
@@ -555,3 +555,9 @@ def test_a_corner_where_points_coincide_has_no_length() -> None:
     chords = np.linalg.norm(np.diff(fields("position", curve)[:, 0], axis=-1), axis=0).sum()
     assert np.all(np.isfinite(length))
     assert length[-1] == pytest.approx(chords, rel=0.05)
+
+
+def test_integral_of_one_over_a_plane_is_its_area() -> None:
+    t, h = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 3)
+    plane = np.stack(np.meshgrid(20.0 * t, 5.0 * h, [0.0], indexing="ij"), axis=-1)[:, :, 0]
+    assert integral(np.ones((5, 3)), plane, t, h) == pytest.approx(100.0)
