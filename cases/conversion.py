@@ -251,10 +251,7 @@ def materials(case: Case) -> tuple[Material, Material]:
 def finite_elements(
     case: Case, pair: GearPair, stage: Callable[[str], None] | None = None
 ) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
-    """Teeth of pinion and gear by finite elements or as solid shells; ``None`` for plain shells.
-
-    ``stage`` is called with the name of each tooth before it is built.
-    """
+    """Teeth by finite elements or as solid shells, ``None`` for plain shells; ``stage`` is told of each."""
     table = case.compliance
     if table.model == "shell":
         return None

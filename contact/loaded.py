@@ -358,10 +358,7 @@ def solve_all(
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
 ) -> list[LoadedCase]:
-    """Solve all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before.
-
-    The native solver takes all mesh positions at once.
-    """
+    """Solve all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before."""
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
     contacts = [here.line_contact for _, here in present]
     order, problems = np.argsort(torques, kind="stable"), [here.bending_problem for _, here in present]

@@ -64,10 +64,7 @@ class HeatedBlock(Protocol):
 
 @dataclass
 class HottestContacts:
-    """The hottest contact of each torque and condition, found a block of contacts at a time.
-
-    Arrays over (torque, speed, temperature, roughness).
-    """
+    """The hottest contact over (torque, speed, temperature, roughness), found a block of contacts at a time."""
 
     shape: tuple[int, int, int, int]
     flash: Array = field(init=False)

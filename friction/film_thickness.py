@@ -33,18 +33,12 @@ Array = NDArray[Any]
 
 
 def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:
-    """Least film over equivalent radius (...) of Pan and Hamrock: H = 1.714 U^0.694 G^0.568 W^-0.128.
-
-    ASME Journal of Tribology 111, 1989, doi 10.1115/1.3261900.
-    """
+    """Least film over radius (...), 1.714 U^0.694 G^0.568 W^-0.128: Pan and Hamrock, doi 10.1115/1.3261900."""
     return 1.714 * speed**0.694 * material**0.568 * load**-0.128
 
 
 def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
-    """Least film over equivalent radius (...) of Dowson and Higginson: H = 2.65 U^0.7 G^0.54 W^-0.13.
-
-    Elastohydrodynamic Lubrication, Pergamon, 1966.
-    """
+    """Least film over radius (...), 2.65 U^0.7 G^0.54 W^-0.13: Dowson and Higginson, Pergamon 1966."""
     return 2.65 * speed**0.7 * material**0.54 * load**-0.13
 
 
@@ -60,10 +54,7 @@ def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
 
 
 def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
-    """The group ``/friction`` with the least film thickness over the mesh cycle at every operating condition.
-
-    Returned as it is if its fields over the segments were not kept.
-    """
+    """The group ``/friction`` with the least film over the mesh cycle, if its fields over the segments were kept."""
     if "film_thickness" not in friction:
         return friction
     film = friction["film_thickness"].transpose("mesh_position", "segment", "torque", ...)
@@ -128,10 +119,7 @@ def goksem_hargreaves(conditions: DimensionlessGroups) -> Array:
 
 
 def murch_wilson(conditions: DimensionlessGroups) -> Array:
-    """Thermal factor of the film in pure rolling (...).
-
-    Murch and Wilson, Journal of Lubrication Technology 97, 1975, doi 10.1115/1.3452559.
-    """
+    """Thermal factor of the film in pure rolling (...), Murch and Wilson 1975, doi 10.1115/1.3452559."""
     return np.asarray(3.94 / (3.94 + conditions.thermal_parameter**0.62))
 
 

@@ -62,10 +62,7 @@ def combined_flags(conditions_of: dict[int, Array]) -> Flags:
 
 @dataclass
 class LossShares:
-    """Parts of the power loss outside a formula's range or the like, summed over the segments of a mesh cycle.
-
-    Arrays over (torque, speed, temperature, roughness), those of the flags with the flag first.
-    """
+    """Shares of the power loss beyond a formula, over (torque, speed, temperature, roughness), the flag first."""
 
     shape: tuple[int, int, int, int]
     whole: Array = field(init=False)

@@ -122,10 +122,7 @@ def action_splines(ease_off: xr.Dataset) -> FlankSplines:
 
 
 def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> SurfaceVelocities:
-    """Surface velocities at points (2, ...) of the gear's flank, each at its conjugate position.
-
-    The splines are from ``action_splines``.
-    """
+    """Surface velocities at points (2, ...) of the gear in conjugate position; splines of ``action_splines``."""
     here = splines.evaluate(["position", "normal"], points)
     position = here["position"]
     normal = here["normal"] / np.sqrt(dot(here["normal"], here["normal"]))
@@ -215,10 +212,7 @@ class PotentialSegments:
 
 
 def potential_segments(tree: xr.DataTree) -> PotentialSegments:
-    """Velocities at all segments of a result, loaded or not.
-
-    Refused in results of older versions, or if the misalignment depends on the torque.
-    """
+    """Velocities at all segments of a result, loaded or not; refused if misalignment depends on torque."""
     _require_one_assembly(tree)
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
     points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])

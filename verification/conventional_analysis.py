@@ -131,7 +131,7 @@ class PointContact:
     """Contact points at pinion rotations (n), each in the member's own frame; NaN where not converged."""
 
     pinion_rotation: Array
-    #: of the gear against the drive, beyond the ideal ratio [rad]: transmission error plus first_contact_rad
+    #: Of the gear against the drive, beyond the ideal ratio [rad]: transmission error plus first_contact_rad.
     closing_angle: Array
     gear_parameters: Array  # (2, n)
     pinion_parameters: Array
@@ -197,10 +197,7 @@ def point_contact(
 
 
 def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
-    """Points of contact at pinion rotations (n) [rad], each started from the node nearest to touching.
-
-    Rotations are in the drive sense, from the middle of the pinion.
-    """
+    """Points of contact at pinion rotations (n) from its middle in the drive sense [rad], from the nearest node."""
     motion = ease_off.motion
     inside = np.flatnonzero(ease_off.inside)
     beyond = rotations[:, None] - ease_off.roll_angle[inside]
@@ -401,10 +398,7 @@ def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.
 
 
 def point_differences(both: BothMethods) -> tuple[Array, Array]:
-    """Differences of transmission error (n) [rad] and of the point of contact on the gear flank (n) [mm].
-
-    NaN where the point of contact is not inside both flanks.
-    """
+    """Differences (n) of transmission error [rad] and contact point on the gear [mm]; NaN unless inside both flanks."""
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
     point = both.splines("position", np.stack([t, h]))

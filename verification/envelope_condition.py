@@ -193,10 +193,7 @@ MAX_ITERATIONS = 20
 
 
 def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
-    """Distance (n) [mm] from nominal points along their normals (3, n) to a flank, positive for more metal.
-
-    Fails if a normal misses the flank.
-    """
+    """Distances (n) [mm] along normals (3, n) to a flank, positive for more metal; fails if a normal misses it."""
     seeds = seed_lattice(surface, section)
     target = np.stack([position[2], np.hypot(position[0], position[1])])
     start = seeds.nearest(surface.axial_and_radial(seeds.points.parameters), seeds.side, target).parameters

@@ -90,10 +90,7 @@ def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> lis
 
 
 def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, float]:
-    """Number of certified answers of a solver, and its greatest difference in the rotation.
-
-    With polish every answer must be certified: NaN if one is not.
-    """
+    """Number of certified answers and greatest rotation difference; NaN if a polished one is not certified."""
     tolerance = SOLVERS[name].tolerance if name in SOLVERS and not polish else None
     found = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
     ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]

@@ -199,10 +199,7 @@ class SegmentGaps:
 
     @property
     def rotation_error(self) -> float:
-        """Error of the transmission error by those of the gaps, to first order [rad].
-
-        By Betti's theorem the rotation changes with a gap as the force there changes with the torque.
-        """
+        """Error of the transmission error by those of the gaps, to first order by Betti's theorem [rad]."""
         touching = self.share != 0.0
         return float(self.share[touching] @ (self.own - self.exact)[touching])
 

@@ -84,10 +84,7 @@ class ToothedSector:
 
 
 def toothed_sector(pitch: ToothLattice, teeth: int, on_sector: int | None = None) -> ToothedSector:
-    """Teeth of a member on one body, from the lattice of one pitch with mid slot to mid slot.
-
-    The lattice has ``LatticeSize(beside=0)``; without a number on the sector, all teeth on a closed body.
-    """
+    """Teeth on one body from a pitch between mid slots (``LatticeSize(beside=0)``); by default all on a closed body."""
     angle = pitch_angle(pitch, teeth)
     start, end = (side.ravel() for side in pitch.sides)
     on_body = np.zeros(len(pitch.nodes), dtype=bool)

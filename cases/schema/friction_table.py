@@ -71,10 +71,7 @@ Roughnesses = Annotated[
 
 
 class FrictionTable(Table):
-    """Operating conditions and friction models of a pair; with it, an analysis has friction.
-
-    Checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
-    """
+    """Operating conditions and friction models, checked by ``friction.Operation`` and ``friction.FrictionModel``."""
 
     speed: Numbers = number("of the pinion", "1/min")
     temperature: Numbers = number("of the oil at the inlet", "degC", default=(90.0,))

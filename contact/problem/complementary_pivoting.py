@@ -28,10 +28,7 @@ TIE_TOLERANCE = 1e-12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LemkeResult:
-    """End of the pivoting, z (n) NaN unless solved.
-
-    A ray proves that there is no solution, if M is positive semidefinite.
-    """
+    """End of the pivoting, z (n) NaN unless solved; a ray proves no solution if M is positive semidefinite."""
 
     z: NDArray[np.float64]
     pivots: int

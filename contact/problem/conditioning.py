@@ -63,8 +63,8 @@ class Conditioning:
 
     unique: bool | None
     may_touch: Mask  # (n), not shown to be open in every solution
-    #: of C scaled to a unit diagonal, on segments that may touch and forces without moment, less rounding; zero where
-    #: forces are not determined, infinite where equilibrium alone determines them
+    #: Of C scaled to a unit diagonal, on segments that may touch and forces without moment, less rounding; zero where
+    #: forces are not determined, infinite where equilibrium alone determines them.
     smallest_eigenvalue: float
     force_error: Array  # (n) [N]; infinite unless unique
     rotation_error: float  # beyond first contact [rad]; infinite where there is none
@@ -119,10 +119,7 @@ def _conditioning(problem: ContactProblem, split: _Split) -> Conditioning:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Split:
-    """Complementary forces and gaps near an answer, bounds of what is left over, (n), and energy norm of the forces.
-
-    Weights are the roots of the diagonal of C.
-    """
+    """Complementary forces and gaps near an answer (n), and bounds of what is left over."""
 
     force: Array
     gap: Array
@@ -130,7 +127,7 @@ class _Split:
     residual: Array  # bound of |g|
     weight: Array
     root: Array
-    norm: float
+    norm: float  # energy norm of the forces
 
     @classmethod
     def of(cls, problem: ContactProblem, given: Array, elastic_rotation: float) -> _Split | None:

@@ -47,12 +47,12 @@ class ModeColumns(NamedTuple):
     """Modes [(mm/N)^0.5] of one compliance, by levels (l) and blocks (q), each with the columns it shares."""
 
     places: Whole  # first place of every level in order (l)
-    #: (l, q, 4): first place from that of the level, number of segments, first entry of columns, number of modes
+    #: (l, q, 4): first place from that of the level, number of segments, first entry of columns, number of modes.
     blocks: Whole
     order: Whole
     columns: Array
     #: (4, n) [mm/N] by segments: diagonal and row sums of U U', diagonal of W W', and that if no terms of W cancelled;
-    #: the last two only with shared modes
+    #: the last two only with shared modes.
     sums: Array
     mixing: Array
 

@@ -219,10 +219,7 @@ class Scaling:
         rotation: float,
         remainder: float,
     ) -> Scaling:
-        """Scales of a problem, O(n) beyond two products with the compliance; S from first contact (n) [mm].
-
-        Rotation and remainder are those of first contact, and what it lacks by rounding [rad].
-        """
+        """Scales of a problem, O(n) beyond two products with C; S (n) [mm] from first contact at the rotation [rad]."""
         size, arm, diagonal = lever_arm.size, lever_arm, compliance.diagonal
         positive = arm > 0.0
         estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), positive, torque)

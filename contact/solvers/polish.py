@@ -53,10 +53,7 @@ class Polish:
 def polished_answer(
     problem: ContactProblem, scaled: ScaledProblem, answer: ScaledAnswer, rule: PolishRule | None
 ) -> Polish:
-    """Answer in the units of the problem with its certificate, exact where the rule lets it be made so.
-
-    Numbers that are not finite show no active set.
-    """
+    """Answer in the units of the problem with its certificate, exact where the rule lets it be made so."""
     if rule is None or not (math.isfinite(answer.rotation) and np.isfinite(answer.force).all()):
         return Polish(unscaled(problem, answer.force, answer.rotation), False, 0)
     if math.isfinite(rule.roughest):

@@ -120,10 +120,7 @@ def _able(word: str) -> str:
 
 
 class StepBudget:
-    """Steps and time that the native solver has left, over all its methods.
-
-    The start is of `time.perf_counter` [s].
-    """
+    """Steps and time left to the native solver over all its methods, from a start by `time.perf_counter` [s]."""
 
     def __init__(self, limits: Limits, start: float | None = None) -> None:
         begin = perf_counter() if start is None else start

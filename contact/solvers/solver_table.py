@@ -34,7 +34,7 @@ class Report:
     place: str = ""  # among the extras; empty for the extras themselves
     status: str = ""
     iterations: str = ""
-    #: without an answer; with none a limit that was met counts
+    #: Without an answer; with none a limit that was met counts.
     ends: Mapping[str | int, Status] = field(default_factory=dict)
     end: str = ""  # name of what ends go by, if not the status
     other_end: Status | None = None  # meaning of every other end without an answer
@@ -53,7 +53,7 @@ class SolverSettings:
     kind: str
     sparse: bool = False
     tolerance: float = EXACT_TOLERANCE  # certificate of unpolished answers with these settings
-    #: segments up to which it keeps the tolerance on the problem library; None for all; only `lemke` refuses more
+    #: Segments up to which it keeps the tolerance on the problem library; None for all; only `lemke` refuses more.
     largest: int | None = None
     definite: bool = False  # begins with a Cholesky factor of C: no answer, or a refused one, where C is singular
     lifted_from: int | None = None  # segments; None for the dense form only
@@ -65,7 +65,7 @@ class SolverSettings:
     step_setting: str = ""
     warm_start: bool = False  # uses the forces of a neighbouring problem
     report: Report | None = None
-    #: of a backend that ignores others in silence: names, or objects with them such as "Settings()"
+    #: Of a backend that ignores others in silence: names, or objects with them such as "Settings()".
     known: tuple[str, ...] = ()
     second_attempt: Mapping[str, Any] = field(default_factory=dict)  # where it finds nothing
 

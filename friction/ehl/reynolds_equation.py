@@ -74,7 +74,7 @@ LOG_VISCOSITY_LIMIT = 100.0
 class History:
     """Storage of the steps in time before; in one step the mean flow advances by one node."""
 
-    #: rho H on the mean flow's path (n): the node upstream a step ago, or twice that less half of two steps ago
+    #: rho H on the mean flow's path (n): the node upstream a step ago, or twice that less half of two steps ago.
     storage: Array
     weight: float  # of the new rho H: 1 or 3/2
 
@@ -239,7 +239,7 @@ class Pace:
     """Limits and scales of the steps of the iteration."""
 
     step_limit: float  # of a pressure, over the Hertz pressure
-    #: over a node's own deflection; below 1 a penetrating node touches regardless of its mass balance
+    #: Over a node's own deflection; below 1 a penetrating node touches regardless of its mass balance.
     gap_scale: float = 0.1
     iterations: int = 40
 

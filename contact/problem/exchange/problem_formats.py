@@ -137,10 +137,7 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
 
 
 def output_format(output: Path, format: str | None, count: int) -> str:
-    """Name of the format in which a number of problems is to be written, checked against the output's suffix.
-
-    Refused if the format holds one problem a file and several would go into it.
-    """
+    """Checked name of the format for a number of problems; several do not go into a file that holds one."""
     name = _suffix(output) if format is None else one_of("format", format, tuple(FORMATS))
     kind = FORMATS[name]
     if is_folder(output, name):

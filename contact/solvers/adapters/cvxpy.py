@@ -120,10 +120,7 @@ class ParametrisedProgramme:
 
 @contextlib.contextmanager
 def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
-    """Take a programme for roots of this form off the shelf, or make one; put it back if nothing was raised.
-
-    Each backend behind CVXPY has a translation of its own.
-    """
+    """Take a backend's programme for roots of this form off the shelf, or make one; put it back after success."""
     key = (root.shape, root.rows.tobytes(), root.columns.tobytes(), backend)
     programme = _shelf.pop(key, None) or ParametrisedProgramme(root)
     yield programme

@@ -557,11 +557,7 @@ def run_study(
 
 
 def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
-    """Rows as a labelled dataset over the dimension ``combination``, failed ones included.
-
-    The variables are the conditions, ``status``, friction and its parts, films, ratios and cost; ``failure`` if one
-    failed.
-    """
+    """Rows as a labelled dataset over ``combination``; failed ones are included, with their ``failure``."""
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
     renamed = {"hertz_pressure": "contact_pressure", "equivalent_radius": "contact_radius"}
