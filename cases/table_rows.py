@@ -30,7 +30,7 @@ def read_table_rows(
     what: str = "load case",
     head: str = "torque,E,P,share",
 ) -> tuple[Row, ...]:
-    r"""Rows of a table with a head, without empty cells; ``#`` begins a comment.
+    """Rows of a table with a head, without empty cells; ``#`` begins a comment.
 
     Columns are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. ``is_text`` and
     ``checked`` raise ``ValueError`` on an unknown column and on mistakes, a line each; the size limit is in bytes.

@@ -78,7 +78,7 @@ def _sealed(text: str) -> str:
 
 
 def write_sealed(text: str, path: str | os.PathLike[str]) -> None:
-    r"""Write an input file, whole or not at all, with a last line that shows edits; it must end with a line feed."""
+    """Write an input file, whole or not at all, with a last line that shows edits; it must end with a line feed."""
     with whole_file(path) as temporary:
         temporary.write_text(_sealed(text), encoding="utf-8", newline="\n")
 

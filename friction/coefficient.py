@@ -185,8 +185,8 @@ def contact_conditions(
 ) -> ContactConditions:
     """Checked conditions of line contacts, in SI; pressure is Hertz's greatest, roughness Rq of both or a pair.
 
-    Rolling velocity is the mean across the contact line, sliding over it the slide-to-roll; ``sliding_velocity`` is the
-    whole, for ``benedict_kelly`` alone. The modulus is 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa], the oil in [degC].
+    Rolling is the mean surface velocity across the contact line, slide-to-roll sliding over it, ``sliding_velocity``
+    the whole. The modulus is 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa], the temperature in [degC].
     """
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:

@@ -241,7 +241,7 @@ STEEL_PAIR = (ThermalMaterial(), ThermalMaterial())
 
 
 def peclet_number(velocity: ArrayLike, half_width: ArrayLike, material: ThermalMaterial) -> Array:
-    """Peclet number (...): velocity [m/s] over the contact line times half width [m] over twice the diffusivity."""
+    """Peclet number (...): velocity [m/s] across the contact line times half width [m] over twice the diffusivity."""
     return np.asarray(np.abs(velocity) * np.asarray(half_width) / (2.0 * material.diffusivity))
 
 
@@ -365,7 +365,7 @@ def _kernel_integral(z: Array) -> Array:
 
 
 def _influence(middles: Array, ends: Array, peclet: float) -> Array:
-    """Temperature times conductivity amid strips (n, n) by a unit of heat flux over half width in each.
+    """Temperature times conductivity in the middle of strips (n, n) by unit heat flux over half width in each.
 
     The Peclet number is negative where the material runs towards negative positions.
     """

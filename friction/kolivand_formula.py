@@ -62,7 +62,7 @@ def combined_flags(conditions_of: dict[int, Array]) -> Flags:
 
 @dataclass
 class LossShares:
-    """Shares of the power loss beyond a formula, over (torque, speed, temperature, roughness), the flag first."""
+    """Parts of the power loss that need a note, over (torque, speed, temperature, roughness), flags first."""
 
     shape: tuple[int, int, int, int]
     whole: Array = field(init=False)

@@ -197,7 +197,7 @@ def point_contact(
 
 
 def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
-    """Points of contact at pinion rotations (n) from its middle in the drive sense [rad], from the nearest node."""
+    """Points of contact at rotations (n) from the pinion's middle in the drive sense [rad], from the nearest node."""
     motion = ease_off.motion
     inside = np.flatnonzero(ease_off.inside)
     beyond = rotations[:, None] - ease_off.roll_angle[inside]
@@ -408,10 +408,10 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
 
 
 def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array]:
-    """Angle (n) [rad] and relative length (n), less one, of contact lines over major axes of the contact ellipse.
+    """Angle (n) [rad] from the major axis of the contact ellipse to the contact line, and length over it less one (n).
 
-    The chord joins the closest points at ends with the separation [um], its angle is about the gear's normal. NaN where
-    the edge of a flank ends the line.
+    The line is the chord between points of closest approach at ends with the separation [um], its angle about the
+    gear's normal. NaN where the edge of a flank ends the line.
     """
     own = both.unloaded(separation)
     ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])

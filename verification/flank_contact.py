@@ -53,7 +53,7 @@ class SurfaceContact:
 
 
 def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:
-    """Deflection (n, n) of both half spaces amid a cell under an even pressure on another [mm/N]."""
+    """Deflection (n, n) of both half spaces in the middle of a cell under an even pressure on another [mm/N]."""
     offset = cells.position[:, None] - cells.position[None]
     along, across = (np.einsum("ijx,jx->ij", offset, side) for side in (cells.along, cells.across))
     # On a curved flank the distance counts, not its projection.

@@ -70,9 +70,9 @@ class ToothedSector:
         return csc_array((turned.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
 
     def compliance(self, material: Material, loaded: int) -> tuple[Array, Array]:
-        """Displacements [mm/N] under unit loads (n) on one tooth's flank: of all teeth's flanks (t, n, n) and feet.
+        """Displacements [mm/N] under unit loads (n) on one flank: on all flanks (t, n, n), and at feet (n, n).
 
-        The feet of the normals are those of the loaded one (n, n).
+        The feet are those of the normals of the loaded tooth.
         """
         from scipy.sparse import hstack
 

@@ -431,10 +431,7 @@ def basis_of_blocks(
 
 
 def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Groups of rows and columns of V (n, k) that share no entry but zero; every row is in one.
-
-    Rows of zeros make one group without columns.
-    """
+    """Groups of rows and columns of V (n, k) that share no entry but zero; rows of zeros make one without columns."""
     # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
     packed = np.packbits(factor != 0.0, axis=1)
     ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), factor.shape[0]]

@@ -203,7 +203,7 @@ class QpsProgramme:
 
 
 def qps_programme(lines: Iterable[str]) -> QpsProgramme:
-    r"""Programme of the lines of a QPS file; refuses maximisation, ranges and integers."""
+    """Programme of the lines of a QPS file; refuses maximisation, ranges and integers."""
     programme, section, both, ended = QpsProgramme(), "", False, False
     for number, line in enumerate(lines, start=1):
         if line.startswith("*"):
