@@ -133,7 +133,7 @@ class PointContact:
     pinion_rotation: Array
     #: Of the gear against the drive, beyond the ideal ratio [rad]: transmission error plus first_contact_rad.
     closing_angle: Array
-    gear_parameters: Array  # (2, n)
+    gear_parameters: Array
     pinion_parameters: Array
     gear_position: Array  # (3, n) [mm]
     pinion_position: Array

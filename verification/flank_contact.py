@@ -303,7 +303,7 @@ class LineStations:
     """Stations (n) across the contact lines that carry load, at the greatest pressure."""
 
     tooth: Array
-    lengthwise: Array  # fraction on the gear, as is profile
+    lengthwise: Array
     profile: Array
     pressure: Array  # greatest [MPa]
     line_load: Array

@@ -87,7 +87,7 @@ def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
 class SurfaceCells:
     """Cells (n) of one tooth pair at one mesh position."""
 
-    station: NDArray[np.int64]  # along the line
+    station: NDArray[np.int64]
     row: NDArray[np.int64]  # across, zero on the line
     along: Array
     across: Array

@@ -52,7 +52,7 @@ Value = str | float | int | tuple[float, ...]
 class Component:
     """A component of a REXS model."""
 
-    number: int  # id in the file
+    number: int
     kind: str
     name: str
     attributes: Mapping[str, ET.Element]

@@ -46,7 +46,7 @@ class Polish:
     """Result of a polish: the answer, exact or as the solver gave it, in the units of the problem."""
 
     answer: Answer
-    polished: bool  # made exact
+    polished: bool
     exchanges: int
 
 

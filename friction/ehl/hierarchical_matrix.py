@@ -68,7 +68,7 @@ class Deflection:
     """Deflection of the surfaces on a uniform grid, with its spacing in half widths of the Hertz contact."""
 
     nodes: int
-    spacing: float  # in half widths
+    spacing: float
 
     @cached_property
     def influence(self) -> NDArray[np.float64]:

@@ -274,8 +274,8 @@ class Point:
     film: Array
     approach: float  # H_0
     balance: Balance
-    lack: Array  # V (n)
-    gap: Array  # g (n)
+    lack: Array
+    gap: Array
     fluid: Array  # pressure of the lubricant: P, or what asperities leave
     fluid_by_film: Array
     clearance: Array  # mean film: H, or the mean gap of rough surfaces
@@ -288,7 +288,7 @@ class Outcome:
 
     point: Point
     state: States
-    iterations: int  # of all attempts
+    iterations: int
     converged: bool
     history: tuple[float, ...] = field(default=())  # largest violation at each step of the last attempt
 

@@ -46,7 +46,7 @@ class Root:
     """A sparse matrix W with C = W W', entry by entry."""
 
     shape: tuple[int, int]
-    rows: NDArray[np.intp]  # of each entry (m)
+    rows: NDArray[np.intp]
     columns: NDArray[np.intp]
     values: NDArray[np.float64]
 

@@ -65,7 +65,7 @@ FORMULA_FILE = Path(__file__).with_name("formula.json")
 class RegimeError:
     """Error of ln(mu), formula less model, in a range of lambda, each case predicted from other nine tenths."""
 
-    lowest: float  # lambda
+    lowest: float
     highest: float
     cases: int
     mean: float
