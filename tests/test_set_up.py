@@ -384,4 +384,6 @@ def test_limits_steps_and_targets_of_a_design_are_in_mm_and_rad() -> None:
     design = read_design("fm-11x41")
     assert setting_limits(design.pinion.limits).cutter_tilt == pytest.approx(math.radians(30.0))
     assert standard_steps(design.cutter_steps).point_width == 0.0
-    assert ease_off_target(read_case("fm-11x41").target.drive).profile_crowning == pytest.approx(0.0199, abs=5e-5)
+    target = read_case("fm-11x41").target.drive
+    assert target is not None
+    assert ease_off_target(target).profile_crowning == pytest.approx(0.0199, abs=5e-5)

@@ -19,25 +19,10 @@ def least_beside(
     ease_off: Any, curvature: Any, skew: Any, step: Any, reach: Any, sample: Any,
     steps_per_rotation: float, per_cycle: float, kept: float, error: Any, rounds: int, least: Any,
 ) -> None:  # fmt: skip
-    """Least gaps as gear rotations.
+    """Write the least gaps of points (n) as gear rotations [rad] to ``least``.
 
-    Parameters
-    ----------
-    ease_off, curvature, skew, step, reach
-        Of the points (n): ease-off [rad], separation curvature and skew, the step of the mesh cycle at their roll
-        angle, and how far beside it is searched [rad].
-    sample
-        Shares of the reach at which the gap is looked at (k).
-    steps_per_rotation, per_cycle
-        Steps per pinion rotation [1/rad], and of a mesh cycle.
-    kept
-        Least share of its curvature that the gap must keep.
-    error
-        Least transmission error over one mesh cycle, evenly spaced, with both ends (m) [rad].
-    rounds
-        Of the search.
-    least
-        For the results (n) [rad].
+    ``step`` is that of the mesh cycle at the roll angle, ``reach`` [rad] the search beside it at shares ``sample``,
+    ``kept`` the least share of its curvature the gap keeps, ``error`` [rad] that of one cycle with both ends.
     """
     last, tried = error.shape[0] - 1, sample.shape[0]
     density = last / per_cycle

@@ -10,7 +10,7 @@ from typing import Any
 def _interval(ends: Any, first: Any, per_length: float, x: float) -> int:
     """Interval between ends in which a coordinate lies, the first or last beyond them.
 
-    ``first`` has the interval in which each of its equal parts of the whole length begins, so many per length.
+    ``first`` has the interval in which each equal part of the whole length begins, so many per length.
     """
     parts, last = first.shape[0], ends.shape[0] - 2
     share = (x - ends[0]) * per_length
@@ -41,22 +41,10 @@ def evaluate(
     ends_t: Any, first_t: Any, local_t: Any, pieces_t: Any, ends_h: Any, first_h: Any, local_h: Any, pieces_h: Any,
     coefficients: Any, t: Any, h: Any, orders: Any, results: Any,
 ) -> None:  # fmt: skip
-    """Derivatives of a spline.
+    """Write derivatives of a spline of orders (d, 2), up to five, at points (n) to ``results`` (d, m, n).
 
-    Parameters
-    ----------
-    ends_t, first_t, local_t, pieces_t, ends_h, first_h, local_h, pieces_h
-        Of the intervals of both directions: their ends, the table of ``_interval``, their middles and one over their
-        widths (2, interval), and the pieces of every derivative as (order,
-        interval, power, B-spline), each coefficient times the factor that the derivative brings to its power.
-    coefficients
-        Of the B-splines (m, nt, nh).
-    t, h
-        Points (n).
-    orders
-        Orders of the derivatives by both coordinates (d, 2), up to five.
-    results
-        For the derivatives (d, m, n).
+    Of each direction: ends of intervals, table of ``_interval``, middles and one over widths (2, interval), pieces
+    (order, interval, power, B-spline) with the factors of the derivatives; coefficients (m, nt, nh).
     """
     components, count = coefficients.shape[0], orders.shape[0]
     most_t, most_h = 0, 0
