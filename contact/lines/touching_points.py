@@ -1,4 +1,4 @@
-"""Where two bounded flanks come closest at a pinion rotation: inside, on an edge or at a corner of either member.
+"""Points at which two bounded flanks come closest at a pinion rotation: inside, on an edge or at a corner of a member.
 
 The gap as a gear rotation is a function of the point on the gear flank, within bounds that both members set. It is
 looked at on the grid of the gear flank, by its expansion about conjugate contact; from the lowest nodes Newton's method

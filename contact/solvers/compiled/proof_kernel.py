@@ -1,6 +1,6 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""What an answer is proved with: the first contact of the rigid bodies, and the violations of its conditions.
+"""Proof of an answer: the first contact of the rigid bodies, and the violations of its conditions.
 
 Compiled. The methods are those of ``first_contact``, ``error_free``, ``certificate`` and ``certificate``.
 """
