@@ -50,9 +50,9 @@ def _show_warning(
     kind = "" if category is UserWarning else f"{category.__name__}: "
     note = f"Note: {kind}{' '.join(str(message).split())}"
     context = click.get_current_context(silent=True)  # of the thread
-    told = context.meta.setdefault("easeoff.notes", set()) if context else set()
-    if note not in told:
-        told.add(note)
+    notes = context.meta.setdefault("easeoff.notes", set()) if context else set()
+    if note not in notes:
+        notes.add(note)
         echo(note, err=True)
 
 

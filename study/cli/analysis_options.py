@@ -128,11 +128,11 @@ def analysis_options(command: Any) -> Any:
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
     """Options with the defaults of ``--interpolation`` and ``--deviated``, which must go with ``--deviation``."""
-    own = {name: value for name, value in DEVIATING.items() if name in options}
-    for name in own:
+    defaults = {name: value for name, value in DEVIATING.items() if name in options}
+    for name in defaults:
         if options[name] is not None and not options["deviations"]:
             raise click.UsageError(f"--{name} = {options[name]}: must go with --deviation")
-    return options | {name: value for name, value in own.items() if options[name] is None}
+    return options | {name: value for name, value in defaults.items() if options[name] is None}
 
 
 def chosen_case(case: str, supports: str | None) -> Case:

@@ -260,18 +260,18 @@ def design(
     require_replaceable(output, force)
     checked = read_design(design, allow_outside=outside_allowed())
     with working("blanks, gear, and a pinion fitted to the ease-off"):
-        case, found = design_case(checked)
+        case, findings = design_case(checked)
     effects = {}
     if rounding:
         exact, steps = case, resolution or machine_resolution(checked.resolution)
-        case = rounded_case(case, steps, *rounding_limits(checked, found, case))
+        case = rounded_case(case, steps, *rounding_limits(checked, findings, case))
         effects = rounding_effect(exact, case)
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     echo(f"wrote {output}")
-    echo(design_report(found) if report else "\n".join(summary_lines(found)))
+    echo(design_report(findings) if report else "\n".join(summary_lines(findings)))
     for side, effect in effects.items():
         echo(effect_line(side, effect))
-    if not found.analysable:
+    if not findings.analysable:
         echo("no analysis can take this case yet: a member has no whole tooth, see above", err=True)
         sys.exit(EXIT_UNCERTIFIED)
     table = case.friction

@@ -233,15 +233,15 @@ def correct(
     shared = {"auto": None, "shared": True, "own": False}[set_up]
     checked = read_case(case, allow_outside=outside_allowed())
     with working("settings fitted to the measured flanks"):
-        found = correct_case(checked, deviations, flank=flank, free=free, shared=shared, thickness=thickness)
-    echo(correction_report(found))
+        case_correction = correct_case(checked, deviations, flank=flank, free=free, shared=shared, thickness=thickness)
+    echo(correction_report(case_correction))
     if output is not None:
-        write_case(found.case, output, _executed(case, found.corrections))
+        write_case(case_correction.case, output, _executed(case, case_correction.corrections))
         echo(f"wrote {output}")
     if plots is not None:
         from ..plot.contact_figures import write_topographies
 
-        for path in write_topographies(found, plots, Path(case).stem):
+        for path in write_topographies(case_correction, plots, Path(case).stem):
             echo(f"wrote {path}")
 
 
@@ -250,20 +250,20 @@ def _executed(case: str, corrections: Any) -> str:
     from ..summary.correction_report import root_warnings
 
     flanks = "; ".join(
-        f"{name} {' and '.join(flank.side for own in found for flank in own.flanks)}"
-        for name, found in corrections.items()
+        f"{name} {' and '.join(flank.side for correction in member_corrections for flank in correction.flanks)}"
+        for name, member_corrections in corrections.items()
     )
     unchanged = [
-        f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in own.flanks)}; as designed."
-        for name, found in corrections.items()
-        for own in found
-        if own.nothing
+        f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in correction.flanks)}; as designed."
+        for name, member_corrections in corrections.items()
+        for correction in member_corrections
+        if correction.nothing
     ]
     warned = [
         f"\nWarning, {name}: {warning}"
-        for name, found in corrections.items()
-        for own in found
-        for warning in root_warnings(own)
+        for name, member_corrections in corrections.items()
+        for correction in member_corrections
+        for warning in root_warnings(correction)
     ]
     return (
         f"Settings to execute, by easeoff correct from {Path(case).name} for measured flanks: {flanks}.\n"

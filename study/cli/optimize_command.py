@@ -36,29 +36,29 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 
 def _spread(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
     """Distributions of assembly errors."""
-    found: dict[str, str] = {}
+    distributions: dict[str, str] = {}
     for text in texts:
         parts = SPREAD.fullmatch(text.strip())
         if parts is None:
             raise click.BadParameter(f"{text!r}: must be E, P, G or Sigma with a distribution, as E~normal(0,0.03)")
-        if parts[1] in found:
+        if parts[1] in distributions:
             raise click.BadParameter(f"{parts[1]} comes twice")
-        found[parts[1]] = parts[2]
-    return found
+        distributions[parts[1]] = parts[2]
+    return distributions
 
 
 def _ranges(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     """Least and greatest value of settings by key."""
-    found: dict[str, tuple[float, float]] = {}
+    ranges: dict[str, tuple[float, float]] = {}
     for text in texts:
         parts = RANGE.fullmatch(text.strip())
         try:
             if parts is None:
                 raise ValueError
-            found[parts[1]] = float(parts[2]), float(parts[3])
+            ranges[parts[1]] = float(parts[2]), float(parts[3])
         except ValueError as error:
             raise click.BadParameter(f"{text!r}: must be KEY=LOW:HIGH, as '*.sliding_base=20:25'") from error
-    return found
+    return ranges
 
 
 def _patterns(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...] | None:
@@ -203,8 +203,8 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     echo(setting_report(tree))
     echo(f"\nwrote {output}")
     if best_case is not None:
-        found = parse_case(tree.attrs["case"], allow_outside=True)
-        write_case(found, best_case, f"Made by easeoff from {Path(case).name}: settings of {output.name}.")
+        final_case = parse_case(tree.attrs["case"], allow_outside=True)
+        write_case(final_case, best_case, f"Made by easeoff from {Path(case).name}: settings of {output.name}.")
         echo(f"wrote {best_case}")
     sheet = [] if best_case is None else [("sheet", best_case, "-o", "SHEET.html")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *sheet)

@@ -39,10 +39,10 @@ def show(result: Path) -> None:
         return
     if tree is None:
         tree = read_result(result)  # says what is wrong with the file
-    if is_sweep(found := tree.to_dataset()):
+    if is_sweep(dataset := tree.to_dataset()):
         from ..summary.sweep_report import sweep_summary
 
-        echo(sweep_summary(checked_sweep(found, result)))
+        echo(sweep_summary(checked_sweep(dataset, result)))
         return
     given: Any = checked_given(tree, result)
     kind = kind_of(given)
@@ -194,9 +194,9 @@ def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None
         written = write_pictures(result, folder, **options)
     for picture in written:
         echo(f"wrote {picture}")
-    own = printable(str(result.attrs.get("title", "")))
+    result_title = printable(str(result.attrs.get("title", "")))
     ours = {path: title for path, (title, _) in before.items() if path.name.startswith(f"{file_prefix(result)}-")}
-    for title in sorted({title for path, title in ours.items() if title not in ("", own)}):
+    for title in sorted({title for path, title in ours.items() if title not in ("", result_title)}):
         echo(f"replaced the pictures of {printable(title)!r}")
     for picture in ours:
         if not picture.exists():

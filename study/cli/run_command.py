@@ -148,8 +148,8 @@ def run(
     checked = chosen_case(case, supports)
     table = checked.friction
     oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
-    held = [] if supports is None else [supports]
-    check_writable(output, case, *held, *options["deviations"].values(), *oils, suffix=".nc")
+    support_files = [] if supports is None else [supports]
+    check_writable(output, case, *support_files, *options["deviations"].values(), *oils, suffix=".nc")
     refuse_name_of_output(output, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")

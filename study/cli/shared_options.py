@@ -64,13 +64,13 @@ def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
 def by_member(text: str, quantity: str, example: str) -> list[float]:
     """A number for both members, or one each, from PINION/GEAR."""
     try:
-        found = [float(part) for part in text.split("/")]
+        entries = [float(part) for part in text.split("/")]
     except ValueError:
-        found = []
-    if len(found) not in (1, 2):
+        entries = []
+    if len(entries) not in (1, 2):
         point = "; a decimal has a point" if "," in text else ""
         raise click.BadParameter(f"{text!r}: must be {quantity}, or PINION/GEAR, such as {example}{point}")
-    return found
+    return entries
 
 
 def keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
@@ -339,20 +339,20 @@ def names(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tup
     """Names separated by commas, each once."""
     if text is None:
         return None
-    found = tuple(name.strip() for name in text.split(","))
-    for name in found:
+    words = tuple(name.strip() for name in text.split(","))
+    for name in words:
         if not name:
             raise click.BadParameter(f"{text!r}: must be names separated by commas")
-        if found.count(name) > 1:
+        if words.count(name) > 1:
             raise click.BadParameter(f"{text!r}: {name} comes twice")
-    return found
+    return words
 
 
 def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Path, ...]) -> tuple[Path, ...]:
     """Files of contact problems, each once."""
     whole = [os.path.realpath(path) for path in paths]
-    for path, own in zip(paths, whole, strict=True):
-        if whole.count(own) > 1:
+    for path, real_path in zip(paths, whole, strict=True):
+        if whole.count(real_path) > 1:
             raise click.BadParameter(f"{path} comes twice")
         if os.path.isdir(path):
             raise click.BadParameter(
@@ -393,7 +393,7 @@ def roughnesses(
     for member in text.split("/"):
         refuse_decimal_commas(member, from_zero=False)
     members = [by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
-    return [found[0] if len(found) == 1 else (found[0], found[1]) for found in members]
+    return [entries[0] if len(entries) == 1 else (entries[0], entries[1]) for entries in members]
 
 
 def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
@@ -417,9 +417,9 @@ def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[
 
 def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
     """Wear coefficients of pinion and gear [mm^2/N]."""
-    found = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
-    if not any(found):
+    entries = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
+    if not any(entries):
         raise click.BadParameter(
             f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
         )
-    return found[0], found[-1]
+    return entries[0], entries[-1]

@@ -67,8 +67,8 @@ def problems(
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 
-    held = [] if supports is None else [supports]
-    check_problem_output(output, format, form, case, *held, *options["deviations"].values(), count=2)
+    support_files = [] if supports is None else [supports]
+    check_problem_output(output, format, form, case, *support_files, *options["deviations"].values(), count=2)
     checked = chosen_case(case, supports)
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
@@ -88,7 +88,7 @@ def problems(
         for name, value in analysis.tree.attrs.items()
         if name in PROBLEM_ATTRIBUTES or str(name).startswith("misalignment_")
     }
-    found = ProblemSet(
+    problem_set = ProblemSet(
         [item.problem for item in solved],
         {
             "name": np.array(names),
@@ -98,7 +98,7 @@ def problems(
         [item.solution.answer for item in solved],
         {"case_name": stem, **described},
     )
-    echo(write_problem_set(found, output, format, form))
+    echo(write_problem_set(problem_set, output, format, form))
     if output.suffix == ".nc":
         next_commands(("compare", output))
 

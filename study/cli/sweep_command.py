@@ -28,31 +28,31 @@ KEEP = re.compile(r"(worst|least)\s*=\s*(\w+)\s*:\s*(\d+)")
 
 def _swept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
     """Values or distributions by the name of the coordinate."""
-    found: dict[str, str] = {}
+    coordinates: dict[str, str] = {}
     for text in texts:
         parts = OVER.fullmatch(text.strip())
         if parts is None:
             raise click.BadParameter(f"{text!r}: must be NAME=FROM:TO:COUNT, NAME=V1,V2,... or NAME~normal(0,0.03)")
         name, sign, values = parts.groups()
-        if name in found:
+        if name in coordinates:
             raise click.BadParameter(f"{name} comes twice")
         if (sign == "~") != ("(" in values):
             raise click.BadParameter(f"{text!r}: '=' goes before values, '~' before a distribution")
-        found[name] = values
-    return found
+        coordinates[name] = values
+    return coordinates
 
 
 def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
     """Which points to keep whole: worst or least, the name of the number, and how many."""
-    found = []
+    choices = []
     for text in texts:
         parts = KEEP.fullmatch(text.strip())
         if parts is None or not 1 <= int(parts[3]) <= 1000:
             raise click.BadParameter(
                 f"{text!r}: must be worst=NUMBER:COUNT, such as worst=max_pressure:3, or least=..."
             )
-        found.append((parts[1], parts[2], int(parts[3])))
-    return found
+        choices.append((parts[1], parts[2], int(parts[3])))
+    return choices
 
 
 @click.command(cls=Command)
@@ -177,24 +177,24 @@ def sweep(
                 done = number
                 bar.update(done - bar.n)
 
-            found = run_plan(plan, workers=workers, scheduler=scheduler, store=folder, fresh=fresh, progress=progress)
-        write_sweep(found, output)
+            dataset = run_plan(plan, workers=workers, scheduler=scheduler, store=folder, fresh=fresh, progress=progress)
+        write_sweep(dataset, output)
     except (KeyboardInterrupt, EaseoffError) as error:
         if done:
             why = "interrupted: " if isinstance(error, KeyboardInterrupt) else ""
             echo(f"{why}the batches so far are kept in {folder}; the same command goes on from them", err=True)
         raise
-    echo(f"wrote {output}: {outcome(found)}")
-    kept = _write_kept(plan, found, keep, output)
-    if plots is not None and not bool(found["max_pressure"].notnull().any() if "max_pressure" in found else False):
+    echo(f"wrote {output}: {outcome(dataset)}")
+    kept = _write_kept(plan, dataset, keep, output)
+    if plots is not None and not bool(dataset["max_pressure"].notnull().any() if "max_pressure" in dataset else False):
         echo("no point has numbers: there are no pictures", err=True)
     elif plots is not None:
-        draw(found, plots)
+        draw(dataset, plots)
     if store is None:
         batch_store(plan, folder).remove()
-    echo("\n" + sweep_summary(found))
+    echo("\n" + sweep_summary(dataset))
     next_commands(("show", kept[0] if kept else output), *([] if plots is not None else [("plot", output, "FOLDER")]))
-    if bool((found["status"] != 0).any()):
+    if bool((dataset["status"] != 0).any()):
         sys.exit(EXIT_UNCERTIFIED)
 
 

@@ -91,7 +91,7 @@ def verify(
             bar.clear()
             echo(row_lines(row))
 
-        found = run_verification(
+        verification = run_verification(
             checked,
             flank=flank,
             misalignment=errors,
@@ -100,15 +100,18 @@ def verify(
             progress=progress,
             on_row=told,
         )
-    if found.passed:
+    if verification.passed:
         echo("\nevery comparison that applies is within its limit")
     else:
-        names = "; ".join(row.quantity for row in found.outside)
-        echo(f"\n{len(found.outside)} of {len(found.rows)} comparisons outside their limits: {names}", err=True)
-        if said := closing(found.outside):
+        names = "; ".join(row.quantity for row in verification.outside)
+        echo(
+            f"\n{len(verification.outside)} of {len(verification.rows)} comparisons outside their limits: {names}",
+            err=True,
+        )
+        if said := closing(verification.outside):
             echo(said, err=True)
     if output is not None:
-        write_netcdf(found.dataset(), output)
+        write_netcdf(verification.dataset(), output)
         echo(f"wrote {output}: the table, for xarray.open_dataset")
-    if not found.passed:
+    if not verification.passed:
         sys.exit(EXIT_UNCERTIFIED)

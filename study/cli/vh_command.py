@@ -103,7 +103,7 @@ def vh(
         grid = grid or GRID_OF_PICTURES
     options = with_defaults(options)
     with terminal_bar(desc="V-H check", unit="pattern") as bar:
-        found = vh_check(
+        check = vh_check(
             checked,
             marking=marking,
             share=share,
@@ -113,12 +113,12 @@ def vh(
             progress=lambda: bar.update(1),
             **options,
         )
-    write_vh_check(found, output)
-    echo(vh_table(found))
+    write_vh_check(check, output)
+    echo(vh_table(check))
     echo(f"wrote {output}")
     if plots is not None:
-        draw(found, plots)
+        draw(check, plots)
     else:
         next_commands(("plot", output, "FOLDER"))
-    if found["status"].values.any():
+    if check["status"].values.any():
         sys.exit(EXIT_UNCERTIFIED)

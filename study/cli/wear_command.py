@@ -78,8 +78,8 @@ def wear(
     from ..summary.sweep_report import wear_summary
     from ..wear_simulation import WearLaw, wear as worn
 
-    held = [] if supports is None else [supports]
-    check_writable(output, case, *held, *options["deviations"].values(), suffix=".nc")
+    support_files = [] if supports is None else [supports]
+    check_writable(output, case, *support_files, *options["deviations"].values(), suffix=".nc")
     checked = chosen_case(case, supports)
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any

@@ -25,8 +25,8 @@ def words_or_files(names: Callable[[], Iterable[str]]) -> Complete:
     def complete(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         from click.shell_completion import CompletionItem
 
-        found = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
-        return found or [CompletionItem(incomplete, type="file")]
+        matches = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
+        return matches or [CompletionItem(incomplete, type="file")]
 
     return complete
 
@@ -131,7 +131,7 @@ def completion(shell: str) -> None:
     """  # noqa: D301 (click keeps the lines of a paragraph that begins with a backspace)
     from click.shell_completion import get_completion_class
 
-    found = get_completion_class(shell)
-    assert found is not None  # of the three shells that click knows
+    shell_class = get_completion_class(shell)
+    assert shell_class is not None  # of the three shells that click knows
     root = click.get_current_context().find_root().command
-    click.echo(found(root, {}, "easeoff", VARIABLE).source().strip())
+    click.echo(shell_class(root, {}, "easeoff", VARIABLE).source().strip())

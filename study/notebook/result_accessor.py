@@ -138,10 +138,10 @@ class ResultPlots:
 def _pictures() -> dict[str, Callable[..., Any]]:
     """Functions of ``easeoff.plot`` that take a result first."""
     plot = import_module("easeoff").plot
-    found = {name: getattr(plot, name) for name in plot.__all__}
+    functions = {name: getattr(plot, name) for name in plot.__all__}
     return {
         name: function
-        for name, function in found.items()
+        for name, function in functions.items()
         if inspect.isfunction(function) and next(iter(inspect.signature(function).parameters), "") in ("tree", "result")
     }
 
@@ -246,11 +246,11 @@ class ResultAccessor:
             return parse_case(str(tree.attrs.get("case", "")), "the case of the result")
         except InputError as error:
             reason = " ".join(str(error).split())
-        found = stored_case(tree)
-        if found is None:
+        case = stored_case(tree)
+        if case is None:
             raise InputError(f"case of the result: {reason}")
         warnings.warn(f"friction and load cases of the case are left out: {reason}", UserWarning, stacklevel=2)
-        return found
+        return case
 
     def __repr__(self) -> str:
         try:
@@ -271,12 +271,12 @@ class ResultAccessor:
         if not known and "easeoff_version" in tree.root.attrs:
             raise InputError(f"tree = {tree.path!r}: must be a whole result; this is a group of one: take tree.root")
         tree = in_memory(tree)
-        found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
-        if not known or found == [f"no group {name}" for name in VARIABLES]:
+        defects = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
+        if not known or defects == [f"no group {name}" for name in VARIABLES]:
             name = f"tree = {str(tree.name or tree.path)!r}"
             raise InputError(f"{name}: must be a result of easeoff.analyze, modify, optimize or easeoff.read_result")
-        if found:
-            raise InputError(f"tree: damaged or changed: {'; '.join(found[:FAULT_COUNT_LIMIT])}")
+        if defects:
+            raise InputError(f"tree: damaged or changed: {'; '.join(defects[:FAULT_COUNT_LIMIT])}")
         return tree
 
 
@@ -311,21 +311,21 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     }
     frames = {part: frame_over(numbers[names], indices[part]) for part, names in parts.items() if names}
     assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
-    held = {part: frame for part, frame in assembly.items() if frame is not None}
-    return {"unloaded": frames.pop("unloaded")} | held | frames
+    assembly_frames = {part: frame for part, frame in assembly.items() if frame is not None}
+    return {"unloaded": frames.pop("unloaded")} | assembly_frames | frames
 
 
 def _misalignment(tree: xr.DataTree) -> pd.DataFrame | None:
     """E, P, G and Sigma over the torque; ``None`` if they do not depend on it."""
     import pandas as pd
 
-    found = misalignment_over_torque(tree)
-    if found is None:
+    course = misalignment_over_torque(tree)
+    if course is None:
         return None
-    means = found[1].mean(axis=1)
+    means = course[1].mean(axis=1)
     means[:, 3] = np.degrees(means[:, 3])
     return pd.DataFrame(
-        means, index=pd.Index(found[0], name=TORQUE), columns=["E [mm]", "P [mm]", "G [mm]", "Sigma [deg]"]
+        means, index=pd.Index(course[0], name=TORQUE), columns=["E [mm]", "P [mm]", "G [mm]", "Sigma [deg]"]
     )
 
 
@@ -375,8 +375,8 @@ def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
         }
         return name, np.vectorize(lambda value: words.get(int(value), ""), otypes=[object])(values)
     unit = str(variable.attrs.get("units", ""))
-    told, factor = READ_UNITS.get(unit, (unit, 1.0))
-    return (f"{name} [{told}]" if told else name), values if factor == 1.0 else factor * values
+    display_unit, factor = READ_UNITS.get(unit, (unit, 1.0))
+    return (f"{name} [{display_unit}]" if display_unit else name), values if factor == 1.0 else factor * values
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -451,9 +451,9 @@ def result_page(tree: xr.DataTree) -> str:
         parts += ["<p><b>Under load</b></p>", _loaded(tree), *_friction(tree)]
         notes = result_notes(tree)
     if notes:
-        told = "".join(f"<li>{html_text(note.removeprefix('Note: '))}</li>" for note in notes)
+        entries = "".join(f"<li>{html_text(note.removeprefix('Note: '))}</li>" for note in notes)
         word = "note" if len(notes) == 1 else "notes"
-        parts.append(f"<details open><summary>{len(notes)} {word}</summary><ul>{told}</ul></details>")
+        parts.append(f"<details open><summary>{len(notes)} {word}</summary><ul>{entries}</ul></details>")
     return "<div>\n" + "\n".join(part for part in parts if part) + "\n</div>"
 
 
@@ -503,8 +503,8 @@ def _friction(tree: xr.DataTree) -> list[str]:
         words[2] += "*" if clamped[at[2]] else ""
         rows.append(words + [format(values[head][at], forms[int(rough[at])]) for head, (_, _, forms) in shown.items()])
     notes = [ROUGH_NOTE] * bool(rough.any()) + [CLAMPED_NOTE] * bool(clamped.any())
-    told = [f"<p>{html_text(note)}</p>" for note in notes]
-    return [html_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction"), *told]
+    paragraphs = [f"<p>{html_text(note)}</p>" for note in notes]
+    return [html_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction"), *paragraphs]
 
 
 def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:

@@ -206,10 +206,12 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
     frames["percentiles"] = _whole(reduced, ("percentile", *(name for name in loads if name in reduced.dims)))
     for name in SENSITIVE_NUMBERS:
         try:
-            found = sensitivities(dataset, name)
+            sensitivity = sensitivities(dataset, name)
         except InputError:
             continue
-        frames[f"sensitivities_{name}"] = _whole(found, ("coordinate", *(one for one in loads if one in found.dims)))
+        frames[f"sensitivities_{name}"] = _whole(
+            sensitivity, ("coordinate", *(one for one in loads if one in sensitivity.dims))
+        )
     if WORST_NUMBER in numbers(dataset):
         frames["worst"] = _whole(worst_points(dataset, WORST_NUMBER, WORST_COUNT), ("rank",))
     return frames

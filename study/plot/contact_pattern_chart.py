@@ -61,8 +61,8 @@ def draw(
     note = f"contact lines where the gap is within {separation:g} µm · toe left, tip at the top"
     if light is not None and math.isfinite(float(light["max_pressure"])) and "light_load" in names:
         note += f" · light load: yellow to dark red, 0 to {float(light['max_pressure']):.0f} MPa"
-    found = panels(tree, "Contact pattern", height, note, (len(names), len(views)), own)
-    grid = found.axes.reshape(len(names), len(views))
+    subplots = panels(tree, "Contact pattern", height, note, (len(names), len(views)), own)
+    grid = subplots.axes.reshape(len(names), len(views))
     rows = dict(zip(names, grid, strict=True))
     pattern = contact_pattern(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
@@ -90,9 +90,9 @@ def draw(
             draw_surface(axes, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
             _title(axes, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
     side_by_side(grid)
-    if found.on_page:
-        legend_at_foot(found.figure, _entries(), LEGEND_HEIGHT)
-    return found.figure
+    if subplots.on_page:
+        legend_at_foot(subplots.figure, _entries(), LEGEND_HEIGHT)
+    return subplots.figure
 
 
 def draw_print(axes: Axes, view: ToothView, printed: MarkingPrint, region: FlankRegion) -> None:
@@ -258,13 +258,13 @@ def label_points(axes: Axes, lines: ContourSet, region: Region, size: float = SM
         half = 0.5 * DIGIT_HEIGHT * size
         room = np.full(len(centres), CLEARANCE_LIMIT)
         others = [line for other, line in enumerate(drawn) if other != index]
-        for tree, own, least in (
+        for tree, margin, least in (
             (cKDTree(np.concatenate(others)) if others else None, half, LINE_CLEARANCE),
             (border, half, BORDER_CLEARANCE),
             (cKDTree(np.concatenate(numbers)) if numbers else None, 2.0 * half, LABEL_CLEARANCE),
         ):
             if tree is not None:
-                free = np.asarray(tree.query(flat)[0]).reshape(len(centres), -1).min(axis=1) - own
+                free = np.asarray(tree.query(flat)[0]).reshape(len(centres), -1).min(axis=1) - margin
                 room = np.where(free < least, -np.inf, np.minimum(room, free))
         room[~np.all(region.holds(flat / scale).reshape(len(centres), -1), axis=1)] = -np.inf
         for other, point in chosen:

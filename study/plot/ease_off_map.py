@@ -49,8 +49,8 @@ def draw(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
     levels = contour_levels(mapped[1][mapped[2]])
     step = levels[1] - levels[0]
     height, note = (WIDTH - 0.8) * view.aspect + 0.63, f"contours every {step:g}\u00a0µm"
-    found = panels(tree, "Ease-off, gear flank", height, note, (1, 1), own)
-    axes = found.axes[0]
+    subplots = panels(tree, "Ease-off, gear flank", height, note, (1, 1), own)
+    axes = subplots.axes[0]
     draw_flank(axes, view)
     draw_map(axes, view, mapped, levels)
     pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
@@ -60,11 +60,11 @@ def draw(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
-    if found.on_page:
+    if subplots.on_page:
         legend_below(axes, entries, columns=3)
     else:
         axes.set_title("ease-off [µm]", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
-    return found.figure
+    return subplots.figure
 
 
 def draw_map(

@@ -102,12 +102,12 @@ def velocity_maps(
     model = model or FrictionModel()
     ease_off = tree["ease_off"].to_dataset()
     grid = fine_grid(GRID).reshape(2, -1)
-    found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid)
+    velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid)
     omega = speed * 2.0 * np.pi / 60.0
     fields = {
-        "rolling_velocity": np.abs(model.rolling(found)) * omega,
-        "sliding_velocity": found.sliding_speed * omega,
-        "slide_to_roll": model.slide_to_roll(found),
+        "rolling_velocity": np.abs(model.rolling(velocities)) * omega,
+        "sliding_velocity": velocities.sliding_speed * omega,
+        "slide_to_roll": model.slide_to_roll(velocities),
     }
     inside = boundary_distance(view.fields, grid) >= -0.05  # a little beyond: the outline cuts it off
     return {name: FlankMap(grid, np.where(inside, values, np.nan), True) for name, values in fields.items()}
@@ -219,34 +219,34 @@ def draw_friction_maps(
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
     at = chosen_condition(friction) | _given(friction, conditions or {})
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
-    here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
+    subset, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
     maps = velocity_maps(tree, view, at["speed"], FrictionModel(rolling_frame=friction.attrs["rolling_frame"]))
-    force = here["force"] if "force" in here else under_load["force"]
+    force = subset["force"] if "force" in subset else under_load["force"]
     touching = under_load.assign(force=force)
     maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient", "flash_temperature", "pressure_velocity"):
-        if name in here:
-            maps[name] = loaded_map(touching, here[name])
+        if name in subset:
+            maps[name] = loaded_map(touching, subset[name])
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     rough = roughness_name(friction, index["roughness"])
-    told = (
+    words = (
         f"{torque_name(at['torque'])}, {at['speed']:g} 1/min, "
         f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
-    note = " · ".join([told, *in_print(range_notes(friction, index))])
+    note = " · ".join([words, *in_print(range_notes(friction, index))])
     names = chosen_parts(list(maps), quantities, "quantities")
     rows, columns = -(-len(names) // 2), min(2, len(names))
     height = rows * ((WIDTH - 0.4) / columns * view.aspect + 0.25)
     heading = "Sliding, rolling and friction, gear flank"
-    found = panels(tree, heading, height, note, (rows, columns), own, count=len(names))
-    for axes, name in zip(found.axes, names, strict=True):
+    subplots = panels(tree, heading, height, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(subplots.axes, names, strict=True):
         panel(axes, view, name, maps[name])
-    return found.figure
+    return subplots.figure
 
 
 def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict[str, float]:
     """Values of the result that conditions ask for, by name; those that are ``None`` are left out."""
-    found = {}
+    condition = {}
     for name, wanted in conditions.items():
         if wanted is None:
             continue
@@ -255,8 +255,8 @@ def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(values))
             raise InputError(f"{name} = {wanted:g}: must be one of the result's: {there} {CONDITION_UNITS[name]}")
-        found[name] = float(values[near[0]])
-    return found
+        condition[name] = float(values[near[0]])
+    return condition
 
 
 AXES = {
@@ -283,13 +283,13 @@ def curves(
     """
     quantity = 100.0 * friction["efficiency"]
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
-    here = quantity.isel(fixed).transpose(by, along)
-    order = np.argsort(here[along].values)
-    chosen = evenly_chosen(here[by].values, CURVE_COUNT_LIMIT)
+    efficiency = quantity.isel(fixed).transpose(by, along)
+    order = np.argsort(efficiency[along].values)
+    chosen = evenly_chosen(efficiency[by].values, CURVE_COUNT_LIMIT)
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         label = value_name(quantity, by, int(index))
-        x, y = here[along].values[order], here.values[index][order]
+        x, y = efficiency[along].values[order], efficiency.values[index][order]
         axes.plot(x, y, color=colour, linewidth=1.6, label=label)
         if order.size > MARKED_COUNT_LIMIT:
             continue
@@ -305,7 +305,7 @@ def curves(
     axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
         name_pairs(axes, quantity)
-    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, here.sizes[by], by))
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, efficiency.sizes[by], by))
 
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
@@ -360,21 +360,21 @@ def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None,
     beyond = [marks] if bool((friction.get("extrapolated_share", xr.DataArray(0.0)) >= TOLD_SHARE).any()) else []
     note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction)), *beyond])
     shape, count = (rows, columns), len(names)
-    found = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
-    for axes, name in zip(found.axes, names, strict=True):
+    subplots = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
+    for axes, name in zip(subplots.axes, names, strict=True):
         if name == "cycle":
-            over_the_cycle(axes, friction, at, on_page=found.on_page)
+            over_the_cycle(axes, friction, at, on_page=subplots.on_page)
             title(axes, friction, at, ("torque",))
             continue
         by = COMPANION[name]
-        curves(axes, friction, name, by, at, on_page=found.on_page)
+        curves(axes, friction, name, by, at, on_page=subplots.on_page)
         axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
         title(axes, friction, at, (name, by))
-    return found.figure
+    return subplots.figure
 
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
     """Title of a panel: the conditions that do not vary in it."""
     index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
-    held = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
-    axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)
+    heading = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
+    axes.set_title(heading, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

@@ -83,24 +83,24 @@ def draw_transmission_error(
     note = "rotation of the gear, positive where the gear lags"
     heights = [HEIGHTS[name] for name in names]
     layout: dict[str, Any] = {"height_ratios": heights}
-    found = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
+    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
     over_time = [name for name in names if name != "orders"]
-    for axes, name in zip(found.axes, names, strict=True):
+    for axes, name in zip(subplots.axes, names, strict=True):
         if name == "orders":
-            draw_orders(axes, loaded, on_page=found.on_page)
+            draw_orders(axes, loaded, on_page=subplots.on_page)
             continue
         if name == "unloaded":
-            draw_unloaded(axes, unloaded, on_page=found.on_page)
+            draw_unloaded(axes, unloaded, on_page=subplots.on_page)
         else:
-            draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=found.on_page)
+            draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
         axes.set_xlim(0, CYCLES)
-        if name == over_time[-1] or not found.on_page:
+        if name == over_time[-1] or not subplots.on_page:
             axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
         else:
             axes.tick_params(labelbottom=False)
-    if found.on_page:
-        found.figure.align_ylabels(found.axes)
-    return found.figure
+    if subplots.on_page:
+        subplots.figure.align_ylabels(subplots.axes)
+    return subplots.figure
 
 
 def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> None:
@@ -209,16 +209,16 @@ def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None 
     note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
     layout = {"count": chosen.size, "sharex": True, "sharey": True}
     heading = "Load sharing between tooth pairs"
-    found = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), own, **layout)
-    for number, (axes, index) in enumerate(zip(found.axes, chosen, strict=True)):
+    subplots = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), own, **layout)
+    for number, (axes, index) in enumerate(zip(subplots.axes, chosen, strict=True)):
         draw_shares(axes, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
         last, first = number + columns >= chosen.size, number % columns == 0
-        if last or not found.on_page:
+        if last or not subplots.on_page:
             axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
             axes.tick_params(labelbottom=True)
-        if first or not found.on_page:
+        if first or not subplots.on_page:
             axes.set_ylabel("share of the torque", fontsize=SMALL_SIZE + 1, color=INK)
-    return found.figure
+    return subplots.figure
 
 
 def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
@@ -352,24 +352,24 @@ def draw_root_stress(
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
     shape = (len(names), len(members))
-    found = panels(tree, "Root stress", 2.5 * len(names), note, shape, own, sharey="row")
-    for number, axes in enumerate(found.axes):
+    subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, own, sharey="row")
+    for number, axes in enumerate(subplots.axes):
         part, name = names[number // len(members)], members[number % len(members)]
         _draw_lines(axes, stress, part, name, chosen)
         axes.set_title(name, loc="left", fontsize=SMALL_SIZE + 1.5, color=INK, weight="bold", pad=3)
         axes.set_xlabel(LABELS[part], fontsize=SMALL_SIZE + 1, color=INK)
-        if number % len(members) == 0 or not found.on_page:
+        if number % len(members) == 0 or not subplots.on_page:
             axes.set_ylabel("root stress [MPa]", fontsize=SMALL_SIZE + 1, color=INK)
-    for axes in found.axes:  # only now: panels of a row share their limits
+    for axes in subplots.axes:  # only now: panels of a row share their limits
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    found.axes[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
-    return found.figure
+    subplots.axes[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    return subplots.figure
 
 
 def greatest_over_pairs(stress: xr.Dataset, torque: int, member: str) -> NDArray[np.float64]:
     """Greatest root stress of the teeth in mesh (mesh_position) [MPa]; NaN where there is none."""
-    here = stress["root_stress_history"].isel(torque=torque).sel(member=member)
-    values = here.transpose("mesh_position", "pair").values
+    history = stress["root_stress_history"].isel(torque=torque).sel(member=member)
+    values = history.transpose("mesh_position", "pair").values
     return np.where(np.any(np.isfinite(values), axis=1), np.max(np.nan_to_num(values, nan=-np.inf), axis=1), np.nan)
 
 

@@ -27,8 +27,8 @@ def on_own_axes(axes: Any) -> Iterator[None]:
 
     Sizes of text, which are those of a page, become those of the figure: a title has ``font.size``.
     """
-    found = [axes] if isinstance(axes, Axes) else list(np.ravel(np.array(axes, dtype=object)))
-    given = [one for one in found if isinstance(one, Axes)]
+    entries = [axes] if isinstance(axes, Axes) else list(np.ravel(np.array(axes, dtype=object)))
+    given = [one for one in entries if isinstance(one, Axes)]
     figures = {id(one.figure): one.get_figure(root=True) for one in given}
     before = {id(one) for figure in figures.values() if figure is not None for one in figure.axes}
     sizes = {id(text): text.get_fontsize() for one in given for text in _texts(one)}
@@ -54,8 +54,8 @@ def on_own_axes(axes: Any) -> Iterator[None]:
 def _texts(axes: Axes) -> list[Text]:
     """Texts of axes but the labels of ticks, which have a size of their own."""
     ticks = {id(text) for axis in (axes.xaxis, axes.yaxis) for text in axis.findobj(Text) if text is not axis.label}
-    found: list[Any] = axes.findobj(Text)
-    return [text for text in found if id(text) not in ticks]
+    texts: list[Any] = axes.findobj(Text)
+    return [text for text in texts if id(text) not in ticks]
 
 
 def _tick_size(axes: Axes, name: str) -> float:
@@ -96,9 +96,9 @@ def _make_room(axes: Axes) -> None:
 
 def _ticks_within(ticks: Any, low: float, high: float) -> list[float]:
     """Those ticks that are within limits, or finer ones if these are fewer than two."""
-    found = [float(tick) for tick in ticks if low <= tick <= high]
-    if len(found) > 1:
-        return found
+    inner_ticks = [float(tick) for tick in ticks if low <= tick <= high]
+    if len(inner_ticks) > 1:
+        return inner_ticks
     step = tick_step(high - low)
     finer = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0)
     return [float(tick) for tick in (finer if finer.size <= TICK_COUNT_LIMIT else finer[finer % (2.0 * step) == 0.0])]
@@ -111,9 +111,9 @@ def _level(panels: list[Axes]) -> None:
         return
     limits = np.array([[one.get_xlim(), one.get_ylim()] for one in flanks])  # (panels, x and y, low and high)
     half = 0.5 * np.max(limits[..., 1] - limits[..., 0], axis=0)
-    for one, own in zip(flanks, limits.mean(axis=2), strict=True):
-        one.set_xlim(own[0] - half[0], own[0] + half[0])
-        one.set_ylim(own[1] - half[1], own[1] + half[1])
+    for one, centre in zip(flanks, limits.mean(axis=2), strict=True):
+        one.set_xlim(centre[0] - half[0], centre[0] + half[0])
+        one.set_ylim(centre[1] - half[1], centre[1] + half[1])
 
 
 def _separate_titles(panels: list[Axes]) -> None:

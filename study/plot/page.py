@@ -68,8 +68,10 @@ def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[
 
     A part stays on one line unless longer than half a line, and a number stays with its unit.
     """
-    held = [BEFORE_UNIT.sub(HELD, part) if 2 * len(part) > longest else part.replace(" ", HELD) for part in parts]
-    text = f"{HELD}· ".join(held)
+    unbroken_parts = [
+        BEFORE_UNIT.sub(HELD, part) if 2 * len(part) > longest else part.replace(" ", HELD) for part in parts
+    ]
+    text = f"{HELD}· ".join(unbroken_parts)
     lines = textwrap.wrap(text, longest, break_on_hyphens=False)
     for length in range(longest - 1, 0, -1):
         shorter = textwrap.wrap(text, length, break_on_hyphens=False, break_long_words=False)
@@ -153,11 +155,11 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
         given = f"over the torque: {attributes['deflections']}"
     if "misalignment_by_supports" in attributes:
         given = f"{given or 'none'} without load, then that of the supports"
-    told = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
-    misaligned = f"misalignment {told}" if told else ""
-    held = f"on supports {attributes['supports_name']}".strip() if "supports_name" in attributes else ""
+    misalignment = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
+    misaligned = f"misalignment {misalignment}" if misalignment else ""
+    supports = f"on supports {attributes['supports_name']}".strip() if "supports_name" in attributes else ""
     model = model_name(attributes)
-    return [teeth, flanks.get(name, name), misaligned, held, *departed, model, f"easeoff {version}".strip()]
+    return [teeth, flanks.get(name, name), misaligned, supports, *departed, model, f"easeoff {version}".strip()]
 
 
 def plain_axes(axes: Axes) -> None:
@@ -208,8 +210,8 @@ def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> 
         from matplotlib import rc_context
 
         source = "Subject" if kind == "pdf" else "Source"
-        own: dict[str, str | None] = {"CreationDate" if kind == "pdf" else "Date": None}
-        own |= {source if key == "Source" else key: text for key, text in (marks or {}).items()}
+        metadata: dict[str, str | None] = {"CreationDate" if kind == "pdf" else "Date": None}
+        metadata |= {source if key == "Source" else key: text for key, text in (marks or {}).items()}
         with rc_context({"svg.hashsalt": "easeoff", "pdf.fonttype": TRUETYPE}):
-            figure.savefig(temporary, format=kind, metadata=own)
+            figure.savefig(temporary, format=kind, metadata=metadata)
     return path

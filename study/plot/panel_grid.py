@@ -51,10 +51,10 @@ def panels(
     wanted = shape[0] * shape[1] if count is None else count
     if own is None:
         figure = page(tree, heading, body_height, note)
-        found = figure.subplots(*shape, squeeze=False, **layout).reshape(-1)
-        for axes in found[wanted:]:
+        grid = figure.subplots(*shape, squeeze=False, **layout).reshape(-1)
+        for axes in grid[wanted:]:
             axes.set_visible(False)
-        return Panels(figure, found[:wanted], True)
+        return Panels(figure, grid[:wanted], True)
     given = _flat(own)
     if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
@@ -74,14 +74,14 @@ def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None
     """Indices of the wanted among torques (n) [N m]; if none is wanted, of at most ``most``, spread evenly."""
     if wanted is None:
         return evenly_chosen(torques, most)
-    found = []
+    indices = []
     for torque in distinct("torque", wanted, "N m"):
         near = np.flatnonzero(np.isclose(torques, torque, rtol=TORQUE_TOLERANCE, atol=0.0))
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(torques))
             raise InputError(f"torque = {torque:g}: must be one of the result's: {there} N m")
-        found.append(int(near[0]))
-    return np.array(found, dtype=np.int64)
+        indices.append(int(near[0]))
+    return np.array(indices, dtype=np.int64)
 
 
 def chosen_parts(known: Sequence[str], wanted: str | Sequence[str] | None, key: str = "parts") -> tuple[str, ...]:

@@ -119,8 +119,8 @@ def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
         middle = 0.5 * (inside + outside)
         good = ~_outside(splines, middle)
         inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
-    found = np.any(within, axis=1)
-    result[beyond[found]] = inside[:, found].T
+    hits = np.any(within, axis=1)
+    result[beyond[hits]] = inside[:, hits].T
     return result
 
 
@@ -134,10 +134,10 @@ def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
     """Fractional step beyond the last one of the carrying range at which the next pair takes over; empty if unknown."""
     steps = np.array([step, step + direction])
     ahead = error.at(steps) - error.at(steps - direction * error.per_cycle)
-    here, beyond = ahead[:, 0]
-    if not (np.isfinite(here) and np.isfinite(beyond) and here <= 0.0 < beyond):
+    lead, beyond = ahead[:, 0]
+    if not (np.isfinite(lead) and np.isfinite(beyond) and lead <= 0.0 < beyond):
         return np.zeros(0)
-    return np.array([step + direction * here / (here - beyond)])
+    return np.array([step + direction * lead / (lead - beyond)])
 
 
 def bent_lines(splines: FlankSplines, ends: Array, steps: int = 3) -> Array:

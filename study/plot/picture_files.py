@@ -28,20 +28,24 @@ _MARK = re.compile(rf"{SOURCE}, ([0-9a-f]{{{MARK_LENGTH}}})")
 
 def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
     """Begin of the names of a result's pictures: case, or numbers of teeth in an older result, and flank."""
-    own = result.attrs
-    teeth = f"{own['pinion_teeth']}x{own['gear_teeth']}" if {"pinion_teeth", "gear_teeth"} <= own.keys() else "result"
-    name = re.sub(r"[^\w.-]+", "_", str(own.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
+    attributes = result.attrs
+    teeth = (
+        f"{attributes['pinion_teeth']}x{attributes['gear_teeth']}"
+        if {"pinion_teeth", "gear_teeth"} <= attributes.keys()
+        else "result"
+    )
+    name = re.sub(r"[^\w.-]+", "_", str(attributes.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
     swept = result.coords.get("flank") if isinstance(result, xr.Dataset) else None
-    flank = str(own.get("flank", "") if swept is None else swept.values.item() if swept.size == 1 else "")
+    flank = str(attributes.get("flank", "") if swept is None else swept.values.item() if swept.size == 1 else "")
     return f"{name}-{flank}" if flank in ("drive", "coast") else name
 
 
 def result_mark(result: xr.DataTree | xr.Dataset) -> str:
     """Mark of a result: the same for the same case, options, torques and groups, whenever it was computed."""
-    own = {str(key): np.asarray(value).tolist() for key, value in result.attrs.items() if key != "history"}
+    attributes = {str(key): np.asarray(value).tolist() for key, value in result.attrs.items() if key != "history"}
     groups = sorted(result.children) if isinstance(result, xr.DataTree) else sorted(map(str, result.sizes.items()))
     loads = result["loaded"]["torque"] if "loaded" in groups else result.coords.get("torque", xr.DataArray([]))
-    text = json.dumps([own, groups, np.asarray(loads).tolist()], sort_keys=True, default=str)
+    text = json.dumps([attributes, groups, np.asarray(loads).tolist()], sort_keys=True, default=str)
     return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:MARK_LENGTH]
 
 
@@ -55,15 +59,15 @@ def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -
 
 def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, tuple[str, str]]:
     """Pictures in a folder: the titles of their cases, known of PNG files alone, and the marks of the results."""
-    found = {}
+    pictures = {}
     for path in sorted(Path(folder).iterdir()) if os.path.isdir(folder) else []:
         if path.suffix[1:] not in FORMATS or not path.is_file():
             continue
         title, source = _png_marks(path) if path.suffix == ".png" else ("", _text_source(path))
         mark = _MARK.fullmatch(source)
         if mark is not None:
-            found[path] = (title, mark[1])
-    return found
+            pictures[path] = (title, mark[1])
+    return pictures
 
 
 def _png_marks(path: Path) -> tuple[str, str]:
@@ -84,7 +88,7 @@ def _text_source(path: Path) -> str:
     try:
         if path.stat().st_size > MARKED_SIZE_LIMIT:
             return ""
-        found = _MARK.search(path.read_text(encoding="latin-1"))
+        mark = _MARK.search(path.read_text(encoding="latin-1"))
     except OSError:
         return ""
-    return found[0] if found else ""
+    return mark[0] if mark else ""

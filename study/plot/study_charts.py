@@ -134,8 +134,8 @@ def _grids(dataset: xr.Dataset) -> list[str]:
     dims = [str(dim) for dim in dataset["status"].dims if dim in swept and dataset.sizes[dim] > 1]
     dims = dims or [dim for dim in reduced_dimensions(dataset) if dim in LOADS and dataset.sizes[dim] > 1]
     dims = [dim for dim in dims if dataset[dim].dtype.kind in "fiu"]
-    own = set(point_dimensions(dataset))
-    return sorted(dims, key=lambda dim: (dim not in own, -dataset.sizes[dim]))
+    point_axes = set(point_dimensions(dataset))
+    return sorted(dims, key=lambda dim: (dim not in point_axes, -dataset.sizes[dim]))
 
 
 def _label(dataset: xr.Dataset, name: str) -> str:
@@ -172,9 +172,9 @@ def _panels(
 ) -> tuple[Figure, NDArray[Any]]:
     columns = 2 if count > 1 else 1
     rows = -(-count // columns)
-    told = " · ".join(filter(None, (outcome(dataset), note)))
-    found = panels(xr.DataTree(dataset), heading, height * rows, told, (rows, columns), own, count=count)
-    return found.figure, found.axes
+    caption = " · ".join(filter(None, (outcome(dataset), note)))
+    subplots = panels(xr.DataTree(dataset), heading, height * rows, caption, (rows, columns), own, count=count)
+    return subplots.figure, subplots.axes
 
 
 def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxes) -> Figure:
@@ -320,20 +320,20 @@ def _histograms(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
 
 def _effects(dataset: xr.Dataset, names: list[str]) -> list[tuple[str, xr.Dataset]]:
     """Sensitivities of numbers by name; none of those to a single coordinate."""
-    found = []
+    effects = []
     for name in names:
         try:
-            found.append((name, sensitivities(dataset, name)))
+            effects.append((name, sensitivities(dataset, name)))
         except InputError:
             continue
-    found = [(name, one) for name, one in found if bool(one["effect"].notnull().any())]
-    return found if found and found[0][1].sizes["coordinate"] > 1 else []
+    effects = [(name, one) for name, one in effects if bool(one["effect"].notnull().any())]
+    return effects if effects and effects[0][1].sizes["coordinate"] > 1 else []
 
 
 def _tornado(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
     """Change of numbers with one scale of every coordinate, the greatest on top."""
-    found = _effects(dataset, names)
-    first = found[0][1]
+    effects = _effects(dataset, names)
+    first = effects[0][1]
     at = {dim: -1 for dim in first["effect"].dims if dim != "coordinate"}
     said = [
         f"{dim} {first[dim].values[-1]:g} {UNITS.get(unit := str(first[dim].attrs.get('units', '')), unit)}"
@@ -342,8 +342,8 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
     ]
     note = ", ".join([*said, "change with one standard deviation of the samples, or half the range of the grid"])
     bars = min(BAR_LIMIT, first.sizes["coordinate"])
-    figure, grid = _panels(dataset, "Sensitivities, first order", len(found), 0.9 + 0.28 * bars, note, own)
-    for axes, (name, one) in zip(grid, found, strict=True):
+    figure, grid = _panels(dataset, "Sensitivities, first order", len(effects), 0.9 + 0.28 * bars, note, own)
+    for axes, (name, one) in zip(grid, effects, strict=True):
         effect = one["effect"].isel({dim: place for dim, place in at.items() if dim in one["effect"].dims}).values
         order = np.argsort(np.abs(np.nan_to_num(effect)))[::-1][:BAR_LIMIT][::-1]
         for sign, colour, label in ((1.0, BLUE, "coordinate increased"), (-1.0, FAINT, "decreased")):
@@ -378,9 +378,9 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)))  # of curves, told 
 
 def draw_misalignment(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
     """Draw the misalignment of a result over the torque; it has one that depends on it."""
-    found = misalignment_over_torque(tree)
-    assert found is not None
-    torques, errors = found
+    course = misalignment_over_torque(tree)
+    assert course is not None
+    torques, errors = course
     in_cycle = bool(np.any(np.ptp(errors, axis=1)))
     note = "marks: without load (pattern: at light load) and at every torque"
     last = float(np.asarray(tree.attrs.get("deflection_torques_N_m", (0.0, np.inf)))[1])
@@ -447,8 +447,8 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
     front, record = tree["front"].to_dataset(), tree["optimal_settings"].to_dataset()
     names = [str(name) for name in front["objective"].values]
     values = front["front_value"].transpose("point", "objective").values
-    found = panels(tree, "Front of two objectives", HEIGHT, "every point analysed, settings rounded", (1, 1), own)
-    axes = found.axes[0]
+    subplots = panels(tree, "Front of two objectives", HEIGHT, "every point analysed, settings rounded", (1, 1), own)
+    axes = subplots.axes[0]
     for (label, points), marker in zip(others.items(), MARKERS * len(others), strict=False):
         axes.plot(*np.asarray(points, dtype=float).T, marker, color=FAINT, markersize=4.0, label=label)
     axes.plot(*values.T, "o-", color=BLUE, linewidth=1.0, markersize=4.5, label="front")
@@ -460,7 +460,7 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
     axes.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     axes.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
-    return found.figure
+    return subplots.figure
 
 
 DEPTH_MAP = "YlOrBr"
@@ -478,13 +478,13 @@ def draw_wear(history: xr.Dataset, parts: str | Sequence[str] | None = None, own
     rows, columns = -(-len(names) // 2), min(2, len(names))
     last = float(history["revolutions"][-1])
     note = f"{last:.4g} revolutions of the pinion, {history.sizes['step'] - 1} steps"
-    found = panels(xr.DataTree(history), "Wear", 2.3 * rows, note, (rows, columns), own, count=len(names))
-    for axes, name in zip(found.axes, names, strict=True):
+    subplots = panels(xr.DataTree(history), "Wear", 2.3 * rows, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(subplots.axes, names, strict=True):
         if name in MEMBERS:
             _draw_depth(axes, history["wear_depth"].isel(step=-1).sel(member=name), name)
         else:
             _draw_history(axes, history, name)
-    return found.figure
+    return subplots.figure
 
 
 def _draw_depth(axes: Axes, depth: xr.DataArray, member: str) -> None:
@@ -534,15 +534,15 @@ def draw_load_cases(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
     bars = _bars(tree, rows, shown)
     note = "" if rows.size == count else f"{rows.size} of {count} load cases"
     layout: dict[str, Any] = {"sharey": True, "width_ratios": (1.6, *(1.0 for _ in bars))}
-    found = panels(tree, "Load cases", ROW_HEIGHT * rows.size + 1.0, note, (1, 1 + len(bars)), own, **layout)
-    grid = found.axes
+    subplots = panels(tree, "Load cases", ROW_HEIGHT * rows.size + 1.0, note, (1, 1 + len(bars)), own, **layout)
+    grid = subplots.axes
     _draw_patterns(grid[0], shown)
     for axes, (label, values) in zip(grid[1:], bars, strict=True):
         _draw_bars(axes, label, values)
-    for axes in grid if not found.on_page else grid[:1]:
+    for axes in grid if not subplots.on_page else grid[:1]:
         axes.set_ylim(rows.size - 0.4, -0.6)
         axes.set_yticks(np.arange(rows.size), [_name(shown, i) for i in range(rows.size)])
-    return found.figure
+    return subplots.figure
 
 
 def _bars(tree: xr.DataTree, rows: Array, shown: xr.Dataset) -> list[tuple[str, Array]]:

@@ -44,8 +44,8 @@ class ToothView:
         if self.member == "gear":
             return self.plane(points)
         known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
-        found = self.fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
-        opposite = np.stack(list(found.values())).reshape(np.shape(points))
+        fractions = self.fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
+        opposite = np.stack(list(fractions.values())).reshape(np.shape(points))
         return np.where(np.isfinite(points), self.plane(opposite), np.nan)
 
     @property
@@ -142,10 +142,10 @@ def side_by_side(panels: NDArray[Any]) -> None:
     limits = np.array([[axes.get_xlim(), axes.get_ylim()] for axes in panels.flat])  # (axes, x and y, low and high)
     extent = np.max(limits[..., 1] - limits[..., 0], axis=0)
     step = tick_step(float(extent[0]))
-    for axes, own in zip(panels.flat, limits, strict=True):
-        low, high = own.mean(axis=1) - 0.5 * extent, own.mean(axis=1) + 0.5 * extent
-        axes.set_xticks(np.arange(0.0, own[0, 1], step))
-        axes.set_yticks(np.arange(0.0, own[1, 1], step))
+    for axes, bounds in zip(panels.flat, limits, strict=True):
+        low, high = bounds.mean(axis=1) - 0.5 * extent, bounds.mean(axis=1) + 0.5 * extent
+        axes.set_xticks(np.arange(0.0, bounds[0, 1], step))
+        axes.set_yticks(np.arange(0.0, bounds[1, 1], step))
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
         axes.tick_params(axis="y", pad=15, length=0)

@@ -41,12 +41,12 @@ def draw(correction: Correction, title: str, parts: str | Sequence[str] | None =
     flanks = correction.flanks
     tree = xr.DataTree(xr.Dataset(attrs={"title": title, "easeoff_version": version("easeoff")}))
     note = "µm along the normal, upwards (+) more metal · a rotation of the tooth is left out"
-    found = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
-    for number, axes in enumerate(found.axes):
+    subplots = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
+    for number, axes in enumerate(subplots.axes):
         flank, name = flanks[number // len(names)], names[number % len(names)]
         largest = max(float(np.nanmax(np.abs(getattr(flank, part)))) for part in names)
         _draw_flank(axes, flank, name, 1e3 * max(largest, 1e-4))
-    return found.figure
+    return subplots.figure
 
 
 def sheet_places(flank: CorrectedFlank) -> Array:
@@ -147,9 +147,9 @@ def draw_deviations(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> 
     change = tree["ease_off"].to_dataset()["ease_off_change"]
     height = (WIDTH - 1.6) * view.aspect + 0.35
     note = "change of the gap along the normal, of both flanks together"
-    found = panels(tree, "Deviations of the flanks, gear flank", height, note, (1, 1), own)
-    draw_change(found.axes[0], view, change, "gap added by the deviations [µm]")
-    return found.figure
+    subplots = panels(tree, "Deviations of the flanks, gear flank", height, note, (1, 1), own)
+    draw_change(subplots.axes[0], view, change, "gap added by the deviations [µm]")
+    return subplots.figure
 
 
 def draw_optimization(
@@ -160,13 +160,13 @@ def draw_optimization(
     record = tree["optimization"].to_dataset()
     rows, columns = -(-len(names) // 2), min(2, len(names))
     note = "worst assembly" if record.sizes["assembly"] > 1 else ""
-    found = panels(tree, "Optimised ease-off", 2.35 * rows, note, (rows, columns), own, count=len(names))
-    for axes, name in zip(found.axes, names, strict=True):
+    subplots = panels(tree, "Optimised ease-off", 2.35 * rows, note, (rows, columns), own, count=len(names))
+    for axes, name in zip(subplots.axes, names, strict=True):
         if name == "surface":
             draw_change(axes, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
         else:
             _draw_stages(axes, record[name].max("assembly"), COMPARED[name])
-    return found.figure
+    return subplots.figure
 
 
 def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -> None:

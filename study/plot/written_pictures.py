@@ -85,11 +85,11 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
         from .study_charts import pictures as of_sweep
 
         return of_sweep(result)
-    held = result.children if isinstance(result, xr.DataTree) else getattr(result, "data_vars", ())
+    groups = result.children if isinstance(result, xr.DataTree) else getattr(result, "data_vars", ())
     for name, (_, sign) in STUDY_PICTURES.items():
-        if sign in held:
+        if sign in groups:
             return (name,)
-    if not isinstance(result, xr.DataTree) or not VARIABLES.keys() <= {*held}:
+    if not isinstance(result, xr.DataTree) or not VARIABLES.keys() <= {*groups}:
         raise InputError("result: must be of 'easeoff run', 'modify', 'optimize', 'sweep', 'vh' or 'wear'")
     return (*PICTURES, *(name for name, (_, there) in FURTHER_PICTURES.items() if there(result)))
 
@@ -198,8 +198,8 @@ def write_pictures(
     written: list[Path] = []
     with drawing(None):  # which loads the drawing library without a configuration of this folder
         chosen = _chosen([one for one, _ in parts], names, torques)
-        for (one, place), own in zip(parts, chosen, strict=True):
-            for name in own:
+        for (one, place), picture_names in zip(parts, chosen, strict=True):
+            for name in picture_names:
                 figure = draw_picture(one, name, torque=torques, marking=marking)
                 if dpi is not None:
                     figure.set_dpi(dpi)
@@ -248,13 +248,13 @@ def _chosen(
     from .panel_grid import chosen_parts
 
     there = [pictures(one) for one in results]
-    known = tuple(dict.fromkeys(name for own in there for name in own))
+    known = tuple(dict.fromkeys(name for picture_names in there for name in picture_names))
     wanted = chosen_parts(known, names, "pictures")
     if torques is not None:
         _require_torques(results, torques)
         if names is not None and not set(wanted) & set(WITH_TORQUES):
             raise InputError(f"torque: must go with one of the pictures {', '.join(WITH_TORQUES)}")
-    return [tuple(name for name in wanted if name in own) for own in there]
+    return [tuple(name for name in wanted if name in picture_names) for picture_names in there]
 
 
 def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Sequence[float]) -> None:
@@ -272,8 +272,8 @@ def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Seq
     """Remove the pictures of an earlier result of the same kind, case and flank."""
     prefix, mark = f"{file_prefix(result)}-", result_mark(result)
     kind = kind_of(pictures(result)[0])
-    for path, (_, own) in pictures_of_results(folder).items():
-        earlier = path.name.startswith(prefix) and path.stem.removeprefix(prefix) in kind and own != mark
+    for path, (_, picture_mark) in pictures_of_results(folder).items():
+        earlier = path.name.startswith(prefix) and path.stem.removeprefix(prefix) in kind and picture_mark != mark
         if earlier and path not in written:
             with suppress(OSError):
                 path.unlink()
@@ -284,11 +284,11 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
     tree = tree_or_none(path)
     if tree is None:
         return read_result(path)  # says what is wrong with the file
-    found = tree.to_dataset()
-    if is_sweep(found):
-        return checked_sweep(found, path)
+    dataset = tree.to_dataset()
+    if is_sweep(dataset):
+        return checked_sweep(dataset, path)
     for sign, kind in (("print_excess", "V-H check"), ("wear_depth", "wear")):
-        if sign in found.variables:
-            require_layout(named(path), found, kind)
-            return found
+        if sign in dataset.variables:
+            require_layout(named(path), dataset, kind)
+            return dataset
     return checked_result(tree, Path(path))
