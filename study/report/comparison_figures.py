@@ -86,9 +86,9 @@ def style(solver: str, problems: Any) -> dict[str, Any]:
     if solver == "native":
         return {"color": COLOURS[0], "linewidth": 1.8}
     number = [name for name in dict.fromkeys(problems["solver"]) if name != "native"].index(solver)
-    own = COLOURS[1:]
+    palette = COLOURS[1:]
     return {
-        "color": own[number % len(own)],
+        "color": palette[number % len(palette)],
         "linewidth": 1.3,
         "dashes": DASHES[number % len(DASHES)],
         "marker": MARKERS[number % len(MARKERS)],
@@ -275,8 +275,8 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     for axes, group in zip(grid, groups, strict=True):
         chosen = problems[group_of(problems) == group]
         for method in named:
-            found = of_method(chosen, method)
-            size, time = found["size"].to_numpy(dtype=float), found["run_time"].to_numpy(dtype=float)
+            records = of_method(chosen, method)
+            size, time = records["size"].to_numpy(dtype=float), records["run_time"].to_numpy(dtype=float)
             known = np.isfinite(time)
             line = style(method[0], problems)
             fit = growth(size, time)

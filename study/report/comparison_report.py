@@ -141,20 +141,20 @@ def success_tables(dataset: xr.Dataset, problems: Any, named: list[MethodName]) 
     for settings in dict.fromkeys(method[1] for method in named):
         rows: list[list[Any]] = []
         for method in [one for one in named if one[1] == settings]:
-            found = of_method(problems, method)
-            counts = {name: int(found[name].sum()) for name in ("claims", "certified", "exact", "polished")}
-            share = f"{100.0 * found['certified'].mean():.4g}"
+            records = of_method(problems, method)
+            counts = {name: int(records[name].sum()) for name in ("claims", "certified", "exact", "polished")}
+            share = f"{100.0 * records['certified'].mean():.4g}"
             rows.append(
                 [
                     *method,
-                    len(found),
+                    len(records),
                     counts["claims"],
                     counts["certified"],
                     share,
                     counts["exact"],
                     counts["polished"],
-                    int(found["uncertified"].sum()),
-                    int(found["denied"].sum()),
+                    int(records["uncertified"].sum()),
+                    int(records["denied"].sum()),
                 ]
             )
         caption = f"`{settings}`: {SETTINGS[settings]}."
@@ -185,8 +185,8 @@ def kind_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
         kinds, heads = [*kinds, ""], [*kinds, WITHOUT_KIND]
     rows = []
     for method in named:
-        found = of_method(problems, method)
-        of_kind = [found[found["kind"] == kind]["certified"] for kind in kinds]
+        records = of_method(problems, method)
+        of_kind = [records[records["kind"] == kind]["certified"] for kind in kinds]
         rows.append([*method, *(f"{int(one.sum())} of {len(one)}" if len(one) else NOTHING for one in of_kind)])
     return ReportTable("certified_by_kind", [*METHOD_COLUMNS, *heads], rows, "", "Certified, by kind of problem:")
 
@@ -197,11 +197,13 @@ def residual_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[Report
     rows: list[list[Any]] = []
     parts: list[list[Any]] = []
     for method in named:
-        found = of_method(frame, method)
-        worst, rotation = (quantiles(found[name]) for name in ("worst_residual", "rotation_error"))
-        posed = quantiles(found["posed_residual"])
-        rows.append([*method, int(found["worst_residual"].notna().sum()), *map(residual, [*worst, *posed, *rotation])])
-        parts.append([*method, *(residual(quantiles(found[name])[2]) for name in RESIDUALS)])
+        records = of_method(frame, method)
+        worst, rotation = (quantiles(records[name]) for name in ("worst_residual", "rotation_error"))
+        posed = quantiles(records["posed_residual"])
+        rows.append(
+            [*method, int(records["worst_residual"].notna().sum()), *map(residual, [*worst, *posed, *rotation])]
+        )
+        parts.append([*method, *(residual(quantiles(records[name])[2]) for name in RESIDUALS)])
     levels = ["median", "90 %", "worst"]
     posed_head, rotation_head = ([f"{name}, {level}" for level in levels] for name in ("as posed", "rotation"))
     head = [*METHOD_COLUMNS, "answers", *levels, *posed_head, *rotation_head]
@@ -224,8 +226,8 @@ def failure_table(dataset: xr.Dataset, named: list[MethodName]) -> ReportTable |
     rows: list[list[Any]] = []
     short: list[list[Any]] = []
     for method in named:
-        found = of_method(frame, method)
-        failed = found[found["certified"] == 0]
+        records = of_method(frame, method)
+        failed = records[records["certified"] == 0]
         for (claim, message), group in failed.groupby(["claim", "message"], sort=False):
             words = str(message).replace("|", "/").replace("`", "'")
             problems = group.drop_duplicates(["problem_file", "problem"])
@@ -256,11 +258,11 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
     limit = float(dataset.attrs["time_limit_s"])
     rows = []
     for method in named:
-        found = of_method(problems, method)
-        times = found["run_time"].to_numpy(dtype=float)
+        records = of_method(problems, method)
+        times = records["run_time"].to_numpy(dtype=float)
         mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
-        spread = quantiles(found["spread"][found["certified"]], (0.5, 0.9))
-        rows.append([*method, *map(milliseconds, [mean, *quantiles(found["run_time"])]), *map(ratio, spread)])
+        spread = quantiles(records["spread"][records["certified"]], (0.5, 0.9))
+        rows.append([*method, *map(milliseconds, [mean, *quantiles(records["run_time"])]), *map(ratio, spread)])
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
         f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
@@ -286,11 +288,11 @@ def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName,
     """Medians of the parts of the run time, over certified problems."""
     rows = []
     for method in named:
-        found = of_method(problems, method)
-        found = found[found["certified"]]
+        records = of_method(problems, method)
+        records = records[records["certified"]]
         columns = ("wall_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
-        whole = median(found["wall_time"] / found["call_time"])
-        times = [milliseconds(median(found[name])) for name in columns]
+        whole = median(records["wall_time"] / records["call_time"])
+        times = [milliseconds(median(records[name])) for name in columns]
         rows.append([*method, *times, ratio(whole), sources.get(method, "") or NOTHING])
     head = ["whole [ms]", "processor [ms]", "bare call [ms]", "set-up [ms]", "solve [ms]", "polish [ms]"]
     note = (
@@ -377,9 +379,9 @@ def growth_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     groups = size_groups(problems)
     rows = []
     for method in headline(named):
-        found = of_method(problems, method)
+        records = of_method(problems, method)
         fits = [
-            growth(*(found[group_of(found) == group][name].to_numpy(dtype=float) for name in ("size", "run_time")))
+            growth(*(records[group_of(records) == group][name].to_numpy(dtype=float) for name in ("size", "run_time")))
             for group in groups
         ]
         rows.append([method[0], *(NOTHING if fit is None else f"{fit[1]:.2f}" for fit in fits)])
@@ -400,8 +402,8 @@ def group_of(problems: Any) -> Any:
 def size_groups(problems: Any) -> list[str]:
     """Groups with at least three sizes over a factor of three, none far from the next; the widest range first."""
     widths = {}
-    for group, found in problems.groupby(group_of(problems), sort=False):
-        sizes = np.unique(found["size"].to_numpy(dtype=float))
+    for group, records in problems.groupby(group_of(problems), sort=False):
+        sizes = np.unique(records["size"].to_numpy(dtype=float))
         if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
             widths[str(group)] = float(sizes[-1] / sizes[0])
     return sorted((name for name in widths if widths[name] >= SIZE_SPAN_MINIMUM), key=lambda name: -widths[name])

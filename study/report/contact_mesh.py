@@ -118,12 +118,12 @@ def strip_corners(segments: Segments, splines: FlankSplines) -> Array:
 
 def _directions(middle: Array, line: Index, default: Array) -> Array:
     """Directions (n, 3) of the contact lines at the middles (n, 3) of their segments."""
-    found = default.copy()
+    directions = default.copy()
     for one in np.unique(line):
-        own = np.flatnonzero(line == one)
-        if own.size > 1:
-            found[own] = np.gradient(middle[own], axis=0)
-    return found
+        indices = np.flatnonzero(line == one)
+        if indices.size > 1:
+            directions[indices] = np.gradient(middle[indices], axis=0)
+    return directions
 
 
 def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
@@ -134,7 +134,7 @@ def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
     from scipy.spatial import cKDTree
 
     flat = points.reshape(-1, 3)
-    found = np.zeros(len(flat))
+    pressures = np.zeros(len(flat))
     tree = cKDTree(flat)
     middle = strips.mean(axis=1)
     along, across = 0.5 * (strips[:, 1] - strips[:, 0]), 0.5 * (strips[:, 3] - strips[:, 0])
@@ -148,8 +148,8 @@ def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
         v = away @ across[k] / (across[k] @ across[k])
         within = np.abs(u) <= 1.0
         value = pressure[k] * np.sqrt(np.maximum(1.0 - v**2, 0.0))
-        np.maximum.at(found, near[within], value[within])
-    return found.reshape(points.shape[:2])
+        np.maximum.at(pressures, near[within], value[within])
+    return pressures.reshape(points.shape[:2])
 
 
 class QuadMesh:
@@ -350,8 +350,8 @@ class TeethInMesh:
 
     def in_mesh(self, points: Array, member: MemberName, tooth: int, number: int) -> Array:
         """Points (..., 3) [mm] of a member's own frame where the tooth of a pair stands at a mesh position."""
-        own = self.tree["ease_off"].attrs
-        axis, origin = (np.asarray(own[f"{member}_{name}"], float) for name in ("axis", "origin_mm"))
+        attributes = self.tree["ease_off"].attrs
+        axis, origin = (np.asarray(attributes[f"{member}_{name}"], float) for name in ("axis", "origin_mm"))
         return turned(placed(points, self.pair, member), axis, origin, self._angle(member, tooth, number))
 
     @cached_property
@@ -367,17 +367,17 @@ class TeethInMesh:
         gap = np.where(boundary_distance(gear, grid) >= 0.0, gap, np.nan)
         surface = pressure_map(self.loaded)
         axes = tuple(np.linspace(0.0, 1.0, count) for count in RASTER)
-        found: dict[MemberName, dict[str, Array]] = {}
+        fields: dict[MemberName, dict[str, Array]] = {}
         for member, view in self.views.items():
-            own = on_member(view.fields, surface.points, member)
-            pattern = np.nan_to_num(rasterised(own, surface.pressure, surface.triangles, RASTER))
+            fractions = on_member(view.fields, surface.points, member)
+            pattern = np.nan_to_num(rasterised(fractions, surface.pressure, surface.triangles, RASTER))
             ease_off = gap if member == "gear" else gear_raster(grid, gap, view, RASTER)
             places = np.clip(
                 np.moveaxis(flank_places(self.pair, member, self.patches[member][self._flank(member)]), 0, -1), 0.0, 1.0
             )
             rasters = {EASE_OFF: ease_off, PATTERN: pattern}
-            found[member] = {name: RegularGridInterpolator(axes, raster)(places) for name, raster in rasters.items()}
-        return found
+            fields[member] = {name: RegularGridInterpolator(axes, raster)(places) for name, raster in rasters.items()}
+        return fields
 
     def _flank(self, member: MemberName) -> str:
         """Name of the loaded flank's patch."""
@@ -403,6 +403,6 @@ class TeethInMesh:
                         mesh.add_grid(at, fields, (index, tooth, PARTS["loaded flank"]))
                     else:
                         mesh.add_grid(at, {}, (index, tooth, PARTS["other surface"]))
-            values = {name: own[chosen] for name, own in segments.values.items()}
+            values = {name: column[chosen] for name, column in segments.values.items()}
             mesh.add_strips(strips, values, (BOTH_MEMBERS, tooth, PARTS["contact segment"]))
         return vtu_file(*mesh.content()), len(teeth)

@@ -90,7 +90,7 @@ def _least(table: Array) -> Array:
 def over_torque(tree: xr.DataTree) -> dict[str, Any]:
     """Courses of the main numbers over torque, by name; efficiency at the middle speed, temperature and roughness."""
     groups = {name: tree[name].to_dataset() for name in ("loaded", "friction") if name in tree.children}
-    found = {}
+    courses = {}
     for group, variable, title, unit, factor in (
         ("loaded", "peak_to_peak", "Transmission error, peak to peak,", "µrad", 1.0),
         ("loaded", "max_pressure", "Greatest pressure", "MPa", 1.0),
@@ -101,21 +101,21 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
         if group not in groups or variable not in groups[group]:
             continue
         values = groups[group][variable].sortby("torque")
-        held = []
+        conditions = []
         for name in values.dims:
             if name != "torque":
                 values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
-                held += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
+                conditions += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
         if np.any(np.isfinite(values.values)):
-            found[variable] = {
+            courses[variable] = {
                 "title": title,
-                "at": ", ".join(held),
+                "at": ", ".join(conditions),
                 "unit": unit,
                 "source": f"{group}/{variable}",
                 "x": packed_exactly(values["torque"].values),
                 "y": packed_exactly(factor * values.values),
             }
-    return found
+    return courses
 
 
 def transmission_error_charts(
@@ -221,8 +221,8 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
 
 
 def _pressure(loaded: xr.Dataset) -> Array:
-    found = _greatest(ordered(loaded, "pressure", *SEGMENTS))
-    return np.where(found > 0.0, found, np.nan)
+    pressure = _greatest(ordered(loaded, "pressure", *SEGMENTS))
+    return np.where(pressure > 0.0, pressure, np.nan)
 
 
 def _course(name: str, title: str, y: str, source: str, names: Sequence[str], table: Array) -> dict[str, Any]:
@@ -292,7 +292,7 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
     ``chosen`` are numbers of torques; ``at`` holds those of speed, temperature and roughness.
     """
     loaded, friction = tree["loaded"].to_dataset(), tree["friction"].to_dataset()
-    here = friction.isel(at)
+    subset = friction.isel(at)
     names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
     carries = np.nan_to_num(ordered(loaded, "pressure", *SEGMENTS)) > 0.0
     charts = []
@@ -306,12 +306,12 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         ("film_thickness", "Least film thickness", "[µm]", _least),
         ("flash_temperature", "Greatest flash temperature", "[K]", _greatest),
     ):
-        if variable in here:
-            table = np.where(carries, here[variable].transpose(*SEGMENTS).values, np.nan)
+        if variable in subset:
+            table = np.where(carries, subset[variable].transpose(*SEGMENTS).values, np.nan)
             source = f"friction/{variable}"
             charts.append(_course(variable, title, unit, source, names, reduce(table)[chosen]))
-    if "sliding_velocity" in here:
-        sliding = here["sliding_velocity"].transpose(..., "mesh_position", "segment").values  # maybe of each torque
+    if "sliding_velocity" in subset:
+        sliding = subset["sliding_velocity"].transpose(..., "mesh_position", "segment").values  # maybe of each torque
         source = "friction/sliding_velocity"
         table = np.where(carries, sliding, np.nan)
         charts.append(
@@ -322,8 +322,8 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         charts.append(
             _course("pv", "Greatest pressure × sliding velocity", "[MPa m/s]", source, names, _greatest(table)[chosen])
         )
-    if "mesh_power_loss" in here:
-        table = here["mesh_power_loss"].transpose(*LOADED).values[chosen]
+    if "mesh_power_loss" in subset:
+        table = subset["mesh_power_loss"].transpose(*LOADED).values[chosen]
         charts.append(_course("power_loss", "Power loss", "[W]", "friction/mesh_power_loss", names, table))
     efficiency = 100.0 * friction["efficiency"]
     for along, label in AXES.items():
@@ -331,10 +331,10 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         if friction.sizes[along] < 2:
             continue
         fixed = {name: number for name, number in at.items() if name not in (along, by)}
-        found = efficiency.isel(fixed).transpose(by, along).sortby(along)
-        rows = range(found.sizes[by]) if by == "speed" else chosen
+        curves = efficiency.isel(fixed).transpose(by, along).sortby(along)
+        rows = range(curves.sizes[by]) if by == "speed" else chosen
         unit = "1/min" if by == "speed" else "N m"
-        series = [(f"{found[by].values[i]:g} {unit}", found[along].values, found.values[i]) for i in rows]
+        series = [(f"{curves[by].values[i]:g} {unit}", curves[along].values, curves.values[i]) for i in rows]
         title = f"Efficiency over {label.partition(' [')[0]}"
         charts.append(chart(f"efficiency_{along}", title, label, "[%]", "friction/efficiency", series))
     return charts
@@ -344,13 +344,15 @@ def efficiency_map(friction: xr.Dataset, at: dict[str, int]) -> dict[str, Any] |
     """Efficiency [%] over torque and speed, and the share of the loss beyond the formula; ``None`` unless several."""
     if min(friction.sizes["torque"], friction.sizes["speed"]) < 2:
         return None
-    here = friction.isel(temperature=at["temperature"], roughness=at["roughness"])
-    here = here.sortby("torque").sortby("speed")
-    outside = here["extrapolated_share"].transpose("torque", "speed").values if "extrapolated_share" in here else None
+    subset = friction.isel(temperature=at["temperature"], roughness=at["roughness"])
+    subset = subset.sortby("torque").sortby("speed")
+    outside = (
+        subset["extrapolated_share"].transpose("torque", "speed").values if "extrapolated_share" in subset else None
+    )
     return {
-        "torques": here["torque"].values.tolist(),
-        "speeds": here["speed"].values.tolist(),
-        "values": packed_exactly(100.0 * here["efficiency"].transpose("torque", "speed").values),
+        "torques": subset["torque"].values.tolist(),
+        "speeds": subset["speed"].values.tolist(),
+        "values": packed_exactly(100.0 * subset["efficiency"].transpose("torque", "speed").values),
         "outside": None if outside is None else packed_exactly(outside),
         "told": TOLD_SHARE,
     }

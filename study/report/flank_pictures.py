@@ -46,8 +46,8 @@ def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
     if member == "gear":
         return points
     known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
-    found = fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
-    opposite = np.stack(list(found.values())).reshape(np.shape(points))
+    fractions = fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
+    opposite = np.stack(list(fractions.values())).reshape(np.shape(points))
     return np.where(np.isfinite(points), opposite, np.nan)
 
 
@@ -74,9 +74,9 @@ def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape
     second, third = _cross(node - a, c - a) / area, _cross(b - a, node - a) / area
     weight = np.stack([1.0 - second - third, second, third], axis=1)
     within = np.all(weight >= -CORNER_TOLERANCE, axis=1)
-    found = np.sum(weight * at_corners[owner], axis=1)[within]
+    node_values = np.sum(weight * at_corners[owner], axis=1)[within]
     index = (node[:, 0] * shape[1] + node[:, 1])[within]
-    np.fmax.at(grid, index, found)
+    np.fmax.at(grid, index, node_values)
     return grid.reshape(shape)
 
 
@@ -86,9 +86,9 @@ def _cross(a: Array, b: Array) -> Array:
 
 def pressure_raster(at_torque: xr.Dataset, view: ToothView) -> Array:
     """Greatest pressure [MPa] over the mesh cycle on a flank; zero where there is no load."""
-    found = pressure_map(at_torque)
-    points = on_member(view.fields, found.points, view.member)
-    return np.nan_to_num(rasterised(points, found.pressure, found.triangles))
+    surface = pressure_map(at_torque)
+    points = on_member(view.fields, surface.points, view.member)
+    return np.nan_to_num(rasterised(points, surface.pressure, surface.triangles))
 
 
 def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, int] = RASTER) -> Array:
@@ -115,10 +115,10 @@ def scattered_rasters(points: Array, values: Array, view: ToothView) -> Array:
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import Delaunay, QhullError, cKDTree
 
-    here, wanted = view.plane(points).T, view.plane(fine_grid(RASTER)).reshape(2, -1).T
-    nearest = values[:, cKDTree(here).query(wanted)[1]]
+    sites, wanted = view.plane(points).T, view.plane(fine_grid(RASTER)).reshape(2, -1).T
+    nearest = values[:, cKDTree(sites).query(wanted)[1]]
     try:
-        between = LinearNDInterpolator(Delaunay(here), values.T)(wanted).T
+        between = LinearNDInterpolator(Delaunay(sites), values.T)(wanted).T
     except QhullError:  # fewer than three points, or all on one line
         between = np.full_like(nearest, np.nan)
     return np.where(np.isfinite(between), between, nearest).reshape(-1, *RASTER)
@@ -156,8 +156,8 @@ def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str,
     beyond = boundary_distance(gear.fields, grid) < -COMMON_MARGIN
     fields = {"ease_off": packed(np.where(beyond, np.nan, distance))}
     if "friction" in tree.children:
-        found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid.reshape(2, -1))
-        sliding = UNIT_SPEED * found.sliding_speed.reshape(RASTER)
+        velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid.reshape(2, -1))
+        sliding = UNIT_SPEED * velocities.sliding_speed.reshape(RASTER)
         fields["sliding_velocity"] = packed(np.where(beyond, np.nan, sliding))
     return fields
 
@@ -178,16 +178,16 @@ def unloaded_marks(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str,
         "members": {},
     }
     for view in views:
-        own: dict[str, Any] = {
+        member_marks: dict[str, Any] = {
             "lines": packed(view.in_plane(np.moveaxis(pattern.lines[there], 1, 0))),
             "paths": [packed(view.in_plane(span.path)) for span in pattern.ranges],
             "ranges": [packed(view.in_plane(span.outline)) for span in pattern.ranges],
         }
         if printed is not None:
-            own["print"] = packed(np.clip(gear_raster(printed.points, printed.excess, view), -1.0, 1.0))
+            member_marks["print"] = packed(np.clip(gear_raster(printed.points, printed.excess, view), -1.0, 1.0))
         if light is not None:
-            own["light"] = packed(pressure_raster(light, view))
-        marks["members"][view.member] = own
+            member_marks["light"] = packed(pressure_raster(light, view))
+        marks["members"][view.member] = member_marks
     return marks
 
 
@@ -212,12 +212,12 @@ def friction_fields(
         carries, points = on_lines(at_torque)
         rows: dict[str, list[Any]] = {name: [] for name in names}
         for speed in speeds:
-            here = friction.isel(torque=int(torque), speed=int(speed))
-            tables = [here[name].transpose("mesh_position", "segment").values[carries] for name in names]
+            subset = friction.isel(torque=int(torque), speed=int(speed))
+            tables = [subset[name].transpose("mesh_position", "segment").values[carries] for name in names]
             known = np.all(np.isfinite(tables), axis=0) if tables else np.zeros(0, dtype=bool)
             if np.any(known):
-                found = scattered_rasters(points[:, known], np.stack(tables)[:, known], view)
-                for name, raster in zip(names, found, strict=True):
+                rasters = scattered_rasters(points[:, known], np.stack(tables)[:, known], view)
+                for name, raster in zip(names, rasters, strict=True):
                     rows[name].append(packed(raster))
             else:
                 for name in names:
@@ -236,15 +236,17 @@ def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, .
     starts, columns = [], []
     count = 0
     for torque in chosen:
-        here = loaded.isel(torque=int(torque))
-        force = np.nan_to_num(ordered(here, "force", *order))
+        at_torque = loaded.isel(torque=int(torque))
+        force = np.nan_to_num(ordered(at_torque, "force", *order))
         carries = force > 0.0
         ends = count + np.cumsum(carries.sum(axis=1))
         starts.append([count, *ends.tolist()])
         count = int(ends[-1])
-        edge = np.isfinite(ordered(here, "overhang", *order)) if "overhang" in here else np.zeros_like(carries)
+        edge = (
+            np.isfinite(ordered(at_torque, "overhang", *order)) if "overhang" in at_torque else np.zeros_like(carries)
+        )
         names = ("lengthwise", "profile", "tooth", "pressure", "half_width", "length", "force")
-        columns.append(np.stack([*(ordered(here, name, *order)[carries] for name in names), edge[carries]]))
+        columns.append(np.stack([*(ordered(at_torque, name, *order)[carries] for name in names), edge[carries]]))
     table = np.concatenate(columns, axis=1)
     numbers = dict(zip(("pressure", "half_width", "length", "force"), map(packed, table[3:7]), strict=True))
     places = {view.member: packed(on_member(view.fields, table[:2], view.member)) for view in views}
@@ -314,14 +316,14 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
     if "optimization" in tree.children:
         record = tree["optimization"].to_dataset()
         for number in range(record.sizes["assembly"]):
-            here = record.isel(assembly=number)
+            assembly = record.isel(assembly=number)
             part["stages"].append(
                 {
-                    "title": f"Before → after, {assembly_title(here, number)}",
+                    "title": f"Before → after, {assembly_title(assembly, number)}",
                     "heads": ["", *(f"{torque:g} N m" for torque in record["torque"].values), "variable"],
                     "rows": [
                         [label.replace("[urad]", "[µrad]"), *changes, f"optimization/{name}"]
-                        for name, label, changes in assembly_rows(here, " → ")
+                        for name, label, changes in assembly_rows(assembly, " → ")
                     ],
                 }
             )

@@ -44,11 +44,11 @@ def member_turns(tree: xr.DataTree, pair: GearPair) -> dict[str, float]:
     action = ordered(ease_off, "action_position", *grid, "space")[inside]
     position = ordered(flanks, "position", "member", *grid, "xyz")
     gear = position[MEMBERS.index("gear")][inside] + pair.assembly.gear_origin
-    own = np.stack([ordered(ease_off, f"pinion_{name}", *grid)[inside] for name in grid])
+    fractions = np.stack([ordered(ease_off, f"pinion_{name}", *grid)[inside] for name in grid])
     from scipy.interpolate import RegularGridInterpolator
 
     axes = tuple(ordered(flanks, name, name) for name in grid)
-    pinion = RegularGridInterpolator(axes, position[MEMBERS.index("pinion")])(np.clip(own.T, 0.0, 1.0))
+    pinion = RegularGridInterpolator(axes, position[MEMBERS.index("pinion")])(np.clip(fractions.T, 0.0, 1.0))
     pinion = pinion @ pair.assembly.pinion_frame.T + pair.assembly.pinion_origin
     turns = {}
     for member, points, rate in (("pinion", pinion, 1.0), ("gear", gear, 1.0 / float(ease_off.attrs["ratio"]))):
@@ -108,10 +108,10 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
     members = {}
     for member in MEMBERS:
         loaded = f"{flanks[member][tree.attrs['flank'] != 'drive']}_flank"
-        own = patches[member]
+        surfaces = patches[member]
         frame = pair.assembly.pinion_frame if member == "pinion" else np.eye(3)
         origin = pair.assembly.pinion_origin if member == "pinion" else pair.assembly.gear_origin
-        placed = {name: points @ frame.T + origin for name, points in own.items()}
+        placed = {name: points @ frame.T + origin for name, points in surfaces.items()}
         node = ordered(tree["flanks"].to_dataset(), "position", "member", "lengthwise", "profile", "xyz")
         flank, outward = _from_toe(placed[loaded], node[MEMBERS.index(member), 0, 0] @ frame.T + origin)
         members[member] = {

@@ -68,30 +68,30 @@ class GivenResults:
     @classmethod
     def of(cls, given: Mapping[str, xr.DataTree | xr.Dataset]) -> GivenResults:
         """Parts of what is given by name, which must be results, and not too many."""
-        found = cls()
+        parts = cls()
         joined = {}
         for name, one in given.items():
             kind = kind_of(one)
             if isinstance(one, xr.DataTree):
                 if "load_cases" in one.children:
-                    found.load_cases[printable(name)] = joined[name] = one
+                    parts.load_cases[printable(name)] = joined[name] = one
                 elif "loaded" in one.children:
                     _require_whole(name, one)
-                    found.results[printable(name)] = one
+                    parts.results[printable(name)] = one
                 else:
                     raise InputError(f"{name}: must be a result of {ACCEPTED}")
             else:
                 _require_kind(name, kind)
                 require_layout(name, one, kind)
-                (found.checks if kind == "V-H check" else found.wear)[printable(name)] = one
-        if not len(found.results) <= RESULT_COUNT_LIMIT or not given:
+                (parts.checks if kind == "V-H check" else parts.wear)[printable(name)] = one
+        if not len(parts.results) <= RESULT_COUNT_LIMIT or not given:
             raise InputError(
-                f"results = {len(found.results)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report, and V-H "
+                f"results = {len(parts.results)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report, and V-H "
                 "checks and wear besides"
             )
         for name, one in joined.items():
-            found._take_load_cases(name, one, alone=len(given) == 1)
-        return found
+            parts._take_load_cases(name, one, alone=len(given) == 1)
+        return parts
 
     def _take_load_cases(self, name: str, tree: xr.DataTree, *, alone: bool) -> None:
         """Take results of load cases, those of the greatest pressure if there is no room for all."""
@@ -130,13 +130,13 @@ def read_given(path: Path) -> xr.DataTree | xr.Dataset:
 
 def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
     """The same of what a file holds."""
-    found = tree.to_dataset()
-    kind = kind_of(found)
+    dataset = tree.to_dataset()
+    kind = kind_of(dataset)
     if kind == "other":
         return checked_result(tree, path)
     _require_kind(str(path), kind)
-    require_layout(str(path), found, kind)
-    return found
+    require_layout(str(path), dataset, kind)
+    return dataset
 
 
 def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
@@ -150,10 +150,10 @@ def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTre
 
 def _require_whole(name: str, tree: xr.DataTree) -> None:
     """Refuse a result that lacks something, or has it in another form."""
-    found = faults(tree)
-    if found:
-        told = "; ".join(found[:FAULT_COUNT_LIMIT])
-        raise InputError(f"{name} {DAMAGED}: {told}; make it anew with 'easeoff run' or 'easeoff modify'")
+    defects = faults(tree)
+    if defects:
+        words = "; ".join(defects[:FAULT_COUNT_LIMIT])
+        raise InputError(f"{name} {DAMAGED}: {words}; make it anew with 'easeoff run' or 'easeoff modify'")
 
 
 def _require_kind(name: str, kind: str) -> None:
@@ -308,7 +308,7 @@ def report_page(results: Mapping[str, Given], author: str = "") -> str:
     given = GivenResults.of(results)
     data: dict[str, Any] = {
         "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
-        "checks": [vh_part(name, found) for name, found in given.checks.items()],
+        "checks": [vh_part(name, check) for name, check in given.checks.items()],
         "wear": [flank_pictures.wear_part(name, worn) for name, worn in given.wear.items()],
         "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
         "notes": given.notes,

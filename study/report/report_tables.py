@@ -67,10 +67,10 @@ def implied_dimensions(case: Case) -> dict[str, dict[str, float]]:
 
 def dimension_rows(case: Case) -> list[list[str]]:
     """Rows name, unit, key and a value a member; none where nothing is implied."""
-    found = implied_dimensions(case)
+    dimensions = implied_dimensions(case)
     rows = []
     for key, (name, unit) in ROWS.items():
-        values = [found.get(member, {}).get(key, math.nan) for member in MEMBERS]
+        values = [dimensions.get(member, {}).get(key, math.nan) for member in MEMBERS]
         if np.any(np.isfinite(values)):
             rows.append([name, unit, "", *(f"{value:.3f}" if math.isfinite(value) else "–" for value in values)])
     return rows
@@ -105,14 +105,14 @@ def _flanks(pair: GearPair, name: str) -> dict[str, float]:
     teeth, hand = (getattr(pair.assembly, f"{name}_{what}") for what in ("teeth", "hand"))
     try:
         flanks = placed_flanks(member, tooth_angle(pair, name))
-        found = {side: one.at(*point[:, None]) for side, one in flanks.items()}
+        surface_points = {side: one.at(*point[:, None]) for side, one in flanks.items()}
         middle = thickness_per_angle(member) * tooth_angle(pair, name)
         mean = mean_normal_thickness(member, middle, mean_cone_distances(pair)[MEMBERS.index(name)])
     except EaseoffError:
         return {}
     angles: dict[str, MeanPointAngles] = {
         side: angles_of_normal(one.position[:, 0], one.normal[:, 0], section.pitch_angle, hand)
-        for side, one in found.items()
+        for side, one in surface_points.items()
     }
     spiral = float(np.mean([one.spiral_angle for one in angles.values()]))
     return {
@@ -270,11 +270,11 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
 
 def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
     """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
-    found = misalignment_over_torque(tree)
-    if found is None:
+    course = misalignment_over_torque(tree)
+    if course is None:
         return []
     scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
-    rows = zip(found[0].tolist(), (scale * found[1].mean(axis=1)).tolist(), strict=True)
+    rows = zip(course[0].tolist(), (scale * course[1].mean(axis=1)).tolist(), strict=True)
     return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
@@ -353,8 +353,8 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
         conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        found = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
-        rows.append([*conditions, *found])
+        cells = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        rows.append([*conditions, *cells])
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
     variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
@@ -439,6 +439,8 @@ def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[s
             continue
         if all(value is None or (not value and key not in model.model_fields_set) for value in values):
             continue
-        told = "" if unit == "1" else unit.replace("deg", "°")
-        rows.append((usual_name(key), told, key, ["–" if value is None else f"{value:.7g}" for value in values]))
+        display_unit = "" if unit == "1" else unit.replace("deg", "°")
+        rows.append(
+            (usual_name(key), display_unit, key, ["–" if value is None else f"{value:.7g}" for value in values])
+        )
     return rows

@@ -101,16 +101,16 @@ def _error_lines(flank: CorrectedFlank) -> Iterator[str]:
     if min(turned.value.shape) < 3:
         yield f"{flank.side}: too few rows or columns for global errors"
         return
-    found = fit_global_errors(turned)
-    angles = dict(zip(("spiral_angle", "pressure_angle"), angle_errors(found.errors, flank.member), strict=True))
+    fit = fit_global_errors(turned)
+    angles = dict(zip(("spiral_angle", "pressure_angle"), angle_errors(fit.errors, flank.member), strict=True))
     rows = [
         (key, f"{value:+.1f}", f"{60.0 * math.degrees(angles[key]):+.2f}" if key in angles else "")
-        for key, value in asdict(found.errors).items()
+        for key, value in asdict(fit.errors).items()
     ]
     yield tabulate(
         rows, headers=[flank.side, "um", "minutes"], disable_numparse=True, colalign=("left", "right", "right")
     )
-    yield f"rms {found.rms_before:.2f} um, without these {found.rms:.2f} um"
+    yield f"rms {fit.rms_before:.2f} um, without these {fit.rms:.2f} um"
 
 
 def _setting_rows(correction: Correction) -> Iterator[tuple[str, str, str, str, str]]:
@@ -186,9 +186,9 @@ def modification_report(tree: xr.DataTree) -> str:
     ]
     torques = [f"{torque:g}" for torque in record["torque"].values]
     for number in range(record.sizes["assembly"]):
-        here = record.isel(assembly=number)
-        rows = [(label, *changes) for _, label, changes in assembly_rows(here)]
-        parts.append(f"Before -> after, {assembly_title(here, number)}")
+        assembly = record.isel(assembly=number)
+        rows = [(label, *changes) for _, label, changes in assembly_rows(assembly)]
+        parts.append(f"Before -> after, {assembly_title(assembly, number)}")
         headers = ("torque [N m]", *torques)
         parts.append(
             tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
@@ -221,26 +221,26 @@ def notes(tree: xr.DataTree) -> list[str]:
     """Warnings and notes: exceeded limits, a search that did not converge, extrapolated deflections."""
     record = tree["optimization"].to_dataset()
     after = record.sel(stage="after").max("assembly")
-    found = []
+    lines = []
     ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
     if np.any(ripple > limit):
-        found.append(
+        lines.append(
             f"Warning: the transmission error is {ripple.max():.2f} urad peak to peak, above its limit of {limit:g} "
             "urad: raise the limit or the order of the terms"
         )
     ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
     if np.any(ends > most):
         worst = int(np.argmax(ends - most))
-        found.append(
+        lines.append(
             f"Warning: the line load at the edges is {ends[worst]:.0f} N/mm at {after['torque'].values[worst]:g} N m, "
             f"above its limit of {most[worst]:.0f} N/mm"
         )
     if not record.attrs["converged"]:
-        found.append("Note: the search has not converged; more programmes may improve the result")
+        lines.append("Note: the search has not converged; more programmes may improve the result")
     greatest = record.attrs["largest_modification_um"]
     if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
-        found.append(f"Note: the modification reaches its limit of {greatest:g} um")
-    return [*found, *deflection_notes(tree)]
+        lines.append(f"Note: the modification reaches its limit of {greatest:g} um")
+    return [*lines, *deflection_notes(tree)]
 
 
 def _change(both: np.ndarray, digits: int, arrow: str) -> str:
@@ -282,13 +282,13 @@ def setting_report(tree: xr.DataTree) -> str:
 
 
 def _settings(record: xr.Dataset) -> str:
-    rows, held = [], _at_limit(record)
+    rows, limit_flags = [], _at_limit(record)
     for number, name in enumerate(record["setting"].values.tolist()):
         one = record.isel(setting=number)
         start, value = float(one["setting_start"]), float(one["setting_value"])
         unit = str(one["setting_units"].item())
         reach = abs(value - start) * float(one["ease_off_per_setting"])
-        at = "at its limit" if held[number] else ""
+        at = "at its limit" if limit_flags[number] else ""
         rows.append((name, unit, f"{start:.6g}", f"{value:.7g}", f"{value - start:+.4g}", f"{reach:.0f}", at))
     headers = ("setting", "unit", "before", "after", "change", "alone [um]", "")
     return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", *["right"] * 4, "left"))
@@ -309,8 +309,8 @@ def _limits(record: xr.Dataset) -> str:
     for number, name in enumerate(record["quantity_limit"].values.tolist()):
         one = record.isel(quantity_limit=number)
         cost = float(one["limit_multiplier"])
-        told = f"{cost:.3g}" if cost > MULTIPLIER_MINIMUM else "-"
-        rows.append((name, _number(one["limited_start"]), _number(one["limited_value"]), told))
+        gain = f"{cost:.3g}" if cost > MULTIPLIER_MINIMUM else "-"
+        rows.append((name, _number(one["limited_start"]), _number(one["limited_value"]), gain))
     headers = ("limit", "before", "after", "gain per unit wider")
     return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
 
@@ -327,59 +327,59 @@ def _front(tree: xr.DataTree) -> str:
 
 def _search_notes(record: xr.Dataset) -> list[str]:
     attributes = record.attrs
-    found = []
+    lines = []
     if attributes["form"] == "weighted":
         whole = float(record["objective_weight"].sum())
-        found.append(f"Weighted sum of mean ratios: {attributes['objective_total']:.4g}, at the start {whole:.4g}")
+        lines.append(f"Weighted sum of mean ratios: {attributes['objective_total']:.4g}, at the start {whole:.4g}")
     if unrounded := attributes.get("unrounded"):
         exact = np.array_equal(record["setting_value"], record["setting_found"])
-        told = "as they are" if exact else "only in 'setting_found': they cannot be analysed, those before are"
-        found.append(f"Note: the settings found cannot be rounded: {unrounded}; the result has them {told}")
+        words = "as they are" if exact else "only in 'setting_found': they cannot be analysed, those before are"
+        lines.append(f"Note: the settings found cannot be rounded: {unrounded}; the result has them {words}")
     else:
-        found.append(
+        lines.append(
             f"Rounded: the ease-off changes by up to {attributes['rounding_change_um']:.2g} um, the objective by "
             f"{attributes['rounding_loss']:+.1g}"
         )
-    found += [
+    lines += [
         f"{attributes['analyses']} analyses, {attributes['differentiated_analyses']} of them with derivatives; "
         f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times",
     ]
     if attributes["violation"] > 0.0:
-        found.append(
+        lines.append(
             f"Warning: limits are passed by {100.0 * attributes['violation']:.2g} % in all: widen limits, free more "
             "settings, or allow more --move"
         )
-    found += _proposals(record)
-    held = [str(name) for name in record["setting"].values[_at_limit(record)]]
-    if held:
-        found.append(f"Note: at the end of its range is {', '.join(held)}; --move or --limit-setting gives it more")
-    found.append(ENDS[attributes["ended"]])
+    lines += _proposals(record)
+    names = [str(name) for name in record["setting"].values[_at_limit(record)]]
+    if names:
+        lines.append(f"Note: at the end of its range is {', '.join(names)}; --move or --limit-setting gives it more")
+    lines.append(ENDS[attributes["ended"]])
     if not attributes["edge_contact"]:
-        found.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
+        lines.append("The search knows contact on lines alone; the analysis in the result is as the case says of edges")
     if "sample_ratio" in record:
         samples, known = record["sample_ratio"].values, np.max(record["ratio_by_assembly"].values)
         analysed = np.isfinite(samples).all(axis=0)
         lost, worst = np.count_nonzero(~analysed), np.max(samples[:, analysed], initial=0.0)
-        found.append(
+        lines.append(
             f"In {np.count_nonzero(analysed)} assemblies drawn anew the worst ratio is {worst:.3f}; in those of the "
             f"search {known:.3f}" + f"; {lost} more could not be analysed" * bool(lost)
         )
-    return found
+    return lines
 
 
 def _proposals(record: xr.Dataset) -> list[str]:
     """Lines on proposed settings: reasons of refusals, and if none was better than the start."""
     reasons, counts = np.unique([one for one in record["refusal"].values.tolist() if one], return_counts=True)
     count, refused = record.sizes["programme"], int(counts.sum())
-    found = [
+    lines = [
         f"Refused, not analysed: {number} of {count} proposals: {reason}"
         for reason, number in zip(reasons.tolist(), counts.tolist(), strict=True)
     ]
     if refused == count > 0:
-        found.append("No proposal could be analysed: whether there is something better than the start is not known")
+        lines.append("No proposal could be analysed: whether there is something better than the start is not known")
     elif count and not record["accepted"].values.any():
-        found.append(f"None of the {count - refused} proposals that were analysed is better than the start")
-    return found
+        lines.append(f"None of the {count - refused} proposals that were analysed is better than the start")
+    return lines
 
 
 def _at_limit(record: xr.Dataset) -> NDArray[np.bool_]:

@@ -57,10 +57,10 @@ def error_words(attributes: Mapping[Any, Any]) -> tuple[list[str], list[float]]:
 
 def deflection_table(tree: xr.DataTree) -> str:
     """Table of the mean misalignment of a mesh cycle, a row a torque; empty if it does not depend on the torque."""
-    found = misalignment_over_torque(tree)
-    if found is None:
+    course = misalignment_over_torque(tree)
+    if course is None:
         return ""
-    torques, errors = found
+    torques, errors = course
     mean = errors.mean(axis=1)
     mean[:, 3] = np.degrees(mean[:, 3])
     rows = [

@@ -193,12 +193,12 @@ def _misalignment(attributes: dict[str, Any]) -> str:
         return _text(attributes["deflections"])
     if not all(name in attributes for name in MISALIGNMENT):
         return ""
-    found = [
+    errors = [
         f"{letter} {float(attributes[name]) * factor:g} {unit}"
         for name, (letter, factor, unit) in MISALIGNMENT.items()
         if isinstance(attributes[name], int | float | np.number) and attributes[name]
     ]
-    return ", ".join(found) or "none"
+    return ", ".join(errors) or "none"
 
 
 def _text(value: Any) -> str:

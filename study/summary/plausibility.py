@@ -124,14 +124,14 @@ def end_notes(loaded: xr.Dataset) -> list[str]:
     ends = [LineEnd(int(value)) for value in loaded["max_pressure_line_end"].values]
     inner = max_inner_pressure(loaded)
     excess = np.nan_to_num(greatest / inner - 1.0, nan=0.0)
-    told = [number for number, end in enumerate(ends) if end not in INSIDE]
-    if not told:
+    indices = [number for number, end in enumerate(ends) if end not in INSIDE]
+    if not indices:
         return []
-    most = max(told, key=lambda number: (excess[number], greatest[number]))
+    most = max(indices, key=lambda number: (excess[number], greatest[number]))
     above = "no pressure is inside"
     if np.isfinite(inner[most]):
         above = f"{100.0 * max(excess[most], 0.0):.0f} % above the greatest inside, {inner[most]:.0f} MPa"
-    more = f"; likewise at {', '.join(f'{torques[n]:g}' for n in told if n != most)} N m" if len(told) > 1 else ""
+    more = f"; likewise at {', '.join(f'{torques[n]:g}' for n in indices if n != most)} N m" if len(indices) > 1 else ""
     place = ends[most].name.lower().replace("_", " ")
     low = ""
     if ends[most] in TOOTH_ENDS:
@@ -236,15 +236,15 @@ def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> li
     """
     if "film_thinning" not in friction:
         return []
-    here = friction.isel({name: [int(number)] for name, number in (at or {}).items()})
+    subset = friction.isel({name: [int(number)] for name, number in (at or {}).items()})
     named = at is None
-    texts = (*_formula(here, named), *_oil(here), *_temperature(here), *_film(here, named))
+    texts = (*_formula(subset, named), *_oil(subset), *_temperature(subset), *_film(subset, named))
     return [f"Note: {text}" for text in texts]
 
 
 def _formula(friction: xr.Dataset, named: bool) -> list[str]:
     """Sentences on the range of the friction formula, and on where its expressions meet."""
-    found = []
+    sentences = []
     worst, place = _worst(friction, "extrapolated_share", TOLD_SHARE)
     if place is not None:
         parts: dict[str, float] = {}
@@ -254,9 +254,9 @@ def _formula(friction: xr.Dataset, named: bool) -> list[str]:
             name = INPUTS.get(int(flag), "another input")
             parts[name] = parts.get(name, 0.0) + float(share)
         largest = sorted(parts, key=lambda name: -round(parts[name], 4))  # alike but for rounding stay in order
-        told = [name for name in largest if parts[name] >= TOLD_SHARE]
-        inputs = [name for name in told if name != "coefficient"] or told or largest[:1]
-        found.append(
+        main_inputs = [name for name in largest if parts[name] >= TOLD_SHARE]
+        inputs = [name for name in main_inputs if name != "coefficient"] or main_inputs or largest[:1]
+        sentences.append(
             f"{_percent(worst)} of the power loss{_at(friction, place, 'roughness', named)} lies outside the range "
             f"of the friction formula ({', '.join(inputs)})."
         )
@@ -264,12 +264,12 @@ def _formula(friction: xr.Dataset, named: bool) -> list[str]:
     if place is not None:
         smooth = friction.attrs["friction_coefficient"] == "kolivand_blended"
         passing = "passes smoothly" if smooth else "jumps"
-        found.append(
+        sentences.append(
             f"{_percent(worst)} of the power loss{_at(friction, place, 'roughness', named)} is where two expressions "
             "of the friction formula meet (lambda ratio 0.9 to 1.1 or 2.7 to 3.3); they differ by 10 to 30 % as a "
             f"rule, and the coefficient {passing} from one to the other."
         )
-    return found
+    return sentences
 
 
 def _oil(friction: xr.Dataset) -> list[str]:
@@ -369,14 +369,16 @@ def _other_pair(tree: xr.DataTree) -> list[str]:
     name = str(tree.attrs.get("supports_name", ""))
     if name not in shipped_supports():
         return []
-    own = next((case for case in shipped_cases() if name.endswith(f"-{case}")), None)
-    if own is None:
+    owner = next((case for case in shipped_cases() if name.endswith(f"-{case}")), None)
+    if owner is None:
         return []
-    pair = read_case(own)
+    pair = read_case(owner)
     teeth = [pair.pinion.number_of_teeth, pair.gear.number_of_teeth]
     if teeth == [int(tree.attrs[f"{member}_teeth"]) for member in MEMBERS]:
         return []
-    return [f"Note: the supports {name} are those of another pair, {own}: are places and stiffness right for this one?"]
+    return [
+        f"Note: the supports {name} are those of another pair, {owner}: are places and stiffness right for this one?"
+    ]
 
 
 def _within_face(tree: xr.DataTree) -> list[str]:
@@ -403,21 +405,21 @@ def _pulled(tree: xr.DataTree) -> list[str]:
     """Members whose bearings all carry axial load in one sense, at the torque where they carry most."""
     names, _, axial = bearing_loads(tree)
     torques = np.sort(tree["supports"].to_dataset()["torque"].values)
-    told = []
+    phrases = []
     for member in MEMBERS:
-        own = [number for number, name in enumerate(names) if name.startswith(f"{member} ")]
-        if len(own) < 2:
+        bearings = [number for number, name in enumerate(names) if name.startswith(f"{member} ")]
+        if len(bearings) < 2:
             continue
-        mean = axial[own].mean(axis=2)
+        mean = axial[bearings].mean(axis=2)
         weakest, largest = np.abs(mean).min(axis=0), np.abs(mean).max(axis=0)
         shared = (mean.min(axis=0) * mean.max(axis=0) > 0.0) & (weakest > SHARED_LOAD_SHARE * largest)
         if shared.any():
             at = int(np.argmax(np.where(shared, largest, -1.0)))
-            loads = ", ".join(f"{names[number]} {mean[row, at]:+.0f} N" for row, number in enumerate(own))
-            told.append(f"{loads} at {torques[at]:g} N m")
-    if not told:
+            loads = ", ".join(f"{names[number]} {mean[row, at]:+.0f} N" for row, number in enumerate(bearings))
+            phrases.append(f"{loads} at {torques[at]:g} N m")
+    if not phrases:
         return []
     return [
-        f"Note: bearings of a member carry axial load in the same sense ({'; '.join(told)}): of two opposed taper "
+        f"Note: bearings of a member carry axial load in the same sense ({'; '.join(phrases)}): of two opposed taper "
         "roller bearings one is relieved, which holds as long as its preload lasts; these springs hold in both senses."
     ]

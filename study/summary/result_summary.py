@@ -138,9 +138,9 @@ def loaded_table(numbers: xr.Dataset, positions: int) -> str:
     rows, torques = _loaded_rows(numbers, positions), numbers["torque"].values
     parts = []
     for first in range(0, torques.size, COLUMN_COUNT_LIMIT):
-        here = slice(first, first + COLUMN_COUNT_LIMIT)
-        headers = ["torque at the pinion [N m]", *(f"{torque:g}" for torque in torques[here])]
-        body = [(name, *texts[here]) for name, texts in rows]
+        columns = slice(first, first + COLUMN_COUNT_LIMIT)
+        headers = ["torque at the pinion [N m]", *(f"{torque:g}" for torque in torques[columns])]
+        body = [(name, *texts[columns]) for name, texts in rows]
         aligned = ("left", *("right",) * (len(headers) - 1))
         parts.append(tabulate(body, headers=headers, disable_numparse=True, colalign=aligned, preserve_whitespace=True))
     return "\n\n".join(parts)
@@ -172,8 +172,8 @@ def efficiencies(friction: xr.Dataset) -> str:
         share = 100.0 * rolling / loss if loss else np.nan
         digits = (3, 0, 0, 1) if beyond[at] else (4, 1, 1, 2)
         values_of = (coefficient[at], loss, share, 100 * efficiency)
-        found = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
-        rows.append((*conditions, *found, *films.get(at, ())))
+        cells = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
+        rows.append((*conditions, *cells, *films.get(at, ())))
     headers = [
         *CONDITIONS,
         "mean\nmu",

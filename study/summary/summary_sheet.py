@@ -177,12 +177,12 @@ def _blanks(case: Case) -> Iterator[tuple[str, ...]]:
 
 
 def _flanks(case: Case) -> dict[str, FlankSettings]:
-    found = {}
+    flanks = {}
     for name, member in (("pinion", case.pinion), ("gear", case.gear)):
         for side in FLANKS:
             if (settings := getattr(member, side)) is not None:
-                found[f"{name} {side}"] = settings
-    return found
+                flanks[f"{name} {side}"] = settings
+    return flanks
 
 
 def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tuple[str, ...]]:

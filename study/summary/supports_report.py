@@ -65,12 +65,12 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
     ]
     names, radial, axial = bearing_loads(tree)
     for first in range(0, len(names), BEARING_COUNT_LIMIT):
-        here = range(first, min(first + BEARING_COUNT_LIMIT, len(names)))
-        loads = [_both(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in here]
+        bearings = range(first, min(first + BEARING_COUNT_LIMIT, len(names)))
+        loads = [_both(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in bearings]
         tables.append(
             TorqueTable(
                 "Bearing loads in N, radial and axial (positive towards the heel), mean over the mesh cycle",
-                ("torque\nN m", *("\n".join(names[number].split(" ", 1)) for number in here)),
+                ("torque\nN m", *("\n".join(names[number].split(" ", 1)) for number in bearings)),
                 tuple(zip(torques, *loads, strict=True)),
                 ("supports/bearing_force",),
             )
@@ -89,9 +89,9 @@ def bearing_loads(tree: xr.DataTree) -> tuple[list[str], Array, Array]:
     names = [str(name) for name in group["bearing"].values]
     force = ordered(group, "bearing_force", "bearing", *OVER, "space")
     axes = {member: towards_heel(tree["ease_off"].to_dataset(), member) for member in MEMBERS}
-    own = np.stack([axes["pinion" if name.startswith("pinion ") else "gear"] for name in names])
-    axial = np.einsum("btks,bs->btk", force, own)
-    across = force - axial[..., None] * own[:, None, None, :]
+    directions = np.stack([axes["pinion" if name.startswith("pinion ") else "gear"] for name in names])
+    axial = np.einsum("btks,bs->btk", force, directions)
+    across = force - axial[..., None] * directions[:, None, None, :]
     return names, np.linalg.norm(across, axis=-1), axial
 
 
@@ -110,9 +110,9 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     """
     if "supports" not in tree.children or "deflections" in tree.attrs:
         return []
-    found, own = misalignment_words(tree.attrs), stored_table(tree, "misalignment")
+    words, table = misalignment_words(tree.attrs), stored_table(tree, "misalignment")
     alike = all(
-        np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(own.get(key, 0.0)))
+        np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(table.get(key, 0.0)))
         for key, unit, scale in (
             ("offset", "mm", 1.0),
             ("pinion_axial", "mm", 1.0),
@@ -120,10 +120,10 @@ def added_notes(tree: xr.DataTree) -> list[str]:
             ("shaft_angle", "rad", np.radians(1.0)),
         )
     )
-    if not found or not alike:
+    if not words or not alike:
         return []
     return [
-        f"Note: the case's misalignment {found} stands without torque and is added to that of the supports; "
+        f"Note: the case's misalignment {words} stands without torque and is added to that of the supports; "
         "--misalignment E=0 leaves it out, as it should be where it stands for deflections under load."
     ]
 

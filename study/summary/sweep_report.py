@@ -143,9 +143,9 @@ def _values(dataset: xr.Dataset, name: str) -> str:
 
 def failure_reasons(dataset: xr.Dataset) -> list[str]:
     """The most frequent reasons of failures, a line each."""
-    found = Counter(str(reason) for reason in dataset["reason"].values.ravel() if reason)
-    lines = [f"{count} x {printable(reason)}" for reason, count in found.most_common(REASON_COUNT_LIMIT)]
-    left = len(found) - len(lines)
+    counts = Counter(str(reason) for reason in dataset["reason"].values.ravel() if reason)
+    lines = [f"{count} x {printable(reason)}" for reason, count in counts.most_common(REASON_COUNT_LIMIT)]
+    left = len(counts) - len(lines)
     return lines + [f"... and {left} more reasons in the variable reason"] * (left > 0)
 
 
@@ -156,14 +156,14 @@ def _cases(variable: xr.DataArray) -> list[tuple[dict[Any, int], str]]:
     places = list(np.ndindex(*sizes))
     if len(places) > SHOWN_LOADS:
         places = [places[0], places[-1]]
-    found = []
+    cases = []
     for place in places:
         words = ", ".join(
             f"{variable[dim].values[i]:g} {variable[dim].attrs.get('units', '')}"
             for dim, i in zip(dims, place, strict=True)
         )
-        found.append((dict(zip(dims, place, strict=True)), words))
-    return found
+        cases.append((dict(zip(dims, place, strict=True)), words))
+    return cases
 
 
 def _percentile_table(dataset: xr.Dataset, names: list[str]) -> SweepTable:
@@ -184,11 +184,11 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
     tables: list[SweepTable] = []
     for name in SENSITIVE_NUMBERS:
         try:
-            found = sensitivities(dataset, name)
+            sensitivity = sensitivities(dataset, name)
         except InputError:
             continue
-        at, words = _cases(found["effect"])[-1]
-        chosen = found.isel(at)
+        at, words = _cases(sensitivity["effect"])[-1]
+        chosen = sensitivity.isel(at)
         units = str(dataset[name].attrs.get("units", "1"))
         rows: list[list[str]] = []
         for i in np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values))):
@@ -225,11 +225,11 @@ def _worst(dataset: xr.Dataset) -> list[SweepTable]:
     name = WORST_NUMBER
     if name not in numbers(dataset):
         return []
-    found = worst_points(dataset, name, WORST_COUNT)
-    columns = list(dict.fromkeys(one for one in (*swept_names(dataset), "torque") if one in found))
+    points = worst_points(dataset, name, WORST_COUNT)
+    columns = list(dict.fromkeys(one for one in (*swept_names(dataset), "torque") if one in points))
     rows = [
-        [*(_word(found[one].values[i]) for one in columns), f"{found[name].values[i]:.5g}"]
-        for i in range(found.sizes["rank"])
+        [*(_word(points[one].values[i]) for one in columns), f"{points[name].values[i]:.5g}"]
+        for i in range(points.sizes["rank"])
     ]
     units = [dataset[one].attrs.get("units", "") if one in dataset else "" for one in (*columns, name)]
     heads = [
