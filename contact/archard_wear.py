@@ -59,10 +59,10 @@ def engagement(
 
     Refused if edges touch, which sweep no flank, or if a mesh position has no certified solution.
     """
-    here = loaded.isel(torque=torque)
-    if bool(here["overhang"].notnull().any()):
+    cycle = loaded.isel(torque=torque)
+    if bool(cycle["overhang"].notnull().any()):
         raise InputError("loaded: must have contact on lines alone for wear (edge_contact = False)")
-    values = {n: here[n].transpose("mesh_position", "segment").values for n in ("force", "length", *GRID)}
+    values = {n: cycle[n].transpose("mesh_position", "segment").values for n in ("force", "length", *GRID)}
     present = np.isfinite(values["length"])
     if not np.all(np.isfinite(values["force"][present])) or not np.all(present.any(axis=1)):
         raise GeometryError("the contact is not solved at every mesh position: there is no wear to compute from it")
@@ -71,7 +71,7 @@ def engagement(
     moving = splines.evaluate(["sliding", "pinion_speed", "gear_speed", "pinion_lengthwise", "pinion_profile"], on_gear)
     points = {"pinion": np.stack([moving["pinion_lengthwise"], moving["pinion_profile"]]), "gear": on_gear}
     speed = {name: moving[f"{name}_speed"] for name in MEMBERS}
-    step = pinion_pitch / here.sizes["mesh_position"]
+    step = pinion_pitch / cycle.sizes["mesh_position"]
     return Engagement(
         points,
         {name: force / length * moving["sliding"] / speed[name] for name in MEMBERS},

@@ -63,9 +63,9 @@ def extremes(
     open_ones = list(range(len(windows)))
     for _ in range(EXTREME_ROUNDS):
         estimates = [_estimated(*windows[k][1:]) for k in open_ones]
-        found = at(np.mod([place for place, _ in estimates], 1.0))
+        samples = at(np.mod([place for place, _ in estimates], 1.0))
         following = []
-        for k, (place, estimate), value in zip(open_ones, estimates, found, strict=True):
+        for k, (place, estimate), value in zip(open_ones, estimates, samples, strict=True):
             sign, places, heights = windows[k]
             index = np.searchsorted(places, place)
             windows[k] = sign, np.insert(places, index, place), np.insert(heights, index, sign * value)
@@ -234,8 +234,8 @@ def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
     """Values of the segments of all cases, one after the other."""
     segments, solutions = [case.segments for case in cases], [case.solution for case in cases]
     force = np.concatenate([solution.force for solution in solutions])
-    contact, known = WeberLineContact.joined([here.line_contact for here in segments]), np.isfinite(force)
-    point = np.concatenate([here.point for here in segments], axis=1)
+    contact, known = WeberLineContact.joined([group.line_contact for group in segments]), np.isfinite(force)
+    point = np.concatenate([group.point for group in segments], axis=1)
     pressure = contact.pressure(force)
     # Of the strip that the pressure is of, the whole one also where an edge cuts it, as of flash temperatures.
     half_width, hertzian = contact.half_width(force), pressure > 0.0
@@ -245,11 +245,11 @@ def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
         "pressure": np.where(known, pressure, np.nan),
         "half_width": np.where(known, half_width, np.nan),
         "gap": 1e3 * np.concatenate([solution.gap for solution in solutions]),
-        "separation": np.concatenate([here.separation for here in segments]),
+        "separation": np.concatenate([group.separation for group in segments]),
         "length": contact.length,
         "equivalent_radius": contact.equivalent_radius,
-        "lever_arm": np.concatenate([here.lever_arm for here in segments]),
-        "tooth": np.concatenate([here.pair for here in segments]),
+        "lever_arm": np.concatenate([group.lever_arm for group in segments]),
+        "tooth": np.concatenate([group.pair for group in segments]),
         "lengthwise": point[0],
         "profile": point[1],
         "overhang": np.where(contact.overhang >= 0.0, contact.overhang, np.nan),
@@ -344,7 +344,7 @@ def cycle_cases(
         segments, cases = solved(cycle.with_edges(widest), torques, solver, options, progress)
         turned = _turned(cases, count, held)
         # Where there is no line the pair turns until edges hold it, and may meet further ones.
-        turned[[here is None for here in segments]] = 2.0 * widest.max()
+        turned[[group is None for group in segments]] = 2.0 * widest.max()
         if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
             return segments, cases
         widest, progress = np.maximum(widest, EDGE_SEARCH_ROTATION_FACTOR * turned), None
@@ -359,14 +359,14 @@ def solve_all(
     progress: Callable[[], None] | None = None,
 ) -> list[LoadedCase]:
     """Solve all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before."""
-    present = [(k, here) for k, here in enumerate(segments) if here is not None]
-    contacts = [here.line_contact for _, here in present]
-    order, problems = np.argsort(torques, kind="stable"), [here.bending_problem for _, here in present]
+    present = [(k, group) for k, group in enumerate(segments) if group is not None]
+    contacts = [group.line_contact for _, group in present]
+    order, problems = np.argsort(torques, kind="stable"), [group.bending_problem for _, group in present]
     cases = []
     at_torques = solve_at_torques(problems, contacts, 1e3 * ratio * torques[order], solver, **options)
     for index, solved in zip(order, at_torques, strict=True):
-        for (k, here), (solution, secant) in zip(present, solved, strict=True):
-            cases.append(LoadedCase(int(index), k, here, solution, secant))
+        for (k, group), (solution, secant) in zip(present, solved, strict=True):
+            cases.append(LoadedCase(int(index), k, group, solution, secant))
             if progress is not None:
                 progress()
     return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))

@@ -203,8 +203,8 @@ class MeshCycle:
         load = np.asarray(torques)
         if supports is not None:
             common = {"edge_contact": edge_contact, "solver": solver, "progress": progress, **options}
-            found = self.supported(load, supports, **common)
-            return found.loaded, found.cases
+            contact = self.supported(load, supports, **common)
+            return contact.loaded, contact.cases
         return solve_cycle(self.segments, load, self.ratio, edge_contact, solver, options, progress, greater)
 
     def supported(
@@ -342,8 +342,8 @@ def _fields(geometry: PairGeometry) -> FlankSplines:
 
 def _same(splines: FlankSplines, other: FlankSplines) -> bool:
     """True if splines agree to the bit in all that contact lines and compliance depend on."""
-    own, others = splines.spline.coefficients, other.spline.coefficients
-    if not np.array_equal(splines.holes, other.holes) or own.shape != others.shape:
+    coefficients, others = splines.spline.coefficients, other.spline.coefficients
+    if not np.array_equal(splines.holes, other.holes) or coefficients.shape != others.shape:
         return False
     columns = [column for name, (column, _) in splines.columns.items() if name not in GAP_FIELDS]
-    return all(np.array_equal(own[column], others[column]) for column in columns)
+    return all(np.array_equal(coefficients[column], others[column]) for column in columns)

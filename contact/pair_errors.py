@@ -64,16 +64,16 @@ class PairErrors:
         estimate, doubt = _between(course.gap, before, share)
         highest = np.min(np.where(np.isfinite(estimate), estimate + doubt, np.inf), axis=0)
         pair, place = np.nonzero(estimate - doubt <= highest)
-        found = self.touching_at(pair, ahead[place])
+        points = self.touching_at(pair, ahead[place])
         fine = np.where(np.isfinite(estimate), estimate, np.inf)
-        fine[pair, place] = np.where(np.isfinite(found.gap), found.gap, fine[pair, place])
+        fine[pair, place] = np.where(np.isfinite(points.gap), points.gap, fine[pair, place])
         number = np.full(fine.shape, -1)
         number[pair, place] = np.arange(pair.size)
         carrying, places = np.argmin(fine, axis=0), np.arange(ahead.size)
-        own = number[carrying, places]
-        touching = found.at(own) if pair.size else course.at(np.zeros(ahead.size, dtype=np.int64))
+        index = number[carrying, places]
+        touching = points.at(index) if pair.size else course.at(np.zeros(ahead.size, dtype=np.int64))
         touching.gap[:] = np.where(np.isfinite(fine[carrying, places]), fine[carrying, places], np.nan)
-        lost = (own < 0) | ~np.isfinite(found.gap[own]) if pair.size else np.ones(ahead.size, dtype=bool)
+        lost = (index < 0) | ~np.isfinite(points.gap[index]) if pair.size else np.ones(ahead.size, dtype=bool)
         touching.points[:, lost] = np.nan
         return carrying, touching
 
@@ -122,8 +122,8 @@ class PairErrors:
 
 def smallest(values: Array) -> Array:
     """Smallest value along the first axis, NaN where there is none."""
-    found = np.where(np.isfinite(values), values, np.inf).min(axis=0)
-    return np.where(np.isfinite(found), found, np.nan)
+    minimum = np.where(np.isfinite(values), values, np.inf).min(axis=0)
+    return np.where(np.isfinite(minimum), minimum, np.nan)
 
 
 def _between(values: Array, before: NDArray[np.int64], share: Array) -> tuple[Array, Array]:

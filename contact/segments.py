@@ -177,7 +177,7 @@ class LineSegments:
     def bending(self) -> list[ModalBasis]:
         """Bending compliance at every mesh position that has contact lines."""
         table, parts = _sorted(self.table)
-        return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
+        return [self.unit_loads.bending(table["pair"][part], table["row"][part]) for part in parts.values()]
 
 
 def loaded_at(places: LoadedPlaces, solid: tuple[Material, Material] | None) -> dict[str, Array]:
@@ -185,20 +185,20 @@ def loaded_at(places: LoadedPlaces, solid: tuple[Material, Material] | None) -> 
 
     Depths near the ends of loads on ``solid`` teeth (see ``ElasticTeeth.solid``) are what remains of them.
     """
-    found = dict(zip(DEPTHS, places.depths, strict=True))
-    found |= {"pinion_point": places.pinion, "point": places.gear}
+    table = dict(zip(DEPTHS, places.depths, strict=True))
+    table |= {"pinion_point": places.pinion, "point": places.gear}
     if solid is None:
-        return found
+        return table
     load_end = np.minimum(*(one.distance for one in places.ends))
-    for name, material, own in zip(DEPTHS, solid, places.ends, strict=True):
-        depth = np.maximum(found[name], MATERIAL_DEPTH_MINIMUM)
-        found[name] = depth * np.prod(remaining_depth(depth, load_end, material, own.cosine), axis=0)
-    return found
+    for name, material, ends in zip(DEPTHS, solid, places.ends, strict=True):
+        depth = np.maximum(table[name], MATERIAL_DEPTH_MINIMUM)
+        table[name] = depth * np.prod(remaining_depth(depth, load_end, material, ends.cosine), axis=0)
+    return table
 
 
 def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
     """Unit loads (k, ...) by the free ends of pinion and gear where these are loaded; none on plates."""
-    fields, found = places.fields, [np.zeros((0, *places.gear.shape[1:]))]
+    fields, loads = places.fields, [np.zeros((0, *places.gear.shape[1:]))]
     for number, material in enumerate(teeth.solid or ()):
         member, tooth = MEMBERS[number], teeth.both[number]
         assert isinstance(tooth, FlankCompliance)
@@ -207,8 +207,8 @@ def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
         middles = np.maximum(fields(DEPTHS[number], END_MIDDLES).mean(axis=-1), MATERIAL_DEPTH_MINIMUM)
         distances = places.ends[number].distance
         for end, distance, middle in zip(tooth.ends or (), distances, middles, strict=False):
-            found.append(end_loads(depth, distance, profile * end.height, end.slant, material, float(middle)))
-    return np.concatenate(found)
+            loads.append(end_loads(depth, distance, profile * end.height, end.slant, material, float(middle)))
+    return np.concatenate(loads)
 
 
 @frozen_arrays
@@ -265,23 +265,23 @@ class CycleSegments:
 
     def _edge_table(self, edges: MeshEdges, points: tuple[Array, Array]) -> dict[str, Array]:
         """The table of pieces of edges, on which pinion and gear are loaded at points (2, n)."""
-        found, count = edges.elements, edges.pair.size
+        elements, count = edges.elements, edges.pair.size
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
         wrench = {}
         if self.wrenches is not None:
             mesh = self.on_lines.lines
             rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
-            wrench["wrench"] = self.wrenches.beside_lines(found.points, rotation)
+            wrench["wrench"] = self.wrenches.beside_lines(elements.points, rotation)
         return (
-            {name: getattr(found, name) for name in names}
+            {name: getattr(elements, name) for name in names}
             | wrench
             | {
                 **loaded_at(LoadedPlaces(self.fields, *points), self.on_lines.teeth.solid),
                 "position": edges.position,
                 "pair": edges.pair,
                 "searched": np.zeros(count, dtype=bool),
-                "edge": found.edge,
-                "element": found.element,
+                "edge": elements.edge,
+                "element": elements.element,
                 "row": self.to_edges.table["row"].size + np.arange(count),
             }
         )
@@ -336,14 +336,14 @@ class CycleSegments:
             model.foot_correction,
             overhang=table["overhang"],
         )
-        for i, (k, own) in enumerate(parts.items()):
-            here = {name: values[..., own] for name, values in table.items()}
-            basis = bending[i] if bending is not None else loads.bending(here["pair"], here["row"])
-            gap = here["separation_angle"], here["lever_arm"]
-            wrench = here["wrench"].T if "wrench" in here else None
-            piece = here["searched"], here["edge"], here["element"]
-            places = here["point"], here["pinion_point"]
-            result[k] = Segments(here["pair"], *places, *gap, basis, contact.part(own), *piece, wrench)
+        for i, (k, part) in enumerate(parts.items()):
+            columns = {name: values[..., part] for name, values in table.items()}
+            basis = bending[i] if bending is not None else loads.bending(columns["pair"], columns["row"])
+            gap = columns["separation_angle"], columns["lever_arm"]
+            wrench = columns["wrench"].T if "wrench" in columns else None
+            piece = columns["searched"], columns["edge"], columns["element"]
+            places = columns["point"], columns["pinion_point"]
+            result[k] = Segments(columns["pair"], *places, *gap, basis, contact.part(part), *piece, wrench)
         return result
 
 
@@ -353,4 +353,4 @@ def _sorted(table: dict[str, Array]) -> tuple[dict[str, Array], dict[int, slice]
     table = {name: values[..., order] for name, values in table.items()}
     known, first = np.unique(table["position"], return_index=True)
     ends = np.append(first, order.size)
-    return table, {int(k): slice(*own) for k, *own in zip(known, ends[:-1], ends[1:], strict=True)}
+    return table, {int(k): slice(*bounds) for k, *bounds in zip(known, ends[:-1], ends[1:], strict=True)}

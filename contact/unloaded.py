@@ -36,12 +36,12 @@ def _smallest(values: Array) -> tuple[Array, Array]:
     index = np.argmin(values, axis=-1)
     middle = np.clip(index, 1, values.shape[-1] - 2)
     rows = np.arange(values.shape[0])
-    left, here, right = (values[rows, middle + shift] for shift in (-1, 0, 1))
-    bend = left - 2.0 * here + right
+    left, centre, right = (values[rows, middle + shift] for shift in (-1, 0, 1))
+    bend = left - 2.0 * centre + right
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(bend > 0.0, 0.5 * (left - right) / bend, 0.0)
     step = np.clip(np.where(index == middle, step, index - middle), -1.0, 1.0)
-    value = here + 0.5 * step * (right - left) + 0.5 * step**2 * bend
+    value = centre + 0.5 * step * (right - left) + 0.5 * step**2 * bend
     return value, middle + step
 
 
@@ -67,9 +67,9 @@ def _line_ends(
     ends = np.empty((2, rows.size))
     for side, (step, beyond) in enumerate(((-1, before), (1, after))):
         index = beyond - step
-        here, there = excess[rows, index], excess[rows, np.clip(beyond, 0, count - 1)]
-        cut = (beyond >= 0) & (beyond < count) & (here < 0.0)
-        ends[side] = index + step * np.where(cut, -here, 0.0) / np.where(cut, there - here, 1.0)
+        last_excess, there = excess[rows, index], excess[rows, np.clip(beyond, 0, count - 1)]
+        cut = (beyond >= 0) & (beyond < count) & (last_excess < 0.0)
+        ends[side] = index + step * np.where(cut, -last_excess, 0.0) / np.where(cut, there - last_excess, 1.0)
     length = (ends[1] - ends[0]) / (count - 1) * lines.length
     points = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
     return points[0], points[1], length

@@ -37,14 +37,14 @@ def solve_at_torques(
     known: list[list[_Found | None]] | None = None
     if _takes_all(solver, options):
         by_problem = zip(*at_torques, strict=True)
-        known = [_compiled_answers(own, contact) for own, contact in zip(by_problem, contacts, strict=True)]
+        known = [_compiled_answers(series, contact) for series, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
     for number, problems in enumerate(at_torques):
         if known is None:
             solved = list(solve_line_contacts(problems, contacts, starts, solver, **options))
         else:
-            found = [answers[number] for answers in known]
-            solved = list(_completed(problems, contacts, starts, found, solver))
+            solutions = [answers[number] for answers in known]
+            solved = list(_completed(problems, contacts, starts, solutions, solver))
         starts = [solution.force if solution.certified else None for solution, _ in solved]
         yield solved
 
@@ -63,7 +63,7 @@ def solve_line_contacts(
     """
     known: Sequence[_Found | None] = [None] * len(bendings)
     if _takes_all(solver, options) and len(bendings) > 0:
-        known = [_compiled_answers([one], own)[0] for one, own in zip(bendings, contacts, strict=True)]
+        known = [_compiled_answers([one], contact)[0] for one, contact in zip(bendings, contacts, strict=True)]
     yield from _completed(bendings, contacts, starts, known, solver, **options)
 
 
@@ -81,15 +81,15 @@ def _completed(
     **options: Any,
 ) -> Iterator[_Found]:
     """Answers that are known, and those of the other problems, solved one by one."""
-    for bending, contact, start, found in zip(bendings, contacts, starts, known, strict=True):
-        yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
+    for bending, contact, start, answer in zip(bendings, contacts, starts, known, strict=True):
+        yield answer or solve_on_bending(bending, contact, solver, initial_force=start, **options)
 
 
 def _compiled_answers(bendings: Sequence[ContactProblem], contact: WeberLineContact) -> list[_Found | None]:
     """Answers of the compiled method at several torques, which needs no start; None where it has no certified one."""
     return [
-        None if found is None or not found.answer.certificate.passes(EXACT_TOLERANCE) else _judged(bending, found)
-        for bending, found in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True)
+        None if outcome is None or not outcome.answer.certificate.passes(EXACT_TOLERANCE) else _judged(bending, outcome)
+        for bending, outcome in zip(bendings, line_contact_answers(bendings, contact.parameters), strict=True)
     ]
 
 

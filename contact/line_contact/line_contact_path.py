@@ -174,11 +174,11 @@ def continue_path(
     carried = first.solution.active
     path.changes += [(low, int(i), True) for i in np.flatnonzero(first.touching & ~carried)]
     while path.nodes[-1].torque < high:
-        here = path.nodes[-1]
-        target = min(high, here.torque + _step(here, high))
-        beyond = node(target, _foretold(here, target))
+        point = path.nodes[-1]
+        target = min(high, point.torque + _step(point, high))
+        beyond = node(target, _foretold(point, target))
         if beyond is None or not _reach(path, node, beyond, tolerance):
-            path.failure = path.failure or f"changes of contact beyond {here.torque:.6g} N mm cannot be told apart"
+            path.failure = path.failure or f"changes of contact beyond {point.torque:.6g} N mm cannot be told apart"
             return path
     return path
 
@@ -257,20 +257,20 @@ def _first_zero(left: PathNode, right: PathNode) -> float | None:
     values = _cubic(places, *ends)
     table = np.vstack([np.where(left.touching, 1.0, -1.0), values, np.where(right.touching, 1.0, -1.0)])
     crossing = np.signbit(table[1:]) != np.signbit(table[:-1])
-    found = np.flatnonzero(crossing.any(axis=0))
-    if not found.size:
+    segments = np.flatnonzero(crossing.any(axis=0))
+    if not segments.size:
         return None
     grid = np.concatenate([[0.0], CUBIC_PLACES, [1.0]])
     whole = np.vstack([left.indentation, values, right.indentation])
     zeros = []
-    for segment in found:
+    for segment in segments:
         number = int(np.argmax(crossing[:, segment]))
-        own = [end[segment] for end in ends]
+        cubic = [end[segment] for end in ends]
         low, high = grid[number], grid[number + 1]
         first = whole[number, segment]
         for _ in range(50):
             middle = 0.5 * (low + high)
-            if (_cubic(middle, *own) > 0.0) == (first > 0.0):
+            if (_cubic(middle, *cubic) > 0.0) == (first > 0.0):
                 low = middle
             else:
                 high = middle
@@ -379,8 +379,8 @@ class LineContactPath:
         below = self._nodes[bisect_right([node.torque for node in self._nodes], given) - 1]
         if below.torque == given:
             return below.solution
-        foretold = np.maximum(below.solution.force + (given - below.torque) * below.force_rate, 0.0)
-        return solved_at(self.bending, self.line_contact, given, foretold)
+        estimate = np.maximum(below.solution.force + (given - below.torque) * below.force_rate, 0.0)
+        return solved_at(self.bending, self.line_contact, given, estimate)
 
     def to_dataset(self) -> xr.Dataset:
         """Return events and certified points with units.
@@ -454,8 +454,8 @@ def line_contact_path(
         float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
     )
     number("tolerance", tolerance, least=1e-12, most=0.1)
-    found = continue_path(bending, line_contact, min(first, last), max(first, last), tolerance)
-    changes = found.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(found.changes)]
+    path = continue_path(bending, line_contact, min(first, last), max(first, last), tolerance)
+    changes = path.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(path.changes)]
     torque, segment, enters = (np.array(column) for column in zip(*changes, strict=True)) if changes else ([], [], [])
     return LineContactPath(
         bending,
@@ -466,7 +466,7 @@ def line_contact_path(
         np.asarray(torque, dtype=np.float64),
         np.asarray(segment, dtype=np.int64),
         np.asarray(enters, dtype=np.bool_),
-        Status.NOT_CONVERGED if found.failure else Status.CERTIFIED,
-        found.failure,
-        tuple(found.nodes),
+        Status.NOT_CONVERGED if path.failure else Status.CERTIFIED,
+        path.failure,
+        tuple(path.nodes),
     )

@@ -133,10 +133,10 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_
     ]
     torques = goal.reference.size
     for cycle in range(1 + loads.cycle.max()):
-        here = loads.cycle == cycle
-        conditions.append(_objective(cvxpy, loads, here, goal, trust_radius, step) <= worst)
+        segments = loads.cycle == cycle
+        conditions.append(_objective(cvxpy, loads, segments, goal, trust_radius, step) <= worst)
         limit, reference = goal.end_load[cycle % torques], goal.load_reference[cycle % torques]
-        ends = here & loads.at_end
+        ends = segments & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
             conditions.append(

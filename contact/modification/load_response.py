@@ -38,9 +38,9 @@ def slopes(compliance: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bo
     The tangent compliance [mm/N] is positive definite on the segments in contact (n), at least one.
     """
     system = touching_system(compliance, lever_arm, active)
-    found = system.solve(-separation, np.zeros(separation.shape[1]))
+    changes = system.solve(-separation, np.zeros(separation.shape[1]))
     yielding = compliance.diagonal if active.all() else np.where(active, compliance.diagonal, system.yielding())
-    return Slopes(found.force, found.gap, found.rotation, yielding)
+    return Slopes(changes.force, changes.gap, changes.rotation, yielding)
 
 
 def held_in_contact(

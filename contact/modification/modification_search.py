@@ -81,26 +81,26 @@ def search(
     steps: list[Step] = []
     converged = False
     while len(steps) < programmes and not converged and trust_radius >= TRUST_RADIUS_MINIMUM:
-        here, gain = best, 0.0
+        point, gain = best, 0.0
         for mending in range(1 + MENDING_LIMIT):
             span = trust_radius * MENDING_RADIUS_RATIO**mending
-            answer = solve_programme(here.loads, goal, here.coefficients, span)
+            answer = solve_programme(point.loads, goal, point.coefficients, span)
             if mending == 0:
                 gain = best.value.merit - answer.value.merit
                 converged = answer.solved and gain < GAIN_TOLERANCE * min(1.0, trust_radius / FIRST_TRUST_RADIUS)
-            found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
-            fresh = NO_VALUE if found is None else judged(found, goal)
+            loads = None if converged or not answer.solved else solved(point.coefficients + answer.step)
+            fresh = NO_VALUE if loads is None else judged(loads, goal)
             came_true = (best.value.merit - fresh.merit) / gain
             steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN_GAIN_RATIO, mending > 0))
             if progress is not None:
                 progress()
-            if found is None:
+            if loads is None:
                 break
-            here = _Point(here.coefficients + answer.step, found, fresh)
+            point = _Point(point.coefficients + answer.step, loads, fresh)
             if came_true > TAKEN_GAIN_RATIO or fresh.violation <= best.value.violation:
                 break
         if steps[-1].accepted:
-            best = here
+            best = point
             trust_radius *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
         else:
             trust_radius *= 0.25
@@ -125,19 +125,19 @@ def optimal_modification(
     def ends(aim: Goal) -> list[ModificationSearch]:
         return _both_ends(solved, start, held, aim, programmes, progress)
 
-    found = ends(goal)
-    steps = [step for end in found for step in end.steps]
+    searches = ends(goal)
+    steps = [step for end in searches for step in end.steps]
     for ratio in TIGHTER_LIMIT_RATIOS if np.isfinite(goal.transmission_error) else ():
-        if min(end.value.violation for end in found) <= 0.0:
+        if min(end.value.violation for end in searches) <= 0.0:
             break
         tighter = replace(goal, transmission_error=ratio * goal.transmission_error)
         detour = min(ends(tighter), key=lambda end: end.value.merit)
         back = search(
             solved, detour.loads, goal, coefficients=detour.coefficients, programmes=programmes, progress=progress
         )
-        found.append(back)
+        searches.append(back)
         steps += [replace(step, search="tighter_limit") for step in (*detour.steps, *back.steps)]
-    best = min(found, key=lambda end: end.value.merit)
+    best = min(searches, key=lambda end: end.value.merit)
     return replace(best, steps=tuple(steps))
 
 
@@ -153,13 +153,13 @@ def _both_ends(
     none = np.zeros(goal.surface.shape[1])
     whole = 2.0 * goal.largest
     answer = solve_programme(held, goal, none, whole)
-    found = solved(answer.step) if answer.solved else None
-    fresh = NO_VALUE if found is None else judged(found, goal)
-    first = Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")
+    loads = solved(answer.step) if answer.solved else None
+    fresh = NO_VALUE if loads is None else judged(loads, goal)
+    first = Step(answer.status, whole, answer.value, fresh, loads is not None, False, "full_contact")
     present = search(solved, start, goal, programmes=programmes, progress=progress)
-    if found is None:
+    if loads is None:
         return [replace(present, steps=(first, *present.steps))]
-    full = search(solved, found, goal, coefficients=answer.step, programmes=programmes, progress=progress)
+    full = search(solved, loads, goal, coefficients=answer.step, programmes=programmes, progress=progress)
     named = (replace(step, search="full_contact") for step in full.steps)
     return [replace(full, steps=(first, *named)), present]
 

@@ -62,27 +62,27 @@ class ModifiedContact:
             return None
         parts = []
         for case in cases:
-            here, solution = case.segments, case.solution
+            segments, solution = case.segments, case.solution
             outcome = solution.force, solution.gap, solution.rotation
-            local, slope = here.line_contact.tangent(solution.force), slopes[case.mesh_position]
+            local, slope = segments.line_contact.tangent(solution.force), slopes[case.mesh_position]
             number = case.torque if cycles is None else cycles[case.torque]
-            parts.append(self._linear(here, ModalCompliance(local, here.bending), outcome, slope, number))
+            parts.append(self._linear(segments, ModalCompliance(local, segments.bending), outcome, slope, number))
         return stacked(parts)
 
     def held(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse:
         """As ``loads``, all segments held in contact, with the local compliance of even load."""
         modified, slopes = self._modified(coefficients)
         parts = []
-        for here, slope in zip(modified.segments.by_position, slopes, strict=True):
-            if here is None:
+        for segments, slope in zip(modified.segments.by_position, slopes, strict=True):
+            if segments is None:
                 continue
             for index, torque in enumerate(1e3 * self.cycle.ratio * self.torques):
-                even = torque / float(here.lever_arm @ here.length) * here.length
-                compliance = ModalCompliance(here.line_contact.secant(even), here.bending)
-                force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
+                even = torque / float(segments.lever_arm @ segments.length) * segments.length
+                compliance = ModalCompliance(segments.line_contact.secant(even), segments.bending)
+                force, rotation = held_in_contact(compliance, segments.separation, segments.lever_arm, torque)
                 outcome = force, np.zeros(force.size), rotation
                 number = index if cycles is None else cycles[index]
-                parts.append(self._linear(here, compliance, outcome, slope, number, held=True))
+                parts.append(self._linear(segments, compliance, outcome, slope, number, held=True))
         return stacked(parts)
 
     def _modified(self, coefficients: Array) -> tuple[MeshCycle, list[Array]]:

@@ -147,7 +147,7 @@ def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: flo
     arm, turned = problem.lever_arm, dot_terms(problem.lever_arm, np.full(force.size, -elastic_rotation))
     rigid = np.vstack([*_exact_separation(problem), turned.reshape(2, -1)]).T.tolist()  # S - r theta as terms (n, 4)
     rows = zip(_deflection_terms(problem, force), rigid, strict=True)
-    gap = np.array([math.fsum([*row, *own]) for row, own in rows])
+    gap = np.array([math.fsum([*row, *terms]) for row, terms in rows])
     imbalance = math.fsum([*dot_terms(force, arm), -problem.torque])
     bound = exact_gap_error(problem, gap)
     bound = np.where((force != 0.0) | (gap <= bound), bound, 0.0)
@@ -166,11 +166,12 @@ def exact_gap_error(problem: ContactProblem, gap: Array) -> Array:
 def _exact_separation(problem: ContactProblem) -> tuple[Array, Array]:
     """S - r S_f / r_f to twice the digits of a double: rounded, and what this lacks (n), see ``first_contact``."""
     first = problem.first_contact.segment
-    own, lever = float(problem.separation[first]), float(problem.lever_arm[first])
+    distance, lever = float(problem.separation[first]), float(problem.lever_arm[first])
     scale = math.ldexp(1.0, -math.frexp(lever)[1])
     size, lever = problem.size, lever * scale
     products = np.concatenate([
-        dot_terms(problem.separation, np.full(size, lever)), dot_terms(problem.lever_arm * scale, np.full(size, -own)),
+        dot_terms(problem.separation, np.full(size, lever)),
+        dot_terms(problem.lever_arm * scale, np.full(size, -distance)),
     ]).reshape(4, -1).T  # fmt: skip
     rounded = np.array([math.fsum(row) for row in products]) / lever
     left = np.column_stack([products, dot_terms(rounded, np.full(size, -lever)).reshape(2, -1).T])
@@ -187,8 +188,8 @@ def _deflection_terms(problem: ContactProblem, force: Array) -> Iterator[list[fl
     # The amplitudes V'F to twice the digits of a double: their error is then far below that of one rounding.
     pairs = [double_double(dot_terms(column, force)) for column in matrix.factor.T]
     amplitudes = np.array(pairs).reshape(-1, 2).T.ravel()
-    own = dot_terms(matrix.local, force).reshape(2, -1).T.tolist()
-    for row, local in zip(np.hstack([matrix.factor, matrix.factor]), own, strict=True):
+    products = dot_terms(matrix.local, force).reshape(2, -1).T.tolist()
+    for row, local in zip(np.hstack([matrix.factor, matrix.factor]), products, strict=True):
         yield [*dot_terms(row, amplitudes).tolist(), *local]
 
 
@@ -373,18 +374,18 @@ def violations(
     with np.errstate(over="ignore", invalid="ignore"):
         sizes = Sizes.of(problem, force, deflection)
         rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
-        found = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
+        certificate = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
         known = not isinstance(problem.compliance_matrix, OperatorCompliance)
-        if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf or not known:
-            return found
+        if certificate.resolution <= RESOLUTION_LIMIT or not certificate.worst < math.inf or not known:
+            return certificate
         sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
-        found = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)
-        if found.resolution <= RESOLUTION_LIMIT:
-            return found
+        certificate = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)
+        if certificate.resolution <= RESOLUTION_LIMIT:
+            return certificate
         try:
             exact = exact_residuals(problem, force, elastic_rotation)
         except (OverflowError, ValueError):
-            return found
+            return certificate
         return _relative_to_scales(problem, force, elastic_rotation, sizes, exact)
 
 
@@ -508,7 +509,7 @@ def require_convex(problem: ContactProblem) -> None:
 
 def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
-    found = array(name, value, anything=True)
-    if found.shape != (size,):
-        raise InputError(f"{name} = {shown(found)}: must have the shape ({size},)")
-    return found
+    vector = array(name, value, anything=True)
+    if vector.shape != (size,):
+        raise InputError(f"{name} = {shown(vector)}: must have the shape ({size},)")
+    return vector

@@ -216,13 +216,13 @@ class OperatorCompliance:
         """
         if self.known_diagonal is not None:
             return np.asarray(self.known_diagonal)
-        own: Any = getattr(self.operator, "diagonal", None)
-        if not callable(own):
+        method: Any = getattr(self.operator, "diagonal", None)
+        if not callable(method):
             raise InputError(
                 "compliance diagonal: must be given with a LinearOperator, for scaling and certificate: "
                 "OperatorCompliance(operator, diagonal)"
             )
-        return array("compliance diagonal", own(), "mm/N", ndim=1, size=self.size, least=0.0, frozen=True)
+        return array("compliance diagonal", method(), "mm/N", ndim=1, size=self.size, least=0.0, frozen=True)
 
     @cached_property
     def is_positive_semidefinite(self) -> bool:

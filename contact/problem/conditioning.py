@@ -140,7 +140,9 @@ class _Split:
         force = np.where(loaded, given, 0.0)
         # Forces with a positive lever arm are scaled to balance the others and the torque.
         arm = problem.lever_arm
-        driving, resisting = (math.fsum(dot_terms(force[own], arm[own])) for own in (arm > 0.0, arm < 0.0))
+        driving, resisting = (
+            math.fsum(dot_terms(force[segments], arm[segments])) for segments in (arm > 0.0, arm < 0.0)
+        )
         if driving > 0.0:
             force = np.where(arm > 0.0, force * ((problem.torque - resisting) / driving), force)
         elif problem.torque - resisting > 0.0:
@@ -170,8 +172,8 @@ class _Split:
             bound = work / problem.torque
         touches = (self.force > MARGIN * error / self.weight) & (arm > 0.0)  # in every solution
         if touches.any():
-            own = (self.root * energy + self.residual)[touches] / arm[touches]
-            bound = min(bound, float(own.min()))
+            bounds = (self.root * energy + self.residual)[touches] / arm[touches]
+            bound = min(bound, float(bounds.min()))
         return bound * MARGIN
 
 
@@ -223,12 +225,12 @@ def is_unbounded(problem: ContactProblem) -> bool:
     from scipy.optimize import linprog
 
     rows = np.vstack([scaled.compliance, scaled.lever_arm[np.newaxis, :]])
-    found = linprog(scaled.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
+    solution = linprog(scaled.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
     least = -GAIN_TOLERANCE * float(np.abs(scaled.separation).max())
-    if found.status != 0 or found.x is None or not float(found.fun or 0.0) < least:
+    if solution.status != 0 or solution.x is None or not float(solution.fun or 0.0) < least:
         return False
-    support = np.flatnonzero(found.x > SUPPORT_TOLERANCE * found.x.max())
-    return support.size <= SUPPORT_LIMIT and _is_proved(problem, support.tolist(), found.x)
+    support = np.flatnonzero(solution.x > SUPPORT_TOLERANCE * solution.x.max())
+    return support.size <= SUPPORT_LIMIT and _is_proved(problem, support.tolist(), solution.x)
 
 
 def _is_proved(problem: ContactProblem, support: list[int], near: Array) -> bool:
@@ -248,7 +250,7 @@ def _is_proved(problem: ContactProblem, support: list[int], near: Array) -> bool
         if direction is None:
             return False
         separation = problem.separation[support].tolist()
-        gain = sum(part * Fraction(own) for part, own in zip(direction, separation, strict=True))
+        gain = sum(part * Fraction(distance) for part, distance in zip(direction, separation, strict=True))
         if gain > 0 or (gain == 0 and min(direction) >= 0):
             gain, direction = -gain, [-part for part in direction]
         if min(direction) >= 0:
@@ -278,7 +280,7 @@ def _null_vector(rows: list[Row], size: int) -> Row | None:
         for i, row in enumerate(rows):
             if i != done and row[column]:
                 factor = row[column]
-                rows[i] = [value - factor * own for value, own in zip(row, rows[done], strict=True)]
+                rows[i] = [value - factor * entry for value, entry in zip(row, rows[done], strict=True)]
         pivots.append(column)
     free = [column for column in range(size) if column not in pivots]
     if not free:

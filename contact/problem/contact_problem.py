@@ -273,12 +273,12 @@ class ContactProblem:
     def _changed(self, torque: float, matrix: ComplianceMatrix) -> ContactProblem:
         """The same segments under another torque or with another compliance, both checked already."""
         changed = object.__new__(ContactProblem)
-        own = changed.__dict__  # frozen
-        own["separation"], own["lever_arm"], own["torque"], own["compliance_matrix"] = (
+        attributes = changed.__dict__  # frozen
+        attributes["separation"], attributes["lever_arm"], attributes["torque"], attributes["compliance_matrix"] = (
             self.separation, self.lever_arm, torque, matrix,
         )  # fmt: skip
         if "first_contact" in self.__dict__:
-            own["first_contact"] = self.__dict__["first_contact"]
+            attributes["first_contact"] = self.__dict__["first_contact"]
         return changed
 
     def with_secant(self, secant: Array) -> ContactProblem:

@@ -54,10 +54,10 @@ def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
         positive = (lever_arm > 0.0).nonzero()[0]
         first = int(positive[(separation[positive] / lever_arm[positive]).argmin()])
         first, shifted, error = _corrected(separation, lever_arm, _shifted(separation, lever_arm, first)[0])
-    own, arm = float(separation[first]), float(lever_arm[first])
-    rotation = own / arm
+    distance, arm = float(separation[first]), float(lever_arm[first])
+    rotation = distance / arm
     product, low = two_product(rotation, arm)
-    remainder = ((own - product) - low) / arm
+    remainder = ((distance - product) - low) / arm
     remainder = remainder if math.isfinite(remainder) else 0.0
     return FirstContact(first, rotation, remainder, read_only(shifted), error, signs)
 
@@ -76,19 +76,19 @@ def _corrected(separation: Array, lever_arm: Array, shifted: Array) -> tuple[int
 
 def _shifted(separation: Array, lever_arm: Array, first: int) -> tuple[Array, float]:
     """The separations at the contact of one segment (n), of any sign, its own being zero; and their `error`."""
-    size, own = separation.size, float(separation[first])
-    if own == 0.0:
+    size, distance = separation.size, float(separation[first])
+    if distance == 0.0:
         return separation.copy(), ERROR_FREE
     # A power of two near its lever arm is taken out, so that no product overflows but where a number is near that.
     scale = math.ldexp(1.0, -math.frexp(float(lever_arm[first]))[1])
     arm = float(lever_arm[first]) * scale
-    (high_arm, low_arm), (high_own, low_own) = split(arm), split(-own)
+    (high_arm, low_arm), (high_own, low_own) = split(arm), split(-distance)
     with np.errstate(over="ignore", invalid="ignore"):
         # Both products S_i r_f and -r_i S_f in one go, and their errors: see ``two_product``.
         factors = np.concatenate([separation, lever_arm * scale])
         others, high_others, low_others = np.empty((3, 2 * size))
         others[:size], high_others[:size], low_others[:size] = arm, high_arm, low_arm
-        others[size:], high_others[size:], low_others[size:] = -own, high_own, low_own
+        others[size:], high_others[size:], low_others[size:] = -distance, high_own, low_own
         product = factors * others
         high, low = split(factors)
         error = low * low_others - (((product - high * high_others) - low * high_others) - high * low_others)
@@ -97,6 +97,6 @@ def _shifted(separation: Array, lever_arm: Array, first: int) -> tuple[Array, fl
         shifted: Array = (total + rest) / arm
         if math.isfinite(float(shifted.sum())) or np.isfinite(shifted).all():
             return shifted, ERROR_FREE
-        shifted = separation - own / float(lever_arm[first]) * lever_arm
+        shifted = separation - distance / float(lever_arm[first]) * lever_arm
         shifted[first] = 0.0
     return shifted, PLAIN

@@ -84,13 +84,13 @@ def mode_columns(
         places[level], first = place, 0
         chosen = slice(STRIDE**level // 2, None, STRIDE**level)
         for number, (index, modes) in enumerate(blocks):
-            own, part = index[chosen], modes[chosen]
-            table[level, number] = first, own.size, entry, modes.shape[1]
-            order.append(own)
+            segments, part = index[chosen], modes[chosen]
+            table[level, number] = first, segments.size, entry, modes.shape[1]
+            order.append(segments)
             columns.append(part.T.ravel())
-            first, entry = first + own.size, entry + part.size
+            first, entry = first + segments.size, entry + part.size
             if shared_columns.shape[1]:
-                columns.append(shared_columns[own].T.ravel())
+                columns.append(shared_columns[segments].T.ravel())
                 entry += columns[-1].size
         place += first
     whole = np.concatenate(order).astype(np.int64)
@@ -114,15 +114,15 @@ def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArr
     shared = np.zeros(factor.shape[1], dtype=np.bool_)
     work, split_work = 0.0, 0.0
     for rows, columns in blocks:
-        own = _work(rows.size, columns.size, 0)
+        cost = _work(rows.size, columns.size, 0)
         present = part_of(factor, rows, columns) != 0.0
         if present.all():
-            work, split_work = work + own, split_work + own
+            work, split_work = work + cost, split_work + cost
             continue
         order = np.argsort(np.count_nonzero(present, axis=0), kind="stable")
         present, columns = present[:, order], columns[order]
         coupling, split = _coupling(present)
-        work, split_work = work + own, split_work + (split if coupling.any() else own)
+        work, split_work = work + cost, split_work + (split if coupling.any() else cost)
         shared[columns[coupling]] = True
     count = int(np.count_nonzero(shared))
     return shared if not count or split_work + count**3 / 3 < WORTHWHILE_WORK * work else np.zeros_like(shared)
@@ -145,19 +145,19 @@ def _coupling(present: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], float]:
         return coupling, 0.0
     # Few patterns occur among many rows. Sets of patterns are bits of a whole number.
     patterns, rows = np.unique(present, axis=0, return_counts=True)
-    sets = [int.from_bytes(own.tobytes(), "little") for own in np.packbits(patterns.T, axis=1, bitorder="little")]
+    sets = [int.from_bytes(number.tobytes(), "little") for number in np.packbits(patterns.T, axis=1, bitorder="little")]
     groups: list[tuple[int, int]] = []  # patterns and number of columns of each
-    for column, own in enumerate(sets):
-        met = [group for group in groups if group[0] & own]
+    for column, number in enumerate(sets):
+        met = [group for group in groups if group[0] & number]
         if len(met) > 1:
             coupling[column] = True
         elif met:
-            groups[groups.index(met[0])] = (met[0][0] | own, met[0][1] + 1)
+            groups[groups.index(met[0])] = (met[0][0] | number, met[0][1] + 1)
         else:
-            groups.append((own, 1))
+            groups.append((number, 1))
     shared = int(np.count_nonzero(coupling))
     sizes = [sum(int(count) for bit, count in enumerate(rows) if group >> bit & 1) for group, _ in groups]
-    return coupling, sum(_work(size, own, shared) for size, (_, own) in zip(sizes, groups, strict=True))
+    return coupling, sum(_work(size, number, shared) for size, (_, number) in zip(sizes, groups, strict=True))
 
 
 def _work(segments: int, own: int, shared: int) -> float:
@@ -314,7 +314,7 @@ class ModalBasis:
         """Segments (m) and own modes (m, k) of each block, without the padding."""
         rows = [index < self.size for index in self.index]
         blocks = zip(self.index, self.modes, rows, strict=True)
-        return [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks]
+        return [(index[mask], modes[mask][:, modes.any(axis=0)]) for index, modes, mask in blocks]
 
     @cached_property
     def columns(self) -> ModeColumns:
@@ -402,13 +402,13 @@ def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedMode
     if factor.shape[1] > RIGID_DIRECTIONS:
         factor = compressed_block(factor)
     size, count = factor.shape
-    parts = [few_directions(factor[own]) for own in rows] if count > RIGID_DIRECTIONS else []
+    parts = [few_directions(factor[segments]) for segments in rows] if count > RIGID_DIRECTIONS else []
     most = max((mixing.shape[0] for _, mixing in parts), default=count)
     if most >= count:
         return SharedModes(factor, np.tile(np.eye(count), (len(rows), 1, 1)))
     columns, mixing = np.zeros((size, most)), np.zeros((len(rows), most, count))
-    for number, (own, (directions, mixed)) in enumerate(zip(rows, parts, strict=True)):
-        columns[own, : mixed.shape[0]] = directions
+    for number, (segments, (directions, mixed)) in enumerate(zip(rows, parts, strict=True)):
+        columns[segments, : mixed.shape[0]] = directions
         mixing[number, : mixed.shape[0]] = mixed
     return SharedModes(columns, mixing)
 
@@ -417,13 +417,13 @@ def basis_of_blocks(
     size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array], shared: SharedModes | None = None
 ) -> ModalBasis:
     """Basis of compressed blocks U (m, r) [(mm/N)^0.5] on rows (m), which together have each segment once."""
-    longest = max(own.size for own in rows)
+    longest = max(segments.size for segments in rows)
     rank = max(block.shape[1] for block in compressed)
     index = np.full((len(compressed), longest), size, dtype=np.intp)
     modes = np.zeros((len(compressed), longest, rank))
-    for number, (own, block) in enumerate(zip(rows, compressed, strict=True)):
-        index[number, : own.size] = own
-        modes[number, : own.size, : block.shape[1]] = block
+    for number, (segments, block) in enumerate(zip(rows, compressed, strict=True)):
+        index[number, : segments.size] = segments
+        modes[number, : segments.size, : block.shape[1]] = block
     basis = ModalBasis(size, index, modes, shared)
     shapes = [block.shape for block in compressed]
     basis.__dict__["blocks"] = [(basis.index[b, :m], basis.modes[b, :m, :k]) for b, (m, k) in enumerate(shapes)]

@@ -309,9 +309,9 @@ def power_of_two(value: float) -> float:
 def _winkler_stiffness(compliance: ComplianceMatrix) -> Array:
     """Stiffness of each segment if it were a spring of its own [N/mm], (n)."""
     row_sum = compliance.deflection(np.ones(compliance.diagonal.size))
-    own = np.maximum(WINKLER_ROW_SUM_FRACTION * row_sum, compliance.diagonal)
-    largest = float(own.max())
-    return 1.0 / np.maximum(own, 1e-12 * largest) if largest > 0.0 else np.ones(own.size)
+    spring_compliance = np.maximum(WINKLER_ROW_SUM_FRACTION * row_sum, compliance.diagonal)
+    largest = float(spring_compliance.max())
+    return 1.0 / np.maximum(spring_compliance, 1e-12 * largest) if largest > 0.0 else np.ones(spring_compliance.size)
 
 
 def _winkler_force(

@@ -129,7 +129,7 @@ def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProb
 
 def reference_arrays(dataset: xr.Dataset, count: int, widest: int) -> tuple[Array, Array] | None:
     """Forces (problem, segment) [N] and rotations (problem) beyond first contact [rad] of a file, if any."""
-    found = []
+    arrays = []
     for name, width in (("reference_force", widest), ("reference_elastic_rotation", 1)):
         values, units = dataset.get(name), ATTRIBUTES[name]["units"]
         if values is None and name == "reference_force":
@@ -138,8 +138,8 @@ def reference_arrays(dataset: xr.Dataset, count: int, widest: int) -> tuple[Arra
             raise InputError(f"{name}: must hold numbers for each of its {count} problems")
         if str(values.attrs.get("units", units)) != units:
             raise InputError(f"units of {name} = {shown(values.attrs['units'])}: must be {units!r}")
-        found.append(values.to_numpy().astype(np.float64).reshape(count, -1))
-    return found[0], found[1][:, 0]
+        arrays.append(values.to_numpy().astype(np.float64).reshape(count, -1))
+    return arrays[0], arrays[1][:, 0]
 
 
 def reference(problem: ContactProblem, force: Array, elastic_rotation: float) -> Answer:
@@ -200,8 +200,8 @@ def write_fclib(
         )
         _text(info, "math_info", MATH_INFO)
         if isinstance(problem.compliance, tuple):
-            own = file.create_group("easeoff")
-            own["compliance_diagonal"], own["compliance_factor"] = problem.compliance
+            group = file.create_group("easeoff")
+            group["compliance_diagonal"], group["compliance_factor"] = problem.compliance
         if answer is not None:
             solution = file.create_group("solution")
             solution["l"] = np.array([answer.rotation])
@@ -270,20 +270,20 @@ def _arrays(path: str | os.PathLike[str], limit: int) -> dict[str, NDArray[Any]]
     """Numbers of the file by path within it."""
     import h5py
 
-    found: dict[str, NDArray[Any]] = {}
+    arrays: dict[str, NDArray[Any]] = {}
 
     def take(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf":
-            found[name] = item
+            arrays[name] = item
 
     with faults_in_words(path, "an HDF5 file"):
         check_links(path)
         with h5py.File(os.fspath(path), "r") as file:
             file.visititems(take)
-            size = sum(8 * int(item.size) for item in found.values())
+            size = sum(8 * int(item.size) for item in arrays.values())
             if size > limit:
                 raise InputError(f"{named(path)} would take {memory_in_words(size)}: at most {memory_in_words(limit)}")
-            return {name: np.asarray(item[()]) for name, item in found.items()}
+            return {name: np.asarray(item[()]) for name, item in arrays.items()}
 
 
 def _contact_problem(arrays: dict[str, NDArray[Any]]) -> tuple[ContactProblem, Answer | None]:
@@ -300,8 +300,8 @@ def _contact_problem(arrays: dict[str, NDArray[Any]]) -> tuple[ContactProblem, A
     if w.shape[0] != w.shape[1] or w.shape[0] != directions * size or vectors["q"].size != w.shape[0]:
         raise InputError(f"W = matrix of shape {w.shape}: must be square, with {directions} rows a contact, as q")
     normal = slice(0, None, directions)
-    own = tuple(f"easeoff/compliance_{part}" for part in ("diagonal", "factor"))
-    compliance: Any = tuple(arrays[n] for n in own) if set(own) <= arrays.keys() else _normal(w, directions)
+    names = tuple(f"easeoff/compliance_{part}" for part in ("diagonal", "factor"))
+    compliance: Any = tuple(arrays[n] for n in names) if set(names) <= arrays.keys() else _normal(w, directions)
     arm = -v.toarray().ravel()[normal]
     problem = ContactProblem(vectors["q"][normal], arm, float(vectors["s"][0]), compliance)
     if "solution/r" not in arrays or arrays["solution/r"].size != w.shape[0]:

@@ -77,9 +77,9 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
         content = in_forked_process(loaded)
     except ProcessEndedError as error:
         raise InputError(f"{named(path)} is not a MATLAB file, or it is damaged: {error}") from error
-    found = content.get(VARIABLE)
-    if found is not None and found.dtype.names is not None:
-        elements = [{name: item[name] for name in found.dtype.names} for item in found.ravel(order="F")]
+    structure = content.get(VARIABLE)
+    if structure is not None and structure.dtype.names is not None:
+        elements = [{name: item[name] for name in structure.dtype.names} for item in structure.ravel(order="F")]
     else:
         elements = [{name: value for name, value in content.items() if not name.startswith("__")}]
     if not elements:

@@ -154,8 +154,8 @@ def _array(dataset: xr.Dataset, name: str, single: bool) -> NDArray[Any]:
     if sorted(map(str, variable.dims)) == sorted(expected):
         variable = variable.transpose(*expected)
     elif variable.ndim != len(expected):
-        found = ", ".join(map(str, variable.dims))
-        raise InputError(f"{name} = array over ({found}): must have the dimensions ({', '.join(expected)})")
+        dimensions = ", ".join(map(str, variable.dims))
+        raise InputError(f"{name} = array over ({dimensions}): must have the dimensions ({', '.join(expected)})")
     units = str(variable.attrs.get("units", "")).translate(str.maketrans("", "", " *"))
     wanted = ATTRIBUTES.get(name, {}).get("units", "1")
     if units not in ("", "1", wanted.replace(" ", ""), *SPELLINGS.get(wanted, ())):
@@ -384,11 +384,11 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     dataset = _opened(path)
     problem = dataset["torque"].dims
     labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
-    found = {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
-    for name, values in found.items():
+    arrays = {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
+    for name, values in arrays.items():
         if values.dtype.kind not in "fiu" and units_of(name) is not None:
             raise InputError(f"{path}: label {name} = {shown(values)}: must hold numbers")
-    return {name: values.astype(str) if values.dtype.kind == "O" else values for name, values in found.items()}
+    return {name: values.astype(str) if values.dtype.kind == "O" else values for name, values in arrays.items()}
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
@@ -458,8 +458,8 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 
 def read_attributes(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Global attributes of a file but those of its format."""
-    own = {"format", "format_version", "Conventions"}
-    return {str(name): value for name, value in _opened(path).attrs.items() if name not in own}
+    format_names = {"format", "format_version", "Conventions"}
+    return {str(name): value for name, value in _opened(path).attrs.items() if name not in format_names}
 
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -123,9 +123,9 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
     )
     kinds = sorted({f.suffix.lower() for f in files})
     if len(kinds) != 1:
-        found = f"files of {', '.join(kinds)}" if kinds else "none"
+        contents = f"files of {', '.join(kinds)}" if kinds else "none"
         suffixes = ", ".join(f".{name}" for name, kind in FORMATS.items() if kind.single)
-        raise InputError(f"{source}: must hold files with one of the suffixes {suffixes}; it has {found}")
+        raise InputError(f"{source}: must hold files with one of the suffixes {suffixes}; it has {contents}")
     read = [FORMATS[kinds[0][1:]].read(file) for file in files]
     answers = [one.answer(0) for one in read]
     known = [answer for answer in answers if answer is not None]

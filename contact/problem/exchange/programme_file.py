@@ -460,14 +460,19 @@ def _structured(
             weight[amplitude[a]] = value
     factor, seen = np.zeros((len(force), len(amplitude))), set()
     for row, entries in rows.items():
-        own = [c for c in entries if c in amplitude]
-        if len(own) != 1 or own[0] in seen or programme.right.get(row, 0.0) != 0.0 or programme.linear[own[0]] != 0.0:
+        columns = [c for c in entries if c in amplitude]
+        if (
+            len(columns) != 1
+            or columns[0] in seen
+            or programme.right.get(row, 0.0) != 0.0
+            or programme.linear[columns[0]] != 0.0
+        ):
             raise InputError(f"row {row}: must define one free column, V'F - z = 0")
-        seen.add(own[0])
-        mode = amplitude[own[0]]
+        seen.add(columns[0])
+        mode = amplitude[columns[0]]
         if not weight[mode] > 0.0:
-            raise InputError(f"QUADOBJ, entry of {own[0]} = {weight[mode]:g}: must be positive")
-        scale = -math.sqrt(weight[mode]) / entries[own[0]]
+            raise InputError(f"QUADOBJ, entry of {columns[0]} = {weight[mode]:g}: must be positive")
+        scale = -math.sqrt(weight[mode]) / entries[columns[0]]
         for column, value in entries.items():
             if column in force:
                 factor[force[column], mode] = scale * value
@@ -476,7 +481,7 @@ def _structured(
 
 def _units(programme: QpsProgramme) -> ProblemUnits:
     """Units that the comments of a file name; mm and N without them."""
-    found: dict[str, float] = {}
+    units: dict[str, float] = {}
     for comment in programme.comments:
         if comment.startswith(UNIT):
             name, _, value = comment.removeprefix(UNIT).partition("=")
@@ -486,8 +491,8 @@ def _units(programme: QpsProgramme) -> ProblemUnits:
                 number = math.nan
             if not 0.0 < number < math.inf:
                 raise InputError(f"{UNIT}{name.strip()} = {shown(value.strip())}: must be a positive number")
-            found[name.split()[0] if name.split() else ""] = number
-    return ProblemUnits(found.get("force", 1.0), found.get("compliance", 1.0), found.get("lever_arm", 1.0))
+            units[name.split()[0] if name.split() else ""] = number
+    return ProblemUnits(units.get("force", 1.0), units.get("compliance", 1.0), units.get("lever_arm", 1.0))
 
 
 def _word(name: str) -> str:
