@@ -127,16 +127,16 @@ def checked_coefficient(model: str | float | CoefficientModel, conditions: Conta
 
     The shape is that to which the conditions broadcast, or broadcasts to it.
     """
-    found = coefficient_model(model)(conditions)
+    coefficients = coefficient_model(model)(conditions)
     if not callable(model):
-        return found
+        return coefficients
     name, shape = model_name(model), conditions.shape
     try:
-        values = np.asarray(found)
+        values = np.asarray(coefficients)
     except ValueError:
         values = np.asarray(None)
     if values.dtype.kind not in "fiu":
-        raise InputError(f"coefficient = {name}: gives {shown(found)}: must give numbers")
+        raise InputError(f"coefficient = {name}: gives {shown(coefficients)}: must give numbers")
     try:
         fits = np.broadcast_shapes(values.shape, shape) == shape
     except ValueError:

@@ -208,8 +208,8 @@ def _nodes(count: int) -> Array:
 def searched_greatest(peclet: Array) -> Array:
     """Greatest temperature (n) over the band, from its quadrature at many positions."""
     nodes, (low, high) = _nodes(POSITION_COUNT), POSITIONS
-    found = band_temperature(low + 0.5 * (high - low) * (nodes + 1.0), peclet[:, None])
-    series = chebyshev.chebfit(nodes, found.T, POSITION_COUNT - 1)
+    temperatures = band_temperature(low + 0.5 * (high - low) * (nodes + 1.0), peclet[:, None])
+    series = chebyshev.chebfit(nodes, temperatures.T, POSITION_COUNT - 1)
     slope = chebyshev.chebder(series)
     left, right = -np.ones(peclet.size), np.ones(peclet.size)
     for _ in range(BISECTIONS):
@@ -231,10 +231,10 @@ def greatest_temperature(peclet: Array) -> Array:
     """Greatest temperature times conductivity over heat per length (...), within 1e-7; Peclet number from 1e-12."""
     number = np.maximum(np.asarray(peclet, float), PECLET_MINIMUM)
     within = np.clip(np.log(number / SLOW) / np.log(FAST / SLOW), 0.0, 1.0)
-    found = np.exp(chebyshev.chebval(2.0 * within - 1.0, _logarithms()))
-    found = np.where(number > FAST, FAST_LIMIT / np.sqrt(number), found)
+    temperature = np.exp(chebyshev.chebval(2.0 * within - 1.0, _logarithms()))
+    temperature = np.where(number > FAST, FAST_LIMIT / np.sqrt(number), temperature)
     slow = (np.log(4.0 / number) - np.euler_gamma + 0.5) / np.pi
-    return np.asarray(np.where(number < SLOW, slow, found))
+    return np.asarray(np.where(number < SLOW, slow, temperature))
 
 
 STEEL_PAIR = (ThermalMaterial(), ThermalMaterial())
@@ -358,10 +358,10 @@ def _kernel_integral(z: Array) -> Array:
     """Integral of exp(t) K0(|t|) up to z, counted so that it is one at zero."""
     size = np.abs(z)
     with np.errstate(invalid="ignore"):
-        found = (
+        integral = (
             z * (kve(0, size) + np.sign(z) * kve(1, size)) * np.where(z < 0.0, np.exp(2.0 * np.minimum(z, 0.0)), 1.0)
         )
-    return np.where(size > 0.0, found, 1.0)
+    return np.where(size > 0.0, integral, 1.0)
 
 
 def _influence(middles: Array, ends: Array, peclet: float) -> Array:

@@ -117,21 +117,21 @@ def losses_dataset(
         if model.has_range:
             fields["formula_flags"] = np.zeros(whole, dtype=np.uint16)
     for block in losses(contacts, operation, model):
-        here = group[block.contacts]
-        starts = np.flatnonzero(np.diff(here, prepend=-1))
+        groups = group[block.contacts]
+        starts = np.flatnonzero(np.diff(groups, prepend=-1))
         force_speed = contacts.force[block.contacts] * block.conditions.sliding_velocity
         for name, values in (
             ("sliding", block.sliding_loss),
             ("rolling", block.rolling_loss),
             ("weighted", force_speed),
         ):
-            sums[name][..., here[starts]] += np.add.reduceat(values, starts, axis=-1)
+            sums[name][..., groups[starts]] += np.add.reduceat(values, starts, axis=-1)
         loss, torque = block.sliding_loss + block.rolling_loss, contacts.index[0, block.contacts]
         shares.add(torque, loss, block.flags, block.between_regimes, block.film_thinning)
         hottest.add(torque, block)
         if segments:
             at = tuple(contacts.index[:, block.contacts])
-            found = {
+            block_fields = {
                 "friction_coefficient": block.coefficient,
                 "lambda_ratio": block.conditions.lambda_ratio,
                 "film_thickness": 1e6 * block.conditions.film_thickness[..., 0, :],
@@ -140,8 +140,8 @@ def losses_dataset(
                 "pressure_velocity": 1e-6 * block.pressure_velocity[:, 0, 0],
             }
             if block.flags is not None:
-                found["formula_flags"] = block.flags
-            for name, values in found.items():
+                block_fields["formula_flags"] = block.flags
+            for name, values in block_fields.items():
                 fields[name][at] = np.moveaxis(values, -1, 0)
         if progress is not None:
             progress()

@@ -50,11 +50,11 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     torques = np.zeros((2, contacts.solved.size))
     group = contacts.group
     for block in losses(contacts, operation, model):
-        here = block.contacts
-        force = block.coefficient[0, 0, 0] * contacts.force[here]
+        part = block.contacts
+        force = block.coefficient[0, 0, 0] * contacts.force[part]
         drag = block.rolling_loss[0, 0, 0] / operation.angular_velocity[0]
-        np.add.at(torques[0], group[here], force * pinion_arm[here] + drag * share[here])
-        np.add.at(torques[1], group[here], force * gear_arm[here] - drag * (1.0 - share[here]))
+        np.add.at(torques[0], group[part], force * pinion_arm[part] + drag * share[part])
+        np.add.at(torques[1], group[part], force * gear_arm[part] - drag * (1.0 - share[part]))
     pinion, gear = torques.reshape(2, *contacts.solved.shape)
     return pinion, gear
 

@@ -74,12 +74,12 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
     conditions = friction["efficiency"]
     # Without feedback the film is the same at every roughness.
     missing = len(conditions.dims) - len(dims)
-    found = {}
+    variables = {}
     for name, value in numbers.items():
         known_value = np.where(known, value, np.nan)
         spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
-        found[name] = (conditions.dims, spread.copy())
-    return labelled(friction.assign(found))
+        variables[name] = (conditions.dims, spread.copy())
+    return labelled(friction.assign(variables))
 
 
 class DimensionlessGroups(Protocol):

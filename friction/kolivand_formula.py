@@ -86,8 +86,8 @@ class LossShares:
         at = torque[starts]
 
         def put(target: Array, values: Array, reduce: np.ufunc = np.add) -> None:
-            found = np.moveaxis(reduce.reduceat(values, starts, axis=-1), -1, 0)
-            target[at] = reduce(target[at], found)
+            parts = np.moveaxis(reduce.reduceat(values, starts, axis=-1), -1, 0)
+            target[at] = reduce(target[at], parts)
 
         put(self.whole, loss)
         put(self.thinning, np.broadcast_to(thinning, (*thinning.shape[:-1], loss.shape[-1])), np.maximum)
@@ -307,7 +307,7 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
     thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)
     given = formula_coefficient(conditions) if coefficient is None else coefficient
-    found = array("coefficient", given, anything=True)
+    coefficients = array("coefficient", given, anything=True)
     return combined_flags(
         {
             1: outside("slide_to_roll", conditions.slide_to_roll),
@@ -319,6 +319,6 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
             64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
             128: outside("temperature", conditions.temperature),
             256: conditions.film_thickness < LAMBDA_MINIMUM * composite,
-            512: np.isin(found, COEFFICIENT_LIMITS),
+            512: np.isin(coefficients, COEFFICIENT_LIMITS),
         }
     )

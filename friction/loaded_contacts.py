@@ -123,9 +123,9 @@ def action_splines(ease_off: xr.Dataset) -> FlankSplines:
 
 def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> SurfaceVelocities:
     """Surface velocities at points (2, ...) of the gear in conjugate position; splines of ``action_splines``."""
-    here = splines.evaluate(["position", "normal"], points)
-    position = here["position"]
-    normal = here["normal"] / np.sqrt(dot(here["normal"], here["normal"]))
+    fields = splines.evaluate(["position", "normal"], points)
+    position = fields["position"]
+    normal = fields["normal"] / np.sqrt(dot(fields["normal"], fields["normal"]))
     pinion, gear = axes.velocities(position)
     slopes = [splines.evaluate(["position", "roll_angle"], points, d) for d in ((1, 0), (0, 1))]
     rates = [s["roll_angle"] for s in slopes]

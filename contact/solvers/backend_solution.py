@@ -106,22 +106,22 @@ def backend_solution(
             answered = perf_counter()
         times = given.times or CallTimes(call=answered - begin)
         if raw:
-            found = Polish(of_whole_rotation(problem, given.force, float(given.rotation)), False, 0)
+            outcome = Polish(of_whole_rotation(problem, given.force, float(given.rotation)), False, 0)
         else:
-            found = polished_answer(problem, scaled, given, polish if scaled.has_matrix else None)
+            outcome = polished_answer(problem, scaled, given, polish if scaled.has_matrix else None)
             if polish is not None:
                 times = replace(times, polish=perf_counter() - answered)
         solution = judged(
             solver,
-            found.answer,
-            tolerance=limits.exact_tolerance if found.polished else tolerance,
+            outcome.answer,
+            tolerance=limits.exact_tolerance if outcome.polished else tolerance,
             suspicion=given.suspicion,
             claim=SOLVED if given.suspicion is None else given.suspicion.name.lower(),
             iterations=int(given.iterations),
             method=method,
-            polished=found.polished,
+            polished=outcome.polished,
         )
-        solution = replace(solution, exchanges=found.exchanges, times=times, words=given.message)
+        solution = replace(solution, exchanges=outcome.exchanges, times=times, words=given.message)
     except InputError:
         raise
     except NoAnswerError as error:
@@ -135,8 +135,8 @@ def backend_solution(
             hint = limit_hint(solver, own)
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
-        status, told = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
-        solution = no_solution(problem.size, status, solver, claim=told, tolerance=tolerance)
+        status, report = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
+        solution = no_solution(problem.size, status, solver, claim=report, tolerance=tolerance)
         solution = replace(solution, words=str(foreign) if foreign else reason_of(error), method=method)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)

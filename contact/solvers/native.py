@@ -37,10 +37,10 @@ Answers = Iterator[ScaledAnswer | None]
 def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
     if budget is not None and not budget.step():
         return None
-    found = scaled_answer(problem, active)
-    if found is None or (budget is not None and not all(budget.step() for _ in range(found[2] - 1))):
+    answer = scaled_answer(problem, active)
+    if answer is None or (budget is not None and not all(budget.step() for _ in range(answer[2] - 1))):
         return None
-    return ScaledAnswer(*found, "modal")
+    return ScaledAnswer(*answer, "modal")
 
 
 def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
@@ -119,4 +119,6 @@ def _answers(
         if answer is not None:
             yield method, answer
         if method == "primal_active_set" and (budget is None or budget.met is None):
-            yield from ((method, found) for found in _anew(problem, active, budget, answer) if found is not None)
+            yield from (
+                (method, candidate) for candidate in _anew(problem, active, budget, answer) if candidate is not None
+            )

@@ -57,9 +57,9 @@ def polished_answer(
     if rule is None or not (math.isfinite(answer.rotation) and np.isfinite(answer.force).all()):
         return Polish(unscaled(problem, answer.force, answer.rotation), False, 0)
     if math.isfinite(rule.roughest):
-        own = unscaled(problem, answer.force, answer.rotation)
-        if not own.certificate.passes(rule.roughest):
-            return Polish(own, False, 0)
+        original = unscaled(problem, answer.force, answer.rotation)
+        if not original.certificate.passes(rule.roughest):
+            return Polish(original, False, 0)
     exact = exact_answer(scaled, answer, rule.exchanges)
     if exact is not None:
         better = unscaled(problem, exact.force, exact.rotation)

@@ -166,11 +166,11 @@ def solve_many(
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
-    found = []
+    solutions = []
     for problem, active in zip(problems, known, strict=True):
         compiled = compiled_solution(problem, active, perf_counter())
-        found.append(solve(problem, initial_active=active) if compiled is None else compiled)
-    return found
+        solutions.append(solve(problem, initial_active=active) if compiled is None else compiled)
+    return solutions
 
 
 def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: ArrayLike | None) -> ContactSolutions:
@@ -206,8 +206,8 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
             solution.force, solution.gap, solution.iterations, solution.status,
         )  # fmt: skip
         numbers[row] = solution.rotation, solution.elastic_rotation, *solution.certificate.violations
-    for found in (force, gap):
-        found.setflags(write=False)  # else they would be copied
+    for rows in (force, gap):
+        rows.setflags(write=False)  # else they would be copied
     return ContactSolutions(
         force, numbers[:, 0].copy(), gap, numbers[:, 1].copy(), numbers[:, 2:].copy(), status, steps,
         problem, gaps, moments,

@@ -65,8 +65,8 @@ def projected_conjugate_gradients(
             break
         free = loaded | (gap < -GAP_TOLERANCE * scale)
         gradient = np.where(free, gap, 0.0)
-        own = np.where(free, arm, 0.0)
-        gradient -= (float(own @ gradient) / float(own @ own)) * own
+        free_arm = np.where(free, arm, 0.0)
+        gradient -= (float(free_arm @ gradient) / float(free_arm @ free_arm)) * free_arm
         length = float(gradient @ gradient)
         same = squared > 0.0 and np.array_equal(free, before)
         direction = gradient + (length / squared) * direction if same else gradient
@@ -103,8 +103,8 @@ def _balanced(force: Array, arm: Array, torque: float) -> Array:
 
 def _gaps(rigid: Array, arm: Array, loaded: Mask) -> tuple[float, Array]:
     """Rotation at which the gaps of the loaded segments vanish in the mean, weighted by arms, and all gaps there."""
-    own = np.where(loaded, arm, 0.0)
-    rotation = float(own @ rigid) / float(own @ own)
+    loaded_arm = np.where(loaded, arm, 0.0)
+    rotation = float(loaded_arm @ rigid) / float(loaded_arm @ loaded_arm)
     return rotation, rigid - rotation * arm
 
 

@@ -163,14 +163,14 @@ def solve(
     truth("polish", polish)
     start = perf_counter()
     limits = Limits(tolerance, time_limit, max_iterations)
-    own = solver if isinstance(solver, str) else ""
-    plain = own in ("auto", "native") and form == "auto" and not settings and max_iterations is None
+    name = solver if isinstance(solver, str) else ""
+    plain = name in ("auto", "native") and form == "auto" and not settings and max_iterations is None
     matrix = problem.compliance_matrix
     few = isinstance(matrix, ModalCompliance) and matrix.has_few_modes  # else to find few costs more than the solution
     if plain and few and (time_limit is None or perf_counter() - start < time_limit):
-        found = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
-        if found is not None and found.certificate.passes(limits.exact_tolerance):
-            return found if tolerance is None else replace(found, tolerance=limits.exact_tolerance)
+        solution = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
+        if solution is not None and solution.certificate.passes(limits.exact_tolerance):
+            return solution if tolerance is None else replace(solution, tolerance=limits.exact_tolerance)
     force = None if initial_force is None else _given_force(initial_force, problem.size)
     request = _Request(problem, limits, polish, _active(problem, initial_active, force), force, form, settings, start)
     return replace(_solved(request, solver), run_time=perf_counter() - start)
@@ -192,24 +192,24 @@ class _Request:
 
 def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start: float) -> ContactSolution | None:
     """Certified solution of the compiled modal method, or None; ``start`` is when the call began [s]."""
-    found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
-    if found is None:
+    outcome = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
+    if outcome is None:
         return None
-    certificate = found.answer.certificate
+    certificate = outcome.answer.certificate
     if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
     return ContactSolution(
-        found.answer,
+        outcome.answer,
         Status.CERTIFIED,
         "native",
-        found.iterations,
+        outcome.iterations,
         SOLVED,
         "modal",
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        f"native, {native.METHOD_WORDS['modal']}, {found.iterations} steps: certified",
-        times=CallTimes(found.setup_time + found.solve_time, found.setup_time, found.solve_time, "solver"),
+        f"native, {native.METHOD_WORDS['modal']}, {outcome.iterations} steps: certified",
+        times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 
 

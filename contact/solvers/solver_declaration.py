@@ -108,17 +108,19 @@ def _rotation(given: Any, problem: ScaledProblem, force: Array) -> float:
 def _numbers(returned: Any, what: str, *shapes: tuple[int, ...]) -> Array:
     """Finite numbers of one of some shapes; a column is a vector, too."""
     try:
-        found = np.asarray(returned)
+        entries = np.asarray(returned)
     except (TypeError, ValueError) as error:
         raise _refused(f"it returned {what} of the type {type(returned).__name__}: must be an array") from error
-    if found.dtype.kind not in "fiu" or np.ma.is_masked(returned):
-        raise _refused(f"it returned {what} of the type {type(returned).__name__}, {found.dtype.name}: must be floats")
-    if found.ndim == 2 and 1 in found.shape:
-        found = found.ravel()
-    if found.shape not in shapes:
+    if entries.dtype.kind not in "fiu" or np.ma.is_masked(returned):
+        raise _refused(
+            f"it returned {what} of the type {type(returned).__name__}, {entries.dtype.name}: must be floats"
+        )
+    if entries.ndim == 2 and 1 in entries.shape:
+        entries = entries.ravel()
+    if entries.shape not in shapes:
         wanted = " or ".join(map(str, sorted(shapes)))
-        raise _refused(f"it returned {what} of the shape {found.shape}: must have {wanted}")
-    numbers = found.astype(np.float64)
+        raise _refused(f"it returned {what} of the shape {entries.shape}: must have {wanted}")
+    numbers = entries.astype(np.float64)
     wrong = np.count_nonzero(~np.isfinite(numbers))
     if wrong:
         raise _refused(f"{wrong} of {numbers.size} {what} are not finite")
@@ -267,8 +269,8 @@ class Solver:
         """
         if form != "auto":
             one_of("form", form, ("auto", *self.forms))
-        able = [own for own in self.forms if own == form or form == "auto"]
-        possible = [own for own in able if _has_form(problem, own)]
+        able = [candidate for candidate in self.forms if candidate == form or form == "auto"]
+        possible = [candidate for candidate in able if _has_form(problem, candidate)]
         if not possible:
             given = "dense matrix" if problem.has_matrix else "LinearOperator"
             wanted = "the pair (d, V)" if problem.has_matrix else "a matrix"
@@ -277,7 +279,7 @@ class Solver:
             )
         modal = problem.modal
         many = modal is not None and modal.mode_count >= problem.separation.size
-        fewer = [own for own in possible if own != "lifted"] if many else possible
+        fewer = [candidate for candidate in possible if candidate != "lifted"] if many else possible
         return (fewer or possible)[0]
 
     def solve_scaled(self, problem: ScaledProblem, form: str, keywords: Mapping[str, Any]) -> ScaledAnswer:
@@ -395,14 +397,14 @@ def _solver_at(text: str) -> Solver:
     module, _, path = text.partition(":")
     try:
         with current_folder_last():
-            found: Any = importlib.import_module(module)
+            target: Any = importlib.import_module(module)
         for name in path.split("."):
-            found = getattr(found, name)
+            target = getattr(target, name)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
             raise
         raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION; there is no module {error.name!r}") from error
-    return _named(text, found, text)
+    return _named(text, target, text)
 
 
 def _named(name: str, found: Any, place: str) -> Solver:

@@ -60,7 +60,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
     A limit that the backend cannot have, or that is given in both words, is refused.
     """
     entry = SOLVERS[name]
-    keywords, found = dict(entry.settings), {}
+    keywords, limit_keywords = dict(entry.settings), {}
     foreign = name == "cvxpy" and str(settings.get("backend", "clarabel")).lower() != "clarabel"
     if foreign and not limits.none:
         raise InputError(
@@ -71,7 +71,9 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
         ratio = (limits.tolerance / entry.tolerance) ** entry.tolerance_power
         least, most = OWN_TOLERANCE_RANGE
         for key in entry.tolerance_settings:
-            found[key] = min(max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most)
+            limit_keywords[key] = min(
+                max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most
+            )
     for word, value, key in (
         ("time_limit", limits.time_limit, entry.time_setting),
         ("max_iterations", limits.max_iterations, entry.step_setting),
@@ -80,14 +82,14 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
             continue
         if not key:
             raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {_able(word)} have one")
-        found[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
-    twice = sorted(set(found) & set(settings))
+        limit_keywords[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
+    twice = sorted(set(limit_keywords) & set(settings))
     if twice:
         raise InputError(
             f"{twice[0]} = {settings[twice[0]]}: must not be given beside tolerance, time_limit and max_iterations, "
             "which set it"
         )
-    return {**keywords, **found, **settings}
+    return {**keywords, **limit_keywords, **settings}
 
 
 def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status | None:

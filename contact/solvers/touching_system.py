@@ -149,19 +149,19 @@ class TouchingFactor:
 
     def apply(self, sides: Array) -> Array:
         """K^-1 times right-hand sides (1 + a, q)."""
-        held = self.solve(sides[1:])
-        first = (self.arm @ held - sides[0]) / self.moment
-        return np.vstack([first, held - self.turning[:, None] * first])
+        forces = self.solve(sides[1:])
+        first = (self.arm @ forces - sides[0]) / self.moment
+        return np.vstack([first, forces - self.turning[:, None] * first])
 
     def inverse(self) -> Array:
         """K^-1."""
         half = np.tril(dpotri(self.lower, lower=1)[0])
-        held = half + np.tril(half, -1).T
+        block = half + np.tril(half, -1).T
         size = self.arm.size + 1
         whole = np.empty((size, size))
         whole[0, 0] = -1.0 / self.moment
         whole[0, 1:] = whole[1:, 0] = self.turning / self.moment
-        whole[1:, 1:] = held - np.outer(self.turning, self.turning / self.moment)
+        whole[1:, 1:] = block - np.outer(self.turning, self.turning / self.moment)
         return whole
 
 
@@ -275,10 +275,10 @@ class DenseTouching:
             return self._make(np.array([segment], dtype=np.intp))
         side = np.append(self._arm[segment], self._compliance[self._index, segment])
         solved = self._inverse @ side
-        own = float(self._compliance[segment, segment])
+        diagonal = float(self._compliance[segment, segment])
         yielded = float(side @ solved)
-        pivot = own - yielded
-        if not pivot > DEPENDENCE_TOLERANCE * max(own, abs(yielded)):
+        pivot = diagonal - yielded
+        if not pivot > DEPENDENCE_TOLERANCE * max(diagonal, abs(yielded)):
             return False
         size = solved.size
         inverse = np.empty((size + 1, size + 1))
@@ -321,14 +321,14 @@ class DenseTouching:
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
         """See `TouchingSystem`."""
         index, arm = self._index, self._arm[self._index]
-        found = self._apply(np.vstack([torque, closing[index]]))
-        force, rotation = np.zeros(closing.shape), -found[0]
-        force[index] = found[1:]
+        solution = self._apply(np.vstack([torque, closing[index]]))
+        force, rotation = np.zeros(closing.shape), -solution[0]
+        force[index] = solution[1:]
         gap = self._gap(force, rotation, closing)
         if self._factor is None:
-            found = self._apply(np.vstack([torque - arm @ force[index], -gap[index]]))
-            force[index] += found[1:]
-            rotation = rotation - found[0]
+            solution = self._apply(np.vstack([torque - arm @ force[index], -gap[index]]))
+            force[index] += solution[1:]
+            rotation = rotation - solution[0]
             gap = self._gap(force, rotation, closing)
         gap[index] = 0.0
         return TouchingAnswer(force, rotation, gap)
@@ -340,11 +340,11 @@ class DenseTouching:
         """See `TouchingSystem`; C_AA must not be singular."""
         rows = self._compliance[self._index]
         if self._factor is not None:
-            held = self._factor.solve(rows)
+            forces = self._factor.solve(rows)
         else:
             turning = self._known[1:, 0]
-            held = (self._known[1:, 1:] - np.outer(turning, turning / self._known[0, 0])) @ rows
-        result = self._compliance.diagonal() - np.einsum("ij,ij->j", rows, held)
+            forces = (self._known[1:, 1:] - np.outer(turning, turning / self._known[0, 0])) @ rows
+        result = self._compliance.diagonal() - np.einsum("ij,ij->j", rows, forces)
         result[self._index] = 0.0
         return np.asarray(result)
 
@@ -500,15 +500,15 @@ class _BorderedSystem:
 
     def balance(self, separation: Array, torque: float) -> tuple[Array, float]:
         """Return forces (a) and rotation for separations (a) of the active segments and a torque."""
-        own = separation[self._soft]
-        loads = own @ self._weighted
+        soft_separation = separation[self._soft]
+        loads = soft_separation @ self._weighted
         side = np.concatenate([-loads[:-1], separation[self._rigid], [torque + loads[-1]]])
-        found, _info = dgetrs(self._factor, self._pivots, side)
-        rotation = float(found[-1])
+        solution, _info = dgetrs(self._factor, self._pivots, side)
+        rotation = float(solution[-1])
         force = np.empty(separation.size)
-        force[self._rigid] = found[self._count : -1]
-        closing = self._soft_rows @ np.concatenate([found[: self._count], [-rotation]])
-        force[self._soft] = -(closing + own) / self._local
+        force[self._rigid] = solution[self._count : -1]
+        closing = self._soft_rows @ np.concatenate([solution[: self._count], [-rotation]])
+        force[self._soft] = -(closing + soft_separation) / self._local
         return force, rotation
 
 

@@ -136,12 +136,12 @@ def balance(
 
     # Flow with the surfaces: the first middle has no second node upstream and takes the mean of its two. In time, the
     # comparison along the path of the mean flow stands for it.
-    own = np.full(mass.size - 1, 1.5 if history is None else 0.0)
-    before, after = np.full_like(own, -0.5 if history is None else 0.0), np.zeros_like(own)
+    centre = np.full(mass.size - 1, 1.5 if history is None else 0.0)
+    before, after = np.full_like(centre, -0.5 if history is None else 0.0), np.zeros_like(centre)
     if history is None:
-        own[0], before[0], after[0] = 0.5, 0.0, 0.5
+        centre[0], before[0], after[0] = 0.5, 0.0, 0.5
     upstream = np.concatenate([mass[:1], mass[:-2]])
-    flow = own * mass[left] + before * upstream + after * mass[right] - conductance * slope
+    flow = centre * mass[left] + before * upstream + after * mass[right] - conductance * slope
 
     residual = np.zeros_like(mass)
     residual[1:-1] = np.diff(flow)
@@ -152,7 +152,7 @@ def balance(
     ):
         # Flow out, through the middle to the right of node i: nodes i - 1, i, i + 1.
         q_before = before * np.concatenate([node[:1], node[:-2]])
-        q_own = own * node[left] + l_part
+        q_own = centre * node[left] + l_part
         q_after = after * node[right] + r_part
         bands[1, 1:-1] += q_before[1:]
         bands[2, 1:-1] += q_own[1:]
@@ -376,8 +376,8 @@ def _attempt(problem: Problem, pressure: Array, approach: float, pace: Pace, spe
 
 def _states(problem: Problem, point: Point, pace: Pace) -> States:
     """Which member of the condition is the smallest, each in units of pressure."""
-    own = problem.deflection.influence[[2, 1, 0, 1]]  # at the distances of hierarchical.OFFSETS
-    by_own_pressure = np.abs(point.balance.by_pressure[2] + own @ point.balance.by_film)
+    influence = problem.deflection.influence[[2, 1, 0, 1]]  # at the distances of hierarchical.OFFSETS
+    by_own_pressure = np.abs(point.balance.by_pressure[2] + influence @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0
     members = np.stack(
         [

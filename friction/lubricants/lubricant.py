@@ -185,15 +185,15 @@ class Lubricant:
                 f"temperature = {asked[clamped].flat[0]:g}: must be from {low:g} to {high:g} [degC], the data of "
                 f"lubricant {self.name}; or clamp it to the end with out_of_range='clamp' (--clamp-temperature)"
             )
-        here = np.clip(asked, low, high)
+        temperatures = np.clip(asked, low, high)
         by_law = interpolation == "walther" and bool(np.all(self._kinematic > WALTHER_MINIMUM))
-        viscosity, slope = self._walther(here) if by_law else self._log_linear(here)
-        density = None if self.density is None else np.interp(here, self.temperature, self.density)
+        viscosity, slope = self._walther(temperatures) if by_law else self._log_linear(temperatures)
+        density = None if self.density is None else np.interp(temperatures, self.temperature, self.density)
         return OilState(
             viscosity=np.asarray(viscosity),
-            pressure_viscosity=np.asarray(np.interp(here, self.temperature, self.pressure_viscosity)),
+            pressure_viscosity=np.asarray(np.interp(temperatures, self.temperature, self.pressure_viscosity)),
             temperature_viscosity=np.asarray(slope),
-            density=np.full(here.shape, np.nan) if density is None else np.asarray(density),
+            density=np.full(temperatures.shape, np.nan) if density is None else np.asarray(density),
             thermal_conductivity=self.thermal_conductivity,
             clamped=np.asarray(clamped),
         )

@@ -81,20 +81,20 @@ class ModalTouching:
     def yielding(self) -> Array:
         """See `TouchingSystem`."""
         modes = self._rows[..., : self._rank]
-        own = np.zeros(self._arm.size + 1)
-        own[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
+        compliance = np.zeros(self._arm.size + 1)
+        compliance[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
         if self._mixing.shape[2]:
             shared = (self._rows[..., self._rank : -1] - modes @ self._by_shared) @ self._mixing
-            own[self._index] += np.sum((shared @ np.linalg.inv(self._common)) * shared, axis=2)
-        return np.where(self._active, 0.0, self._local + own[:-1])
+            compliance[self._index] += np.sum((shared @ np.linalg.inv(self._common)) * shared, axis=2)
+        return np.where(self._active, 0.0, self._local + compliance[:-1])
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
         """See `TouchingSystem`."""
         wide = np.zeros((self._arm.size + 1, segments.size))
         for number, segment in enumerate(segments):
             block = self._block[segment]
-            own = self._rows[block, :, : self._rank]
-            wide[self._index[block], number] = own @ own[self._place[segment]]
+            modes = self._rows[block, :, : self._rank]
+            wide[self._index[block], number] = modes @ modes[self._place[segment]]
             if self._mixing.shape[2]:
                 amplitudes = self._rows[block, self._place[segment], self._rank : -1] @ self._mixing[block]
                 shared = self._rows[..., self._rank : -1] @ (self._mixing @ amplitudes)[..., None]
@@ -119,15 +119,15 @@ class ModalTouching:
 
     def _step(self, loads: Array, shared: Array, imbalance: Array) -> tuple[Array, Array, Array]:
         """Changes of amplitudes (p, k, q), (s, q) and rotations (q) for residuals of the three equations."""
-        held = self._inverse @ loads
-        imbalance = imbalance + np.einsum("pk,pkq->q", self._border, held)
+        amplitudes = self._inverse @ loads
+        imbalance = imbalance + np.einsum("pk,pkq->q", self._border, amplitudes)
         if not shared.shape[0]:
             turn = imbalance / self._pivot
-            return held + turn * self._by_arm[..., None], shared, turn
+            return amplitudes + turn * self._by_arm[..., None], shared, turn
         rest = shared - self._mixed(self._by_shared.swapaxes(1, 2) @ loads)
         turn = (imbalance + self._turned @ rest) / self._pivot
         moved = np.asarray(np.linalg.solve(self._common, rest), dtype=np.float64) + turn * self._turned[:, None]
-        return held + turn * self._by_arm[..., None] - self._by_shared @ (self._mixing @ moved), moved, turn
+        return amplitudes + turn * self._by_arm[..., None] - self._by_shared @ (self._mixing @ moved), moved, turn
 
     def _change(self, segment: int, entering: bool) -> bool:
         active = self._active.copy()

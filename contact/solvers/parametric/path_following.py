@@ -77,10 +77,10 @@ class _Point:
     def __init__(self, problem: ContactProblem, system: TouchingSystem, torque: float) -> None:
         nothing = np.zeros(problem.size)
         sides = np.column_stack([-problem.separation_at_first_contact, nothing]), np.array([torque, 1.0])
-        found = system.solve(*sides)
+        answer = system.solve(*sides)
         self.torque, self.system, self.active = torque, system, system.active
-        self.force, self.rotation, self.gap = found.column(0)
-        self.force_rate, self.rotation_rate, self.gap_rate = found.column(1)
+        self.force, self.rotation, self.gap = answer.column(0)
+        self.force_rate, self.rotation_rate, self.gap_rate = answer.column(1)
         turned = np.abs(problem.lever_arm[self.active]).max(initial=0.0)
         # Scales: the largest force, and the way that the rotation closes.
         self.force_scale = float(np.abs(self.force).max())

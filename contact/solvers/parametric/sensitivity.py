@@ -125,9 +125,9 @@ class ProblemGradient:
         matrix = self._problem.compliance_matrix
         if not isinstance(matrix, ModalCompliance):
             return None
-        own = self.separation + self._energy_weight * self._force
+        weights = self.separation + self._energy_weight * self._force
         amplitudes = matrix.factor.T @ np.column_stack([self._force, self.separation])
-        return np.outer(own, amplitudes[:, 0]) + np.outer(self._force, amplitudes[:, 1])
+        return np.outer(weights, amplitudes[:, 0]) + np.outer(self._force, amplitudes[:, 1])
 
 
 class Differentiability(StoredStatus):
@@ -387,10 +387,10 @@ class Sensitivity:
         pull = by_force + by_energy * self._deflection + self._tangent.deflection(by_gap)
         moment = by_rotation - float(self.problem.lever_arm @ by_gap)
         # The transposed system is the system itself with the signs of moment and rotation changed.
-        held, turned, _ = system.solve(pull[:, None], np.array([-moment])).column(0)
+        forces, turned, _ = system.solve(pull[:, None], np.array([-moment])).column(0)
         if undetermined.any():
             return self._gradient(-turned, np.full(size, np.nan), by_energy)
-        return self._gradient(-turned, by_gap - held, by_energy)
+        return self._gradient(-turned, by_gap - forces, by_energy)
 
     def _gradient(self, torque: float, separation: Array, energy: float) -> ProblemGradient:
         arm = -self.rotation * separation - torque * self.force

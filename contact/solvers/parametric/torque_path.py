@@ -237,8 +237,8 @@ def torque_path(problem: ContactProblem, start: float, end: float) -> TorquePath
     )
     if not problem.is_positive_semidefinite:
         raise InputError("compliance: must be positive semidefinite")
-    found = follow(problem, min(first, last), max(first, last))
-    changes = found.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(found.changes)]
+    path = follow(problem, min(first, last), max(first, last))
+    changes = path.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(path.changes)]
     torque, segment, enters = (np.array(column) for column in zip(*changes, strict=True)) if changes else ([], [], [])
     return TorquePath(
         problem,
@@ -247,8 +247,8 @@ def torque_path(problem: ContactProblem, start: float, end: float) -> TorquePath
         np.asarray(torque, dtype=np.float64),
         np.asarray(segment, dtype=np.int64),
         np.asarray(enters, dtype=np.bool_),
-        Status.NOT_CONVERGED if found.failure else Status.CERTIFIED,
-        found.failure,
-        tuple(found.pieces),
-        found.reached,
+        Status.NOT_CONVERGED if path.failure else Status.CERTIFIED,
+        path.failure,
+        tuple(path.pieces),
+        path.reached,
     )

@@ -39,14 +39,14 @@ def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active
     """
     if np.count_nonzero(active) > DENSE_FIRST_SIZE:
         return ModalTouching(local, basis, lever_arm, active).stiffness
-    touching = [(own, active[own]) for own, _ in basis.blocks]
-    index = np.concatenate([own[chosen] for own, chosen in touching])
+    touching = [(segments, active[segments]) for segments, _ in basis.blocks]
+    index = np.concatenate([segments[chosen] for segments, chosen in touching])
     shared = basis.shared_factor[index]
     part, start = shared @ shared.T, 0
     for (_, chosen), (_, modes) in zip(touching, basis.blocks, strict=True):
-        here = modes[chosen]
-        block = slice(start, start := start + len(here))
-        part[block, block] += here @ here.T
+        rows = modes[chosen]
+        block = slice(start, start := start + len(rows))
+        part[block, block] += rows @ rows.T
     part.reshape(-1)[:: index.size + 1] += local[index]
     known = TouchingFactor.of(part, lever_arm[index])
     return np.nan if known is None else known.moment

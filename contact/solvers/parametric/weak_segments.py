@@ -75,11 +75,11 @@ def _with_weak(
     """Let those of the weak segments enter that carry load."""
     if not segments.size:
         return system
-    yielding, own = _yielding(system, lever_arm, segments)
-    free = yielding.diagonal() > DEPENDENCE_TOLERANCE * own
-    segments, yielding, own = segments[free], yielding[np.ix_(free, free)], own[free]
+    yielding, sizes = _yielding(system, lever_arm, segments)
+    free = yielding.diagonal() > DEPENDENCE_TOLERANCE * sizes
+    segments, yielding, sizes = segments[free], yielding[np.ix_(free, free)], sizes[free]
     opening = system.solve(closing[:, None], np.array([torque])).gap[segments, 0]
-    unit = 1.0 / np.sqrt(own)
+    unit = 1.0 / np.sqrt(sizes)
     vector, yielding = opening * unit, yielding * np.outer(unit, unit)
     level = float(np.abs(vector).max(initial=0.0))
     if level == 0.0:
@@ -98,8 +98,8 @@ def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask,
     result = np.zeros(weak.size, dtype=np.bool_)
     if weak.any() and lever_arm[loaded].any():
         segments = np.flatnonzero(weak)
-        yielding, own = _yielding(touching_system(matrix, lever_arm, loaded), lever_arm, segments)
-        result[segments] = yielding.diagonal() <= DEPENDENCE_TOLERANCE * own
+        yielding, sizes = _yielding(touching_system(matrix, lever_arm, loaded), lever_arm, segments)
+        result[segments] = yielding.diagonal() <= DEPENDENCE_TOLERANCE * sizes
     return result
 
 
@@ -107,8 +107,8 @@ def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.int
     """Compliance among some open segments while the touching ones yield (w, w), and the size of its terms (w)."""
     columns = system.columns(segments)
     gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
-    own = columns[segments, np.arange(segments.size)]
-    return 0.5 * (gap + gap.T), np.maximum(own, np.abs(own - gap.diagonal()))
+    diagonal = columns[segments, np.arange(segments.size)]
+    return 0.5 * (gap + gap.T), np.maximum(diagonal, np.abs(diagonal - gap.diagonal()))
 
 
 def _of_first_contact(

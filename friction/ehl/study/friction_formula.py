@@ -210,9 +210,9 @@ class FrictionFormula:
         """
         logarithms, material, _ = logarithms_of(*_inputs(conditions))
         beyond = self._beyond(logarithms)
-        found = {bit: beyond[..., column] for column, bit in enumerate(VARIABLE_FLAGS)}
-        found[OIL_FLAG] = ~(np.abs(material - self._usual_material(logarithms)) <= OIL_TOLERANCE)
-        return combined_flags(found)
+        masks = {bit: beyond[..., column] for column, bit in enumerate(VARIABLE_FLAGS)}
+        masks[OIL_FLAG] = ~(np.abs(material - self._usual_material(logarithms)) <= OIL_TOLERANCE)
+        return combined_flags(masks)
 
 
 @cache
@@ -361,14 +361,14 @@ RIDGE = 1e-7
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
     """Arguments of a formula for each case of a study; SI."""
     oils = {float(t): oil_75w90(float(t)) for t in np.unique(dataset["temperature"].values)}
-    own = [oils[float(t)] for t in dataset["temperature"].values]
+    case_oils = [oils[float(t)] for t in dataset["temperature"].values]
     return (
         1e9 * dataset["contact_pressure"].values,
         1e-3 * dataset["contact_radius"].values,
         dataset["rolling_velocity"].values,
         dataset["slide_to_roll"].values,
-        np.array([oil.viscosity for oil in own]),
-        np.array([oil.pressure_viscosity for oil in own]),
+        np.array([oil.viscosity for oil in case_oils]),
+        np.array([oil.pressure_viscosity for oil in case_oils]),
         1e-6 * np.hypot(dataset["roughness_1"].values, dataset["roughness_2"].values),
         np.array(STEEL_MODULUS),
     )
@@ -485,7 +485,7 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
     if not callable(formula):
         raise InputError(f"formula = {formula!r}: must be a FrictionFormula, or a function like friction_coefficient")
     p, r, u, s, *_ = study_inputs(dataset)
-    own = formula(
+    coefficients = formula(
         hertz_pressure=p,
         equivalent_radius=r,
         rolling_velocity=u,
@@ -493,7 +493,7 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
         roughness=(1e-6 * dataset["roughness_1"].values, 1e-6 * dataset["roughness_2"].values),
         temperature=dataset["temperature"].values,
     )
-    return _compared(dataset, own)
+    return _compared(dataset, coefficients)
 
 
 def _compared(dataset: xr.Dataset, own: ArrayLike) -> tuple[RegimeError, ...]:
@@ -515,19 +515,21 @@ def _boundary_friction(studies: tuple[xr.Dataset, ...]) -> float:
         raise InputError("studies = none: must be one study or more, as in fit_friction(first, second)")
     for study in studies:
         _check_study(study)
-    found = {float(study.attrs.get("boundary_friction", math.nan)) for study in studies}
-    if len(found) > 1 or math.isnan(max(found)):
-        raise InputError(f"boundary_friction = {sorted(found)}: must be the same attribute of all studies")
-    return found.pop()
+    coefficients = {float(study.attrs.get("boundary_friction", math.nan)) for study in studies}
+    if len(coefficients) > 1 or math.isnan(max(coefficients)):
+        raise InputError(f"boundary_friction = {sorted(coefficients)}: must be the same attribute of all studies")
+    return coefficients.pop()
 
 
 def _by_regime(ratio: Array, error: Array) -> tuple[RegimeError, ...]:
-    found = []
+    regimes = []
     for low, high in pairwise(REGIMES):
-        own = error[(ratio >= low) & (ratio < high)]
-        if own.size:
-            found.append(RegimeError(low, high, own.size, float(own.mean()), _rms(own), float(np.abs(own).max())))
-    return tuple(found)
+        errors = error[(ratio >= low) & (ratio < high)]
+        if errors.size:
+            regimes.append(
+                RegimeError(low, high, errors.size, float(errors.mean()), _rms(errors), float(np.abs(errors).max()))
+            )
+    return tuple(regimes)
 
 
 def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_friction: float) -> tuple[Array, Array]:
