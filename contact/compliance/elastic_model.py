@@ -51,9 +51,9 @@ class BodyCoupling:
         result = np.zeros((numbers.size, size, numbers.size, size))
         start = 0
         for coupling, pitches in self.members:
-            own = slice(start, start + coupling.shape[1])
-            result[:, own, :, own] = np.moveaxis(coupling[np.mod(pitches * distance, len(coupling))], 1, 2)
-            start = own.stop
+            modes = slice(start, start + coupling.shape[1])
+            result[:, modes, :, modes] = np.moveaxis(coupling[np.mod(pitches * distance, len(coupling))], 1, 2)
+            start = modes.stop
         return result
 
     def shared_modes(
@@ -61,7 +61,7 @@ class BodyCoupling:
     ) -> SharedModes:
         """Modes of the bodies that tooth pairs (p) share, with unit loads (n, q) on their segments in these modes."""
         root = self._root(tuple(int(pair) for pair in pairs))
-        on_root = np.concatenate([loads[rows] @ own for rows, own in zip(segments, root, strict=True)])
+        on_root = np.concatenate([loads[rows] @ pair_root for rows, pair_root in zip(segments, root, strict=True)])
         values, vectors = np.linalg.eigh(on_root.T @ on_root)
         kept = values > DROPPED_SHARE * values[-1]
         return SharedModes(loads, root @ vectors[:, kept])
@@ -250,19 +250,19 @@ def unit_loads(
     The sum of Y Y^T is the compliance [mm/N] on one tooth pair, but for the shared bodies (Kolivand 2009, Eq. 3.11).
     Points (2, n, g) are fractions on the gear; the weights (g) add up to one.
     """
-    own, on_bodies = [], []
+    tooth_loads, on_bodies = [], []
     for member, tooth, at in zip(MEMBERS, elastic, points, strict=True):
         if isinstance(tooth, FlankCompliance):
             whitened, on_body = tooth.unit_loads(member_points(splines, member, at), weights)
-            own.append(whitened)
+            tooth_loads.append(whitened)
             on_bodies.append(on_body)
             continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
         height, arc, direction = splines.evaluate(names, at).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
-        own.append(tooth.whitened_mid_surface_loads(height, arc, np.moveaxis(direction, 0, -1), weights))
-    return own, np.concatenate([np.empty((points[0].shape[1], 0)), *on_bodies], axis=1)
+        tooth_loads.append(tooth.whitened_mid_surface_loads(height, arc, np.moveaxis(direction, 0, -1), weights))
+    return tooth_loads, np.concatenate([np.empty((points[0].shape[1], 0)), *on_bodies], axis=1)
 
 
 def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | None:
@@ -307,7 +307,7 @@ class UnitLoads:
         shared = None
         if self.coupling is not None:
             shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, lambda loads: (loads.on_bodies,)))
-        return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks], shared)
+        return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[block]) for block in blocks], shared)
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""

@@ -173,8 +173,8 @@ def end_loads(
     reach = np.minimum(depth, middle_depth)
     along = np.hypot(distance, NEAREST_END * reach) / reach
     linear, quadratic = end_decay(slant)
-    held = HELD_AT_ROOT * math.sin(max(_limited(slant), 0.0)) ** 2
-    left = 1.0 - held * np.exp(-((np.maximum(height, 0.0) / (HELD_HEIGHT * depth)) ** 2))
+    restraint = HELD_AT_ROOT * math.sin(max(_limited(slant), 0.0)) ** 2
+    left = 1.0 - restraint * np.exp(-((np.maximum(height, 0.0) / (HELD_HEIGHT * depth)) ** 2))
     size = end_strength(slant, material) / (math.pi * material.plane_strain_modulus)
     fallen = np.sqrt(size * left / reach) * np.exp(-linear * along - (quadratic * along) ** 2)
     each, width = (np.reshape(values, (-1, *[1] * along.ndim)) for values in (exponents, widths))

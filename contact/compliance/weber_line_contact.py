@@ -155,9 +155,9 @@ class WeberLineContact:
 
     def _with(self, arrays: Mapping[str, FloatArray]) -> WeberLineContact:
         """The same materials and options with other arrays by name, which are checked already."""
-        own = copy(self)
-        own.__dict__.update(arrays)  # frozen
-        return own
+        contact = copy(self)
+        contact.__dict__.update(arrays)  # frozen
+        return contact
 
     @property
     def _width_squared(self) -> FloatArray:
@@ -187,20 +187,25 @@ class WeberLineContact:
     @property
     def _units(self) -> list[float]:
         """Deflection of each body per line load over the logarithm."""
-        return [2.0 / (math.pi * own.plane_strain_modulus) for own in (self.material_pinion, self.material_gear)]
+        return [
+            2.0 / (math.pi * material.plane_strain_modulus) for material in (self.material_pinion, self.material_gear)
+        ]
 
     @property
     def _contractions(self) -> list[float]:
         """Poisson's ratio of each body over one less it."""
-        return [own.poisson_ratio / (1.0 - own.poisson_ratio) for own in (self.material_pinion, self.material_gear)]
+        return [
+            material.poisson_ratio / (1.0 - material.poisson_ratio)
+            for material in (self.material_pinion, self.material_gear)
+        ]
 
     def _by_load(self, line_load: FloatArray, parameters: FloatArray) -> FloatArray:
         """Secant and tangent of the deflection over line loads (...), (2, ...) [mm/(N/mm)]."""
         places = np.arange(self.length.size).reshape(self.length.shape)
         segment = np.ravel(np.broadcast_to(places, line_load.shape))
-        found = np.empty((2, line_load.size))
-        deflections(parameters, segment, np.ravel(line_load), found)
-        return found.reshape(2, *line_load.shape)
+        compliances = np.empty((2, line_load.size))
+        deflections(parameters, segment, np.ravel(line_load), compliances)
+        return compliances.reshape(2, *line_load.shape)
 
     def _whole_energy(self, line_load: FloatArray) -> FloatArray:
         """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""

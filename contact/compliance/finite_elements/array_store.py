@@ -106,8 +106,8 @@ def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> d
             path.unlink()
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
-            own = {KEY_NAME: np.array(key), DIGEST_NAME: np.array(content_digest(key, arrays))}
-            np.savez(stream, allow_pickle=False, **arrays, **own)
+            labels = {KEY_NAME: np.array(key), DIGEST_NAME: np.array(content_digest(key, arrays))}
+            np.savez(stream, allow_pickle=False, **arrays, **labels)
         _make_room(folder, path)
     except InputError as error:
         warnings.warn(f"the tooth's compliance is not kept: {error}; set {FOLDER_VARIABLE}", stacklevel=2)
@@ -120,20 +120,20 @@ def _read(path: Path, key: str, shapes: Shapes) -> dict[str, Array] | None:
         arrays = read_arrays(path)
     except InputError:
         return None
-    own, digest = (str(arrays.pop(name, "")) for name in (KEY_NAME, DIGEST_NAME))
-    if own != key or arrays.keys() != shapes.keys() or any(array is None for array in arrays.values()):
+    stored_key, digest = (str(arrays.pop(name, "")) for name in (KEY_NAME, DIGEST_NAME))
+    if stored_key != key or arrays.keys() != shapes.keys() or any(array is None for array in arrays.values()):
         return None
-    found = {name: array for name, array in arrays.items() if array is not None}
-    if digest != content_digest(key, found):
+    stored_arrays = {name: array for name, array in arrays.items() if array is not None}
+    if digest != content_digest(key, stored_arrays):
         return None
     for name, shape in shapes.items():
-        array = found[name]
+        array = stored_arrays[name]
         fits = len(shape) == array.ndim and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
         if not fits or array.dtype != float or not np.all(np.isfinite(array)):
             return None
     with contextlib.suppress(OSError):  # of a folder that can only be read
         os.utime(path)
-    return found
+    return stored_arrays
 
 
 def _make_room(folder: Path, newest: Path) -> None:

@@ -165,7 +165,7 @@ class Substructures:
         """Displacements (3 n, c) [mm] under loads (3 n, c) [N], with the kept nodes held."""
         from scipy.linalg import solve_triangular
 
-        waiting, found = np.array(loads, dtype=float), np.zeros(np.shape(loads))
+        waiting, solution = np.array(loads, dtype=float), np.zeros(np.shape(loads))
         for step in self.eliminations:
             moved = waiting[step.inner]
             if not moved.any():
@@ -174,9 +174,9 @@ class Substructures:
             waiting[step.inner] = moved
             waiting[step.border] -= step.coupling.T @ moved
         for step in reversed(self.eliminations):
-            moved = waiting[step.inner] - step.coupling @ found[step.border]
-            found[step.inner] = solve_triangular(step.factor, moved, trans=1, lower=True, check_finite=False)
-        return found
+            moved = waiting[step.inner] - step.coupling @ solution[step.border]
+            solution[step.inner] = solve_triangular(step.factor, moved, trans=1, lower=True, check_finite=False)
+        return solution
 
 
 @dataclass(frozen=True)
@@ -227,12 +227,12 @@ def lattice_places(cells: Integers) -> Integers:
     (end, axis, one), other = np.unravel_index(pairs[0], middles.shape), pairs[1] % len(cells)
     step = np.where(end == 1, 1, -1)[:, None] * np.eye(3, dtype=np.int64)[axis]
     one, other, step = np.concatenate([one, other]), np.concatenate([other, one]), np.concatenate([step, -step])
-    places, found = np.zeros((len(cells), 3), dtype=np.int64), np.zeros(len(cells), dtype=bool)
-    while not found.all():
-        found[np.argmin(found)] = True  # the first brick of a part that hangs together with none before
-        while (new := found[one] & ~found[other]).any():
+    places, has_place = np.zeros((len(cells), 3), dtype=np.int64), np.zeros(len(cells), dtype=bool)
+    while not has_place.all():
+        has_place[np.argmin(has_place)] = True  # the first brick of a part that hangs together with none before
+        while (new := has_place[one] & ~has_place[other]).any():
             places[other[new]] = places[one[new]] + step[new]
-            found[other[new]] = True
+            has_place[other[new]] = True
     return places
 
 
@@ -258,9 +258,9 @@ def _joined(parts: list[_Piece], counts: Integers, eliminations: list[Eliminatio
     from scipy.linalg import solve_triangular
 
     nodes, places = np.unique(np.concatenate([part.nodes for part in parts]), return_inverse=True)
-    here = np.zeros(nodes.size, dtype=np.int64)
-    np.add.at(here, places, np.concatenate([part.brick_counts for part in parts]))
-    done = here == counts[nodes]
+    brick_counts = np.zeros(nodes.size, dtype=np.int64)
+    np.add.at(brick_counts, places, np.concatenate([part.brick_counts for part in parts]))
+    done = brick_counts == counts[nodes]
     rank = np.empty(nodes.size, dtype=np.int64)
     rank[np.argsort(~done, kind="stable")] = np.arange(nodes.size)  # the inner nodes first
     whole = np.zeros((3 * nodes.size, 3 * nodes.size))
@@ -277,7 +277,7 @@ def _joined(parts: list[_Piece], counts: Integers, eliminations: list[Eliminatio
         raise GeometryError("a part of the body is free to move: hold more of its nodes") from error
     coupling = solve_triangular(factor, whole[:split, split:], lower=True, check_finite=False)
     eliminations.append(Elimination(displacements(inner), displacements(border), factor, coupling))
-    return _Piece(border, here[~done], whole[split:, split:] - coupling.T @ coupling)
+    return _Piece(border, brick_counts[~done], whole[split:, split:] - coupling.T @ coupling)
 
 
 def _halves(bricks: _Bricks, chosen: Integers) -> tuple[Integers, Integers]:

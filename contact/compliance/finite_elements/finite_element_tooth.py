@@ -236,14 +236,14 @@ def finite_element_tooth(
     size = _long_enough(usual_size(pair, member).finer(fineness))
     key = key_of("finite elements", _tooth(pair, member), size, rim_depth, material)
     of_flank = _flank_arrays(size)
-    found = kept(
+    arrays = kept(
         key,
         {**of_flank, "stations": (None,), "stress": (None, None, 6, of_flank["factor"][1])},
         lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member, fineness),
     )
     reason = _sharp_root(pair, member)
-    root = None if reason else StressResponse(found["stations"], found["stress"])
-    flank = _flank(found, pair, member)
+    root = None if reason else StressResponse(arrays["stations"], arrays["stress"])
+    flank = _flank(arrays, pair, member)
     if neighbours:
         flank = _on_body(flank, pair, member, material, rim_depth, web, key)
     return FiniteElementTooth(flank, root, reason)
@@ -290,12 +290,12 @@ def solid_shell_tooth(
             f'shell, and {UNKNOWNS_LIMIT} are allowed; or take model = "fe"'
         )
     key = key_of("solid shell", _tooth(pair, member), size, rim_depth, material, counts)
-    found = kept(
+    arrays = kept(
         key,
         _flank_arrays(size),
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
-    flank = _flank(found, pair, member)
+    flank = _flank(arrays, pair, member)
     if neighbours:
         flank = _on_body(flank, pair, member, material, rim_depth, web, key)
     return FiniteElementTooth(flank, None, 'root stresses need finite elements: model = "fe" in [compliance]')
@@ -357,8 +357,8 @@ def _on_body(
 
     nodes = flank.profile.size
     shapes = {"factor": (None, nodes), "shapes": (None, nodes), "coupling": (None, None, None)}
-    found = kept(key_of("shared body", key, size, web), shapes, make)
-    return replace(flank, factor=found["factor"], body=SharedBody(found["shapes"], found["coupling"]))
+    arrays = kept(key_of("shared body", key, size, web), shapes, make)
+    return replace(flank, factor=arrays["factor"], body=SharedBody(arrays["shapes"], arrays["coupling"]))
 
 
 def _condensed_shell(

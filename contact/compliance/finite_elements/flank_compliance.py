@@ -122,9 +122,9 @@ def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDA
     away = 2.0 * ((np.arange(SPREAD_POINT_COUNT) + 0.5) / SPREAD_POINT_COUNT - 0.5)
     along = np.interp(at[:, None] + away, nodes, lengthwise)
     spread = np.stack([along, np.broadcast_to(points[1][:, None], along.shape)]).reshape(2, -1)
-    found, shares = flank_shares(lengthwise, profile, spread)
+    loaded_nodes, shares = flank_shares(lengthwise, profile, spread)
     of_point = (at.size, 9 * SPREAD_POINT_COUNT)
-    return found.reshape(of_point), shares.reshape(of_point) / SPREAD_POINT_COUNT
+    return loaded_nodes.reshape(of_point), shares.reshape(of_point) / SPREAD_POINT_COUNT
 
 
 @dataclass(frozen=True)

@@ -98,13 +98,13 @@ def _waves(stiffness_of_sides: Array, loads: Array, teeth: int) -> Array:
     """Compliance by distance (N, n, n) of sides that move alike but for the phase of each wave."""
     half = len(loads) // 2
     first, second = slice(0, half), slice(half, None)
-    own = stiffness_of_sides[first, first] + stiffness_of_sides[second, second]
+    diagonal = stiffness_of_sides[first, first] + stiffness_of_sides[second, second]
     across = stiffness_of_sides[first, second]
     count = loads.shape[1]
     spectrum = np.empty((teeth // 2 + 1, count, count), dtype=complex)
     for wave in range(len(spectrum)):
         phase = np.exp(2j * np.pi * wave / teeth)
-        factor = np.linalg.cholesky(own + phase * across + np.conj(phase) * across.T)
+        factor = np.linalg.cholesky(diagonal + phase * across + np.conj(phase) * across.T)
         whitened = np.linalg.solve(factor, loads[first] + np.conj(phase) * loads[second])
         spectrum[wave] = np.conj(whitened.T) @ whitened
     return np.fft.irfft(spectrum, teeth, axis=0)
@@ -148,17 +148,17 @@ def body_modes(
     else:
         carried = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES, web=web)
         ring = ring_compliance(carried, teeth, material, flank_loads(carried), np.unique(carried.body[0]))
-    nodes, cells, held = sector_of(lattice, teeth)
+    nodes, cells, held_nodes = sector_of(lattice, teeth)
     inward = -lattice.flank_normal.reshape(-1, 3)
     on_sector = functionals(len(nodes), lattice.flank.reshape(-1, 1), np.ones((len(inward), 1)), inward)
-    single = elastic_body(nodes, cells, held, material).response(on_sector, on_sector)
+    single = elastic_body(nodes, cells, held_nodes, material).response(on_sector, on_sector)
     return lattice, modes_of(ring, single, nodal_areas(lattice), MODE_COUNT)
 
 
 def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
     """One pitch with a pitch of plain body at either side: nodes, bricks and held nodes, as of a tooth of its own."""
     angle, nodes, cells = pitch_angle(lattice, teeth), [lattice.nodes], [lattice.cells]
-    held, count = [lattice.body[:, :, 0].ravel()], len(lattice.nodes)
+    held_nodes, count = [lattice.body[:, :, 0].ravel()], len(lattice.nodes)
     for side, sense in zip(lattice.sides, (-1.0, 1.0), strict=True):
         away = graded(BESIDE, BESIDE_GROWTH)[1:]
         start = lattice.nodes[side.ravel()].T
@@ -169,8 +169,8 @@ def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, NDArray[np.int6
         windows = np.lib.stride_tricks.sliding_window_view(layers, (3, 3, 3))[::2, ::2, ::2].reshape(-1, 3, 3, 3)
         along = np.swapaxes(windows, 1, 2)  # the first index runs along the face
         cells.append(along if _right_way_round(lattice) else along[:, ::-1])
-        held += [numbers[:, :, 0].ravel(), numbers[-1].ravel()]
-    return np.concatenate(nodes), np.concatenate(cells), np.unique(np.concatenate(held))
+        held_nodes += [numbers[:, :, 0].ravel(), numbers[-1].ravel()]
+    return np.concatenate(nodes), np.concatenate(cells), np.unique(np.concatenate(held_nodes))
 
 
 def _right_way_round(lattice: ToothLattice) -> bool:
@@ -183,16 +183,16 @@ def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> d
 
     ``single`` is that of a tooth on a sector of its own (n, n) [mm/N]; ``areas`` are weights of the loads (n).
     """
-    own = 0.5 * (single + single.T) - ring.alone
+    excess = 0.5 * (single + single.T) - ring.alone
     weights = np.sqrt(areas)
     change = ring.shared * weights[:, None] * weights
-    change[0] -= own * weights[:, None] * weights
+    change[0] -= excess * weights[:, None] * weights
     vectors = np.linalg.eigh(np.einsum("kij,klj->il", change, change))[1][:, : -count - 1 : -1]
     loads = vectors * weights[:, None]
     return {
         "shapes": vectors.T / weights,
         "coupling": loads.T @ ring.shared @ loads,
-        "own": loads.T @ own @ loads,
+        "own": loads.T @ excess @ loads,
     }
 
 
