@@ -80,12 +80,15 @@ class BendingSlopes:
             by_force: list[tuple[Array, Array]] = []
             for one in pairs:
                 rows = np.flatnonzero(pair == one)
-                own = chosen[rows]
-                amplitude = member.loads[own].T @ force[rows]
-                changed = self._amplitude_change(member, own, force[rows])
+                selection = chosen[rows]
+                amplitude = member.loads[selection].T @ force[rows]
+                changed = self._amplitude_change(member, selection, force[rows])
                 whitened = slice(0, member.own)
-                held = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
-                result[rows] += self._moved(member, own, held) + member.loads[own, whitened] @ changed[whitened]
+                held_amplitude = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
+                result[rows] += (
+                    self._moved(member, selection, held_amplitude)
+                    + member.loads[selection, whitened] @ changed[whitened]
+                )
                 by_force.append((amplitude[member.own :], changed[member.own :]))
             on_bodies.append(by_force)
         if coupling is not None:
@@ -99,15 +102,15 @@ class BendingSlopes:
                 for member in self.members:
                     size = member.loads.shape[1] - member.own
                     columns = slice(start, start := start + size)
-                    held = np.concatenate([np.zeros(member.own), answer[number, columns]])
-                    result[rows] += self._moved(member, chosen[rows], held)
+                    held_amplitude = np.concatenate([np.zeros(member.own), answer[number, columns]])
+                    result[rows] += self._moved(member, chosen[rows], held_amplitude)
                     result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
         loads, change = self.beside
         for one in pairs if loads.shape[1] else ():
             rows = np.flatnonzero(pair == one)
-            own, moved = loads[chosen[rows]], change[:, chosen[rows]]
-            result[rows] += (moved @ (own.T @ force[rows])).T
-            result[rows] += own @ np.einsum("jnk,n->kj", moved, force[rows])
+            selection, moved = loads[chosen[rows]], change[:, chosen[rows]]
+            result[rows] += (moved @ (selection.T @ force[rows])).T
+            result[rows] += selection @ np.einsum("jnk,n->kj", moved, force[rows])
         return result
 
     def _moved(self, member: MemberLoads, own: Array, held: Array) -> Array:
@@ -138,7 +141,7 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
     if not on_lines.spread:
         return np.zeros((size, 0)), np.zeros((directions.count, size, 0))
     materials = on_lines.teeth.model.pinion, on_lines.teeth.model.gear
-    found = []
+    parts = []
     position, moved = _with_motion(directions, "position", points[1], segments.motion[1])
     members = zip(MEMBERS, materials, on_lines.spread, points, segments.motion, strict=True)
     for member, material, spread, loaded, motion in members:
@@ -152,8 +155,8 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         slope = np.einsum("kng,ngj,g->jnk", by_shift, shifted - along_moved, weights, optimize=True)
         slope += np.einsum("kng,ngj,g->jnk", by_depth, deeper, weights, optimize=True)
         slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
-        found.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
-    loads, slopes = zip(*found, strict=True)
+        parts.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
+    loads, slopes = zip(*parts, strict=True)
     return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
 
 
@@ -167,7 +170,7 @@ def _ends(on_lines: LineSegments, directions: FieldDirections, segments: Segment
             end_loads_at(
                 LoadedPlaces(
                     directions.moved(j, sign * step),
-                    *(one + sign * step * own[..., j] for one, own in zip(points, moved, strict=True)),
+                    *(one + sign * step * motion[..., j] for one, motion in zip(points, moved, strict=True)),
                 ),
                 on_lines.teeth,
             )

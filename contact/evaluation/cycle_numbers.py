@@ -123,8 +123,8 @@ def mesh_stiffnesses(cases: Sequence[LoadedCase]) -> Array:
     forces = [cases[number].solution.force for number in certified]
     tangents = np.split(contacts.tangent(np.concatenate(forces)), np.cumsum([force.size for force in forces])[:-1])
     for number, force, tangent in zip(certified, forces, tangents, strict=True):
-        here = cases[number].segments
-        result[number] = 1e-9 * touching_stiffness(tangent, here.bending, here.lever_arm, force > 0.0)
+        segments = cases[number].segments
+        result[number] = 1e-9 * touching_stiffness(tangent, segments.bending, segments.lever_arm, force > 0.0)
     return result
 
 
@@ -187,14 +187,14 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
     stiffness = np.full((len(by_torque), positions), np.nan)
     places_of_cases = np.array([(case.torque, case.mesh_position) for case in cases]).reshape(-1, 2).T
     stiffness[*places_of_cases] = mesh_stiffnesses(cases)
-    places = [PressurePlace.of(here, cycle.fields) for here in by_torque]
+    places = [PressurePlace.of(at_torque, cycle.fields) for at_torque in by_torque]
     plane = ProjectionPlane.of(cycle.geometry.flanks)
-    regions = [_loaded_region(here, plane) for here in by_torque]
+    regions = [_loaded_region(at_torque, plane) for at_torque in by_torque]
     ends = np.array([place.line_end for place in places], dtype=np.int8)
     shares = ordered(loaded, "load_share", "torque", "mesh_position", "pair")
     shares = np.where(np.isnan(shares), -np.inf, shares).max(axis=(1, 2))
     numbers = {
-        "contact_ratio": ("torque", [loaded_contact_ratio(here, limits) for here in by_torque]),
+        "contact_ratio": ("torque", [loaded_contact_ratio(at_torque, limits) for at_torque in by_torque]),
         "max_load_share": ("torque", np.where(np.isfinite(shares), shares, np.nan)),
         "pinion_mean_level": ("torque", cycle.ratio * ordered(loaded, "mean_level", "torque")),
         "pinion_peak_to_peak": ("torque", cycle.ratio * ordered(loaded, "peak_to_peak", "torque")),

@@ -84,19 +84,19 @@ def case_slopes(
     """
     result = []
     for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
-        here, force = case.segments, case.solution.force
-        if here.held is not None:
+        segments, force = case.segments, case.solution.force
+        if segments.held is not None:
             raise InputError("cases: must be those of rigid supports to have derivatives")
         rows = slopes.rows(case)
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
-        own = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
-        bent = _among(bending(here.pair[known], rows[known], force[known]), known, rows.size)
+        derivatives = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
+        bent = _among(bending(segments.pair[known], rows[known], force[known]), known, rows.size)
         pinion, gear = (
             np.stack([_among(values[rows[known]], known, rows.size) for values in one]) for one in slopes.places
         )
-        sizes = _sizes(here.line_contact, own)
+        sizes = _sizes(segments.line_contact, derivatives)
         bent = bent + sum(softer[name][:, None] * change for name, change in sizes.items())
-        result.append(_case(case, own | sizes, bent, (pinion, gear), torque_slope))
+        result.append(_case(case, derivatives | sizes, bent, (pinion, gear), torque_slope))
     return result
 
 
@@ -110,17 +110,17 @@ def _among(values: Array, rows: Array, count: int) -> Array:
 def _case(
     case: LoadedCase, slopes: dict[str, Array], bent: Array, places: tuple[Array, Array], torque_slope: float
 ) -> CaseSlopes:
-    here, solution = case.segments, case.solution
-    force, contact = solution.force, here.line_contact
+    segments, solution = case.segments, case.solution
+    force, contact = solution.force, segments.line_contact
     arm, count = slopes["lever_arm"], bent.shape[1]
-    gap = slopes["separation_angle"] * here.lever_arm[:, None] + here.separation_angle[:, None] * arm
+    gap = slopes["separation_angle"] * segments.lever_arm[:, None] + segments.separation_angle[:, None] * arm
     turn = np.zeros(count + 1)
     turn[-1] = torque_slope
 
     def with_torque(values: Array) -> Array:
         return np.pad(values, ((0, 0), (0, 1)))
 
-    problem = here.bending_problem.with_torque(case.problem.torque)
+    problem = segments.bending_problem.with_torque(case.problem.torque)
     changes = line_contact_sensitivity(problem, contact, solution).forward_all(
         torque=turn, separation=with_torque(gap), lever_arm=with_torque(arm), bent=with_torque(bent)
     )
@@ -129,7 +129,7 @@ def _case(
     of_load = of_load - with_torque(slopes["length"] / contact.length[:, None])
     of_load = of_load - with_torque(slopes["equivalent_radius"] / contact.equivalent_radius[:, None])
     pressure = 0.5 * contact.pressure(force)[:, None] * of_load
-    moment = changes.force * here.lever_arm[:, None] + force[:, None] * with_torque(arm)
+    moment = changes.force * segments.lever_arm[:, None] + force[:, None] * with_torque(arm)
     length, radius = (with_torque(slopes[name]) for name in ("length", "equivalent_radius"))
     pinion, gear = (np.stack([with_torque(values) for values in one]) for one in places)
     return CaseSlopes(case, changes.rotation, changes.force, pressure, moment, gear, pinion, length, radius)
@@ -153,14 +153,14 @@ def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
     contact = WeberLineContact.joined([case.segments.line_contact for case in cases])
     force = np.concatenate([case.solution.force for case in cases])
     ends = np.cumsum([case.solution.force.size for case in cases])[:-1]
-    found: list[dict[str, Array]] = [{} for _ in cases]
+    slopes: list[dict[str, Array]] = [{} for _ in cases]
     for name in SIZES:
         size = getattr(contact, name)
         step = OVERHANG_STEP if name == "overhang" else SIZE_STEP * size
         ahead, behind = (replace(contact, **{name: size + sign * step}).deflection(force) for sign in (1.0, -1.0))
-        for one, values in zip(found, np.split((ahead - behind) / (2.0 * step), ends), strict=True):
+        for one, values in zip(slopes, np.split((ahead - behind) / (2.0 * step), ends), strict=True):
             one[name] = values
-    return found
+    return slopes
 
 
 def load_spot_slopes(
@@ -216,10 +216,10 @@ def load_variables(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str,
     on_edges = np.full((*cycle, count), np.nan)
     of_segments = {name: np.full((*cycle, size, count), np.nan) for name in ("force", "pressure")}
     for one in found:
-        at, here = (one.case.torque, one.case.mesh_position), one.case.segments
+        at, segments = (one.case.torque, one.case.mesh_position), one.case.segments
         rotation[at] = 1e6 * one.rotation
         whole = one.case.problem.torque
-        moments = here.lever_arm * one.case.solution.force
+        moments = segments.lever_arm * one.case.solution.force
 
         def of_whole(own: Array, one: CaseSlopes = one, moments: Array = moments, whole: float = whole) -> Array:
             # The moments add up to the torque, which the last setting changes.
@@ -228,10 +228,10 @@ def load_variables(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str,
             return np.asarray(part)
 
         for number, pair in enumerate(pairs):
-            share[at][number] = of_whole(here.pair == pair)
-        on_edges[at] = of_whole(here.edge >= 0)
-        of_segments["force"][at][: here.pair.size] = one.force
-        of_segments["pressure"][at][: here.pair.size] = one.pressure
+            share[at][number] = of_whole(segments.pair == pair)
+        on_edges[at] = of_whole(segments.edge >= 0)
+        of_segments["force"][at][: segments.pair.size] = one.force
+        of_segments["pressure"][at][: segments.pair.size] = one.pressure
     error = ordered(loaded, "transmission_error", "torque", "mesh_position")
     data: dict[str, Any] = {"transmission_error": (("torque", "mesh_position", "setting"), rotation)}
     data |= rotation_slopes(error, rotation, loaded.sizes["order"])
@@ -260,10 +260,10 @@ def root_stress_slopes(
     history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values
     slopes = np.full((*history.shape, count), np.nan)
     for one in found:
-        here, force = one.case.segments, one.case.solution.force
+        segments, force = one.case.segments, one.case.solution.force
         at = one.case.torque, slice(None), one.case.mesh_position
-        column = np.searchsorted(pairs, here.pair)
-        places = (here.pinion_point, one.pinion_place), (here.point, one.place)
+        column = np.searchsorted(pairs, segments.pair)
+        places = (segments.pinion_point, one.pinion_place), (segments.point, one.place)
         for member, (tooth, place) in enumerate(zip(teeth, places, strict=True)):
             assert tooth.root is not None  # or there were no stress
             points, motion = _on_member(directions, MEMBERS[member], *place)
@@ -320,8 +320,8 @@ ON_FLANK = ("ease_off", "ease_off_angle", "roll_angle", "lever_arm")
 
 def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, tuple[tuple[str, ...], Array]]:
     """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions."""
-    told = cycle.geometry.ease_off
-    angle, arm = (ordered(told, name, *_GRID)[..., None] for name in ("ease_off_angle", "lever_arm"))
+    ease_off = cycle.geometry.ease_off
+    angle, arm = (ordered(ease_off, name, *_GRID)[..., None] for name in ("ease_off_angle", "lever_arm"))
     fields = {name: slopes[name] for name in ("ease_off_angle", "roll_angle", "lever_arm")}
     fields["ease_off"] = 1e3 * (slopes["ease_off_angle"] * arm + angle * slopes["lever_arm"])
     return {name: ((*_GRID, "setting"), values) for name, values in fields.items()}
@@ -341,14 +341,14 @@ class CycleSlopes:
     @classmethod
     def of(cls, cycle: MeshCycle, settings: Sequence[PairSetting], cases: Sequence[LoadedCase]) -> CycleSlopes:
         """Differentiate solved cases; arguments and errors as of ``cycle_slopes``."""
-        nodes, told = field_slopes(cycle.geometry, settings), cycle.geometry.ease_off
-        bends = {name: ordered(told, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
+        nodes, ease_off = field_slopes(cycle.geometry, settings), cycle.geometry.ease_off
+        bends = {name: ordered(ease_off, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
         directions = FieldDirections.of(cycle.fields, bends, nodes)
         edges = any(np.any(np.isfinite(case.segments.line_contact.overhang)) for case in cases)
         pieces = EdgePieces.of(cases) if edges else None
         slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines), pieces)
-        found = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
-        return cls(cycle, tuple(settings), nodes, directions, found)
+        derivatives = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
+        return cls(cycle, tuple(settings), nodes, directions, derivatives)
 
     def datasets(
         self,
@@ -382,14 +382,14 @@ def cycle_values(
     unloaded: UnloadedSlopes | None = None,
 ) -> xr.Dataset:
     """Values of the variables that ``cycle_slopes`` differentiates; the unloaded error only with ``unloaded``."""
-    told = cycle.geometry.ease_off
-    values: dict[str, Any] = {name: told[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
+    ease_off = cycle.geometry.ease_off
+    values: dict[str, Any] = {name: ease_off[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
     values |= load_spot(loaded)
     values |= {} if unloaded is None else unloaded_numbers(unloaded)[0]
     values["tooth_thickness"] = (("member",), mean_thicknesses(cycle.geometry.pair))
     coords: dict[str, Any] = {name: loaded[name] for name in ("torque", "mesh_position", "order", "pair")}
     coords["member"] = list(MEMBERS)
-    coords |= {name: told[name] for name in _GRID}
+    coords |= {name: ease_off[name] for name in _GRID}
     if roots is not None:
         stress = root_stress(cycle.fields, roots, list(cases), loaded)
         values |= {name: stress[name] for name in OF_ROOTS}

@@ -35,8 +35,8 @@ class ProjectionPlane:
         The first coordinate runs from the toe (zero) to the heel at half height; the second is zero at the lower of the
         root's corners.
         """
-        own = int(np.flatnonzero(ordered(flanks, "member", "member") == member)[0])
-        position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[own]
+        index = int(np.flatnonzero(ordered(flanks, "member", "member") == member)[0])
+        position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[index]
         t, h = np.meshgrid(*(ordered(flanks, name, name) for name in ("lengthwise", "profile")), indexing="ij")
         valid = np.all(np.isfinite(position), axis=-1)
         axial, radial = position[valid][:, 2], np.hypot(position[valid][:, 0], position[valid][:, 1])

@@ -79,13 +79,13 @@ class _Gaps:
 
     def crossing(self, thickness: float, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which of some points (n) may have a gap below a thickness [um], though not at their roll angle."""
-        found = among & (self.at_roll_angle >= thickness)
-        index = np.flatnonzero(found)
+        candidates = among & (self.at_roll_angle >= thickness)
+        index = np.flatnonzero(candidates)
         if index.size:
             ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
             greatest = self.error.greatest_near(roll, float(np.max(self.reach[index])))
-            found[index] = 1e3 * arm * (ease_off - greatest) < thickness
-        return found
+            candidates[index] = 1e3 * arm * (ease_off - greatest) < thickness
+        return candidates
 
     def search(self, wanted: NDArray[np.bool_], gap: Array) -> None:
         """Put the least gaps [um] of the wanted points (n) among gaps (n)."""
@@ -169,8 +169,8 @@ def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Corners (p, q) of the cells that have corners (p, q) inside and outside."""
     corners = _corners(inside)
     cut = np.any(corners, axis=0) & ~np.all(corners, axis=0)
-    found = np.zeros_like(inside)
+    border = np.zeros_like(inside)
     for i in (slice(None, -1), slice(1, None)):
         for j in (slice(None, -1), slice(1, None)):
-            found[i, j] |= cut
-    return found
+            border[i, j] |= cut
+    return border

@@ -47,10 +47,10 @@ class MonotoneCubic:
         rise = np.diff(self.values)[index]
         u = (at - self.places[index]) / width
         start, end = slopes[index] * width, slopes[index + 1] * width
-        found = self.values[index] + u * (
+        cubic = self.values[index] + u * (
             start + u * ((3.0 * rise - 2.0 * start - end) + u * (start + end - 2.0 * rise))
         )
-        return np.where((at >= self.places[0]) & (at <= self.places[-1]), found, np.nan)
+        return np.where((at >= self.places[0]) & (at <= self.places[-1]), cubic, np.nan)
 
 
 def _end(width: Array, chord: Array) -> float:

@@ -104,10 +104,15 @@ def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
         for at, beside in ((first, first + 1), (last, last - 1))
     )
     for number, (i, j) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
-        own = np.empty((3, j - i + 3))
-        own[:2, 1:-1], own[2, 1:-1] = points[:, i : j + 1], pressure[i : j + 1]
-        own[:2, 0], own[:2, -1], own[2, 0], own[2, -1] = begin[:, number], end[:, number], pressure[i], pressure[j]
-        yield int(position[i]), int(tooth[i]), Line(own[:2], own[2])
+        nodes = np.empty((3, j - i + 3))
+        nodes[:2, 1:-1], nodes[2, 1:-1] = points[:, i : j + 1], pressure[i : j + 1]
+        nodes[:2, 0], nodes[:2, -1], nodes[2, 0], nodes[2, -1] = (
+            begin[:, number],
+            end[:, number],
+            pressure[i],
+            pressure[j],
+        )
+        yield int(position[i]), int(tooth[i]), Line(nodes[:2], nodes[2])
 
 
 def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
@@ -115,10 +120,10 @@ def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
 
     It ends where the square of the pressure of the last two loaded segments, linear in the distance, leads to zero.
     """
-    found: list[Line | None] = [None] * len(lines)
+    parts: list[Line | None] = [None] * len(lines)
     sizes = [line.pressure.size for line in lines]
     for size in sorted(set(sizes)):
-        alike = [number for number, own in enumerate(sizes) if own == size]
+        alike = [number for number, line_size in enumerate(sizes) if line_size == size]
         points = np.stack([lines[number].points for number in alike])
         pressure = np.stack([lines[number].pressure for number in alike])
         loaded = pressure > PRESSURE_TOLERANCE * np.maximum(pressure.max(axis=1, keepdims=True), 1e-9)
@@ -133,8 +138,8 @@ def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
             points[rows, :, at + side] += (falls_to_zero(pressure[rows, at], further) - 1.0)[:, None] * way
         for row in np.flatnonzero(loaded.any(axis=1)):
             kept = slice(max(first[row] - 1, 0), last[row] + 2)
-            found[alike[row]] = Line(points[row, :, kept], pressure[row, kept])
-    return found
+            parts[alike[row]] = Line(points[row, :, kept], pressure[row, kept])
+    return parts
 
 
 def falls_to_zero(last: Array, before: Array) -> Array:
@@ -166,17 +171,17 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
         step: [(part, add(part)) for part in islice(together, len(lines)) if part is not None]
         for step, lines in steps.items()
     }
-    for step, here in parts.items():
+    for step, step_parts in parts.items():
         # Each part meets its neighbour of the next step, or comes to a point before the next line that is not loaded.
         ahead, behind = list(parts.get(step + 1, [])), list(parts.get(step - 1, []))
-        for part, start in here:
+        for part, start in step_parts:
             near = _nearest(part, [other for other, _ in ahead])
             if near is not None:
                 pairs.append((part, start, *ahead.pop(near)))
         for side, neighbours in ((1, parts.get(step + 1, [])), (-1, behind)):
             if neighbours or step + side not in steps:
                 continue
-            for part, start in here:
+            for part, start in step_parts:
                 before = [other for other, _ in parts.get(step - side, [])]
                 tip = _tip(part, steps[step + side], before)
                 size = part.pressure.size
@@ -279,26 +284,26 @@ class PressurePlace:
             return cls(np.nan, np.nan, np.full(2, np.nan), LineEnd.UNKNOWN)
         position, segment = np.unravel_index(int(np.nanargmax(pressure)), pressure.shape)
         names = ("tooth", "length", "lengthwise", "profile")
-        here = np.stack([ordered(at_torque, name, *order)[position] for name in names])
+        segments = np.stack([ordered(at_torque, name, *order)[position] for name in names])
         on_line = np.isfinite(pressure[position])
         return cls(
             float(ordered(at_torque, "mesh_position", "mesh_position")[position]),
-            float(here[0, segment]),
-            here[2:, segment],
-            _line_end(here, on_line, int(segment), splines),
+            float(segments[0, segment]),
+            segments[2:, segment],
+            _line_end(segments, on_line, int(segment), splines),
         )
 
 
 def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines: FlankSplines) -> LineEnd:
     """Border at which the line of a segment ends near it, from rows tooth, length, lengthwise, profile."""
-    own, own_length = segments[:2, number]
+    own_tooth, own_length = segments[:2, number]
 
     def beyond(sign: int) -> int:
         """Segments of the same line on one side."""
         other = number + sign
         while 0 <= other < on_line.size and on_line[other]:
             tooth, length = segments[:2, other]
-            if tooth != own or abs(length - own_length) > EQUAL_LENGTH_TOLERANCE * own_length:
+            if tooth != own_tooth or abs(length - own_length) > EQUAL_LENGTH_TOLERANCE * own_length:
                 break
             other += sign
         return abs(other - number) - 1
@@ -307,8 +312,8 @@ def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines:
     sign = min(sides, key=lambda one: sides[one])
     if sides[sign] > LINE_END_SHARE * (1 + sum(sides.values())):
         # A line that cuts a corner of the flank is short: all of it is near its ends.
-        here = segments[2:, number]
-        return nearest_border(splines, here) if np.min(_margins(splines, here)) < BORDER_SHARE else LineEnd.INSIDE
+        place = segments[2:, number]
+        return nearest_border(splines, place) if np.min(_margins(splines, place)) < BORDER_SHARE else LineEnd.INSIDE
     last = number + sign * sides[sign]
     point = segments[2:, last]
     if sum(sides.values()) > 0:

@@ -69,8 +69,8 @@ def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, A
     """Numbers ``unloaded_...`` of the transmission error [urad], and their derivatives, zero by the torque."""
     fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
-    own, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
-    values = {f"unloaded_{name}": (own[name][0][1:], own[name][1][0]) for name in names}
+    numbers, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
+    values = {f"unloaded_{name}": (numbers[name][0][1:], numbers[name][1][0]) for name in names}
     data = {f"unloaded_{name}": (by_setting[name][0][1:], by_setting[name][1][0]) for name in names}
     envelope = "unloaded_transmission_error_envelope"
     values[envelope] = (("mesh_position",), fine[0, ::ENVELOPE_REFINEMENT])
@@ -116,12 +116,12 @@ class FieldDirections:
         given = dict(slopes) | {
             name: (a - b) / (2.0 * step) for name, a, b in zip(SEPARATION_FIELDS, ahead, behind, strict=True)
         }
-        found = fit(fields.lengthwise, fields.profile, {name: given[name] for name in FIELDS})
-        if not np.array_equal(found.holes, fields.holes):
+        splines = fit(fields.lengthwise, fields.profile, {name: given[name] for name in FIELDS})
+        if not np.array_equal(splines.holes, fields.holes):
             raise GeometryError(
                 "the flanks have no derivatives at some nodes: a setting moves the end of the flank there"
             )
-        return cls(_part(fields), found, given["roll_angle"].shape[-1])
+        return cls(_part(fields), splines, given["roll_angle"].shape[-1])
 
     def moved(self, setting: int, step: float) -> FlankSplines:
         """The fields after a step of one setting, to first order."""
@@ -135,9 +135,9 @@ def _part(fields: FlankSplines) -> FlankSplines:
     """The ``FIELDS`` alone."""
     numbers, columns, start = [], {}, 0
     for name in FIELDS:
-        own, shape = fields.columns[name]
-        numbers.append(np.arange(own.start, own.stop))
-        columns[name] = (slice(start, start := start + own.stop - own.start), shape)
+        components, shape = fields.columns[name]
+        numbers.append(np.arange(components.start, components.stop))
+        columns[name] = (slice(start, start := start + components.stop - components.start), shape)
     spline = fields.spline.part(np.concatenate(numbers))
     return FlankSplines(spline, columns, fields.holes, fields.lengthwise, fields.profile)
 
@@ -195,14 +195,14 @@ def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:
 def _ends(directions: FieldDirections, points: Array, roll: Array, turned: Array) -> Array:
     """Derivatives (2, m, 2, j) of the ends of the lines: on their level and on the boundary that ends them."""
     names = list(BOUNDARY_FIELDS)
-    found = directions.base.derivatives(names, points, VALUE_AND_SLOPES)
+    derivatives = directions.base.derivatives(names, points, VALUE_AND_SLOPES)
     change = directions.slopes.evaluate(names, points)
     t, h = points
     one, none = np.ones_like(t), np.zeros_like(t)
     still = np.zeros(turned.shape)
     distances, slopes, changes = [t, 1.0 - t, h, 1.0 - h], [[one, none]] * 2 + [[none, one]] * 2, [still] * 4
     for name in names:
-        value, *by_fraction = (each[name] for each in found)
+        value, *by_fraction = (each[name] for each in derivatives)
         for side in (value,) if name == "blade_distance" else (value, 1.0 - value):
             distances.append(side)
             slopes.append(by_fraction)
@@ -245,8 +245,10 @@ class EdgePieces:
 
 
 def _keys(case: LoadedCase) -> NDArray[np.int64]:
-    here = case.segments
-    return np.stack([np.full(here.pair.size, case.mesh_position), here.pair, here.edge, here.element], axis=1)
+    segments = case.segments
+    return np.stack(
+        [np.full(segments.pair.size, case.mesh_position), segments.pair, segments.edge, segments.element], axis=1
+    )
 
 
 @dataclass(frozen=True)
@@ -266,16 +268,18 @@ class SegmentSlopes:
     ) -> SegmentSlopes:
         """Derivatives of segments that move with their lines, which with ``pieces`` of edges go up to these."""
         known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
-        own = segments if pieces is None else segments.to_edges
-        here = _Loaded.of(segments, own, known)
+        moving_segments = segments if pieces is None else segments.to_edges
+        reference = _Loaded.of(segments, moving_segments, known)
         steps = STEP / np.maximum(_sizes(directions), np.max(np.abs(motion.points), axis=(0, 1, 2)))
         columns = []
         for j, step in enumerate(steps):
-            ahead, behind = (_moved(segments, own, directions, motion, known, j, sign * step) for sign in (1.0, -1.0))
+            ahead, behind = (
+                _moved(segments, moving_segments, directions, motion, known, j, sign * step) for sign in (1.0, -1.0)
+            )
             columns.append((ahead - behind).times(0.5 / step))
         slopes = {name: np.stack([one.values[name] for one in columns], axis=-1) for name in NAMES}
         pinion, gear = (np.stack([one.points[member] for one in columns], axis=-1) for member in (0, 1))
-        return cls(own, known, slopes, here.points, (pinion, gear), steps)
+        return cls(moving_segments, known, slopes, reference.points, (pinion, gear), steps)
 
     @property
     def places(self) -> tuple[Array, Array]:
@@ -317,9 +321,9 @@ class _Loaded:
         mesh = traced.on_lines.lines
         rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
         edges = traced.edges if near is None else flank_edges(traced.fields, near)
-        found = chosen_elements(traced.fields, rotation, edges, edge, element)
-        on_edges = {name: getattr(found, name) for name in NAMES if name not in DEPTHS}
-        there = pinion_points(traced.fields, found.points, rotation), found.points
+        elements = chosen_elements(traced.fields, rotation, edges, edge, element)
+        on_edges = {name: getattr(elements, name) for name in NAMES if name not in DEPTHS}
+        there = pinion_points(traced.fields, elements.points, rotation), elements.points
         on_edges |= loaded_at(LoadedPlaces(traced.fields, *there), traced.on_lines.teeth.solid)
         joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
         on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
@@ -355,15 +359,15 @@ def _moved(
     on_lines = replace(segments.on_lines, fields=fields, lines=replace(mesh, lines=lines))
     traced = replace(segments, fields=fields, on_lines=on_lines)
     moved = traced.to_edges if own.cut else traced
-    known, found = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
-    if np.array_equal(known, found):
+    known, moved_rotations = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
+    if np.array_equal(known, moved_rotations):
         return _Loaded.of(traced, moved, pieces, segments.edges)
     return _Loaded.of(segments, own, pieces).times(np.nan)
 
 
 def _sizes(directions: FieldDirections) -> Array:
     """Greatest change (j) of any field by a unit of a setting, over the range of the field."""
-    own = directions.base.spline.coefficients
-    span = np.ptp(own, axis=(1, 2))
-    change = np.abs(directions.slopes.spline.coefficients).max(axis=(1, 2)).reshape(len(own), directions.count)
+    coefficients = directions.base.spline.coefficients
+    span = np.ptp(coefficients, axis=(1, 2))
+    change = np.abs(directions.slopes.spline.coefficients).max(axis=(1, 2)).reshape(len(coefficients), directions.count)
     return np.asarray(np.maximum((change / span[:, None]).max(axis=0), 1e-300))

@@ -91,27 +91,27 @@ class _TouchingMotion:
         geometry, members = self.geometry, self.geometry.members
         parts = geometry.exact.motion.surface.flank_parts
         of_pinion = (at.part % len(parts)).astype(np.int8)
-        here = self.errors.flanks.at(at.points, rotation, at.parameters, at.part)
-        parameters = here.parameters.reshape(-1, 2, at.gap.size)[of_pinion, :, np.arange(at.gap.size)].T
+        turned_gap = self.errors.flanks.at(at.points, rotation, at.parameters, at.part)
+        parameters = turned_gap.parameters.reshape(-1, 2, at.gap.size)[of_pinion, :, np.arange(at.gap.size)].T
         change = pinion_gap_slopes(geometry, self.settings, parameters, of_pinion, rotation)
         change = change + pick([spline("gap", at.points) for spline in self._gear_slopes], at.part // len(parts)).T
         put_in = fit(members.lengthwise, members.profile, {"put_in": self.slopes["put_in"]})("put_in", at.points)
         change = change + put_in.T
 
-        force, held = _bound_forces(here.slope, here.margins, here.margin_slopes)
-        own = np.flatnonzero(np.any(force[slice(*PINION_BOUNDS)] != 0.0, axis=0))
-        if own.size:
-            place = geometry.pair.gear.section.points(*at.points[:, own])
-            margins = self._pinion_margins(parameters[:, own], of_pinion[own], rotation[own], place)
-            change[own] -= np.einsum("bn,bnj->nj", force[slice(*PINION_BOUNDS), own], margins)
-        return np.where(held[:, None], change, np.nan)
+        force, only_edges = _bound_forces(turned_gap.slope, turned_gap.margins, turned_gap.margin_slopes)
+        columns = np.flatnonzero(np.any(force[slice(*PINION_BOUNDS)] != 0.0, axis=0))
+        if columns.size:
+            place = geometry.pair.gear.section.points(*at.points[:, columns])
+            margins = self._pinion_margins(parameters[:, columns], of_pinion[columns], rotation[columns], place)
+            change[columns] -= np.einsum("bn,bnj->nj", force[slice(*PINION_BOUNDS), columns], margins)
+        return np.where(only_edges[:, None], change, np.nan)
 
     @cached_property
     def _gear_slopes(self) -> list[FlankSplines]:
         """Splines of the derivatives by the motion of each gear part, as the gap is made of splines of the parts."""
         members, shape = self.geometry.members, (*self.geometry.nodes, len(self.settings))
-        found = [gear_gap_slopes(self.geometry, self.settings, part) for part in self.errors.flanks.continued]
-        return [fit(members.lengthwise, members.profile, {"gap": slopes.reshape(shape)}) for slopes in found]
+        part_slopes = [gear_gap_slopes(self.geometry, self.settings, part) for part in self.errors.flanks.continued]
+        return [fit(members.lengthwise, members.profile, {"gap": slopes.reshape(shape)}) for slopes in part_slopes]
 
     def _pinion_margins(self, parameters: Array, part: NDArray[np.int8], rotation: Array, place: Array) -> Array:
         """Derivatives (4, n, j) of the distances of fixed points of the gear from the pinion's toe, heel, root, tip."""
@@ -163,29 +163,29 @@ class _Extreme:
         beside = 1.0 / (ENVELOPE_REFINEMENT * errors.mesh.rotations.size)
         either = place + np.array([-beside, beside])
         # A pair further on in the next cycle is the one before it in this.
-        own = errors.carrying_at(np.mod(either, 1.0))[0]
-        pairs = own + np.floor(either).astype(np.int64)
+        carrying_pairs = errors.carrying_at(np.mod(either, 1.0))[0]
+        pairs = carrying_pairs + np.floor(either).astype(np.int64)
         if np.any((pairs < 0) | (pairs >= errors.pairs.size)):
-            pairs = own
+            pairs = carrying_pairs
         steps = np.array([-1.0, 0.0, 1.0])
         for _ in range(PEAK_ROUNDS):
-            found = errors.touching_at(np.repeat(pairs, 3), place + PEAK_STEP * np.tile(steps, 2))
-            if not np.max(np.ptp(found.points.reshape(2, 2, 3), axis=2)) < NEIGHBOUR_DISTANCE_LIMIT:
+            contacts = errors.touching_at(np.repeat(pairs, 3), place + PEAK_STEP * np.tile(steps, 2))
+            if not np.max(np.ptp(contacts.points.reshape(2, 2, 3), axis=2)) < NEIGHBOUR_DISTANCE_LIMIT:
                 rates = np.full(2, np.nan)
                 break
-            before, here, after = found.gap.reshape(2, 3).T
+            before, middle, after = contacts.gap.reshape(2, 3).T
             rates = (after - before) / (2.0 * PEAK_STEP)
-            fall = -(after - 2.0 * here + before)[0] / PEAK_STEP**2 if pairs[0] == pairs[1] else rates[0] - rates[1]
-            rise = rates[0] if pairs[0] == pairs[1] else here[1] - here[0]
+            fall = -(after - 2.0 * middle + before)[0] / PEAK_STEP**2 if pairs[0] == pairs[1] else rates[0] - rates[1]
+            rise = rates[0] if pairs[0] == pairs[1] else middle[1] - middle[0]
             place += float(np.clip(rise / fall if fall != 0.0 else 0.0, -beside, beside))
         at = np.full(2, place)
         return cls(errors.touching_at(pairs, at), errors.rotations_at(at, pairs), rates)
 
     def value(self, known: float) -> float:
         """Error there [rad]: where courses cross or are level, else the known value, off by the tolerance of peaks."""
-        own = float(np.mean(self.touching.gap))
-        close = abs(own - known) <= 1e-6 * PEAK_TOLERANCE
-        return own if close and np.all(np.isfinite(self.rates)) else known
+        error = float(np.mean(self.touching.gap))
+        close = abs(error - known) <= 1e-6 * PEAK_TOLERANCE
+        return error if close and np.all(np.isfinite(self.rates)) else known
 
     def slopes(self, change: Array) -> Array:
         """Derivatives (j) of the value from those of both pairs there (2, j): a crossing keeps both equal."""
