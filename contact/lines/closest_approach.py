@@ -173,16 +173,16 @@ def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
     The step to u = -a'/(c + a'') closes the gap by a'^2 / (2 (c + a'')); u is the roll angle beyond the curve's, a the
     ease-off, c curvature and s skew. As c + a'' goes to zero it has any length: see ``expanded``.
     """
-    here = across_line(splines, points)
+    expansion = across_line(splines, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
-    opens, step = here.stiffness > 0.0, here.to_closest
-    wanted = points + here.direction * step / here.slope
+    opens, step = expansion.stiffness > 0.0, expansion.to_closest
+    wanted = points + expansion.direction * step / expansion.slope
     closest = np.clip(wanted, 0.0, 1.0)
-    gap, holds = _gap_at(splines, closest, here.roll_angle)
-    promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
+    gap, holds = _gap_at(splines, closest, expansion.roll_angle)
+    promised = np.where(np.all(wanted == closest, axis=0), -0.5 * expansion.ease_off_slope * step, 0.0)
     near = np.max(np.abs(closest - points), axis=0) <= SEARCH_RADIUS_LIMIT
-    kept = here.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
-    return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
+    kept = expansion.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
+    return ClosestApproach(gap, closest - points, expansion.lever_arm, expansion.curvature, opens & near & holds & kept)
 
 
 def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -195,15 +195,15 @@ def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Arra
 
 def _searched(splines: FlankSplines, points: Array) -> tuple[Array, Array]:
     """Least gap (n) [rad] on straight lines across the curve through points (2, n), and the shifts there (2, n)."""
-    here = across_line(splines, points)
-    unit = here.direction / np.max(np.abs(here.direction), axis=0)
+    expansion = across_line(splines, points)
+    unit = expansion.direction / np.max(np.abs(expansion.direction), axis=0)
     columns = np.arange(points.shape[1])
     best, reach = np.zeros(columns.size), SEARCH_RADIUS_LIMIT
     for _ in range(SEARCH_ROUNDS):
         # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
         way = best + reach * np.linspace(-1.0, 1.0, SAMPLES_PER_ROUND)[:, None]
         tried = points[:, None] + unit[:, None] * way
-        gap, holds = _gap_at(splines, np.clip(tried, 0.0, 1.0), here.roll_angle)
+        gap, holds = _gap_at(splines, np.clip(tried, 0.0, 1.0), expansion.roll_angle)
         usable = holds & np.all((tried >= 0.0) & (tried <= 1.0), axis=0) & ~splines.in_hole(np.clip(tried, 0.0, 1.0))
         usable |= way == 0.0
         least = np.argmin(np.where(usable, gap, np.inf), axis=0)
@@ -246,8 +246,8 @@ class OppositePoints:
 
 def _in_conjugate_contact(splines: FlankSplines, points: Array) -> tuple[Array, Array]:
     """Fractions (2, n) of the pinion in conjugate contact with points (2, n) of the gear, their slopes (2, 2, n)."""
-    found = splines.derivatives(PINION_FRACTIONS, points, VALUE_AND_SLOPES)
-    fractions, *by_fraction = (np.stack(list(each.values())) for each in found)
+    derivatives = splines.derivatives(PINION_FRACTIONS, points, VALUE_AND_SLOPES)
+    fractions, *by_fraction = (np.stack(list(each.values())) for each in derivatives)
     return fractions, np.stack(by_fraction, axis=1)
 
 
@@ -255,8 +255,8 @@ def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = N
     """Points (2, k) on the gear conjugate to those of the pinion, searched from ``near`` where known; NaN if none."""
     points = _searched_opposite(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
     there = np.stack(list(splines.evaluate(list(PINION_FRACTIONS), points).values()))
-    found = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE
-    return np.where(found, points, np.nan)
+    matches = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE
+    return np.where(matches, points, np.nan)
 
 
 def pinion_points(splines: FlankSplines, points: Array, rotations: Array) -> Array:

@@ -98,11 +98,13 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
     target = np.broadcast_to(level, shape[1:]).ravel()
     active: NDArray[np.int64] | slice = slice(None)
     for _ in range(steps):
-        here = moved[:, active]
-        value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], here, VALUE_AND_SLOPES))
+        active_points = moved[:, active]
+        value, *by_fraction = (
+            d["roll_angle"] for d in splines.derivatives(["roll_angle"], active_points, VALUE_AND_SLOPES)
+        )
         slope = np.stack(by_fraction)
         step = (target[active] - value) * slope / (slope[0] ** 2 + slope[1] ** 2)
-        free = here + step
+        free = active_points + step
         there = np.clip(free, -beyond, 1.0 + beyond)
         moved = np.array(moved)
         moved[:, active] = there
@@ -209,15 +211,15 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
 def _onto_border(splines: FlankSplines, raw: Array, ends: Array, level: Array) -> Array:
     """Ends (2, m, 2) of curves on their levels; where they lay on the border of the gear flank, exactly on it."""
     on_border = (raw == 0.0) | (raw == 1.0)
-    held = np.where(on_border[0], 0, 1)
-    rows = np.meshgrid(*(np.arange(n) for n in held.shape), indexing="ij")
+    axis = np.where(on_border[0], 0, 1)
+    rows = np.meshgrid(*(np.arange(n) for n in axis.shape), indexing="ij")
     moved = np.where(on_border, raw, ends)
     for _ in range(BORDER_STEPS):
         value, *slopes = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], moved, VALUE_AND_SLOPES))
-        slope = np.where(held == 0, slopes[1], slopes[0])
+        slope = np.where(axis == 0, slopes[1], slopes[0])
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.nan_to_num((level - value) / slope, posinf=0.0, neginf=0.0)
-        moved[1 - held, *rows] = np.clip(moved[1 - held, *rows] + np.clip(step, -BORDER_STEP, BORDER_STEP), 0.0, 1.0)
+        moved[1 - axis, *rows] = np.clip(moved[1 - axis, *rows] + np.clip(step, -BORDER_STEP, BORDER_STEP), 0.0, 1.0)
     with np.errstate(invalid="ignore"):
         close = np.max(np.abs(moved - ends), axis=0) < BORDER_STEP
     return np.where(np.any(on_border, axis=0) & close, moved, ends)
@@ -238,30 +240,32 @@ def _crossing(
     cut = inside != outside
 
     def distance(parameter: Array) -> Array:
-        here = onto_level(splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
-        return boundary_distance(splines, here)[:, 0]
+        sample = onto_level(
+            splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1
+        )
+        return boundary_distance(splines, sample)[:, 0]
 
     if np.any(cut):
         a, b = inside[cut], outside[cut]
         at_a, at_b = distance(a), distance(b)
-        found, last = a, np.zeros(a.size)
+        crossing, last = a, np.zeros(a.size)
         closed = np.zeros(a.size, dtype=bool)
         for _ in range(CROSSING_ITERATIONS):
             # False position with the Illinois weights, and a bisection where a hole makes the distance jump.
             with np.errstate(divide="ignore", invalid="ignore"):
                 guess = (a * at_b - b * at_a) / (at_b - at_a)
             jump = ~np.isfinite(guess) | (at_b <= -1.0)
-            guess = np.where(closed, found, np.where(jump, 0.5 * (a + b), guess))
-            here = distance(guess)
-            side = np.where(here > 0.0, 1.0, -1.0)
+            guess = np.where(closed, crossing, np.where(jump, 0.5 * (a + b), guess))
+            sample = distance(guess)
+            side = np.where(sample > 0.0, 1.0, -1.0)
             again = np.where(side == last, 0.5, 1.0)  # the weight of an end that stays a second time
-            at_a = np.where(side > 0.0, here, again * at_a)
-            at_b = np.where(side > 0.0, np.where(jump, 1.0, again) * at_b, here)
+            at_a = np.where(side > 0.0, sample, again * at_a)
+            at_b = np.where(side > 0.0, np.where(jump, 1.0, again) * at_b, sample)
             a, b, last = np.where(side > 0.0, guess, a), np.where(side > 0.0, b, guess), side
-            reached = closed | (np.abs(here) < CROSSING_TOLERANCE)
-            found = np.where(reached, guess, a)
+            reached = closed | (np.abs(sample) < CROSSING_TOLERANCE)
+            crossing = np.where(reached, guess, a)
             closed = reached | (np.abs(a - b) < 1e-9)
             if np.all(closed):
                 break
-        inside[cut] = found
+        inside[cut] = crossing
     return inside

@@ -46,8 +46,8 @@ class FlankSplines:
     ) -> list[dict[str, Array]]:
         """Values (*field shape, ...) by name of several fields, for several derivatives by both fractions."""
         shape = np.shape(points)[1:]
-        found = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
-        return self._by_name(names, [values.reshape(len(values), *shape) for values in found])
+        derivatives = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
+        return self._by_name(names, [values.reshape(len(values), *shape) for values in derivatives])
 
     def on_grid(self, names: Sequence[str], lengthwise: Array, profile: Array) -> dict[str, Array]:
         """Values (*field shape, p, q) of fields on the grid from fractions (p) and (q), quicker than by point."""
@@ -58,8 +58,8 @@ class FlankSplines:
         results: list[dict[str, Array]] = [{} for _ in found]
         start = 0
         for name in names:
-            own, of_field = self.columns[name]
-            rows = slice(start, start := start + own.stop - own.start)
+            components, of_field = self.columns[name]
+            rows = slice(start, start := start + components.stop - components.start)
             for result, values in zip(results, found, strict=True):
                 result[name] = values[rows].reshape(*of_field, *values.shape[1:])
         return results
@@ -67,8 +67,10 @@ class FlankSplines:
     def _part(self, names: tuple[str, ...]) -> TensorSpline:
         """Spline of some of the fields alone, made once."""
         if names not in self._parts:
-            own = [self.columns[name][0] for name in names]
-            self._parts[names] = self.spline.part(np.concatenate([np.arange(one.start, one.stop) for one in own]))
+            components = [self.columns[name][0] for name in names]
+            self._parts[names] = self.spline.part(
+                np.concatenate([np.arange(one.start, one.stop) for one in components])
+            )
         return self._parts[names]
 
     @cached_property

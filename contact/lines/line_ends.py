@@ -39,8 +39,8 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     """Contact lines that end where their closest approach leaves a flank; those without any on both are dropped."""
     lines, rotation = mesh.lines, line_rotations(mesh)[:, None]
     points = onto_level(splines, _extended(lines), rotation, beyond=EXTRAPOLATION_LIMIT)
-    first, last, found = _inside(_margin(splines, points, rotation))
-    rows, span = np.flatnonzero(found), np.linspace(0.0, 1.0, POINTS_PER_LINE)
+    first, last, has_part = _inside(_margin(splines, points, rotation))
+    rows, span = np.flatnonzero(has_part), np.linspace(0.0, 1.0, POINTS_PER_LINE)
     at = first[rows, None] + (last - first)[rows, None] * span
     low = np.clip(at.astype(int), 0, points.shape[2] - 2)
     weight = at - low
@@ -66,8 +66,8 @@ def edge_distance(splines: FlankSplines, points: Array, rotation: Array) -> Arra
 
     At pinion rotations (n) [rad] counted as the roll angle.
     """
-    here = across_line(splines, points)
-    closest = points + here.direction * here.to_closest / here.slope
+    expansion = across_line(splines, points)
+    closest = points + expansion.direction * expansion.to_closest / expansion.slope
     there, opposite = across_line(splines, closest), OppositePoints.of(splines, closest)
     fractions = closest, opposite.after(rotation - there.roll_angle)
     passing = opposite.slopes - opposite.rate[:, None] * there.gradient[None]
@@ -96,8 +96,8 @@ def _extended(lines: ContactLines) -> Array:
 
 def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
     """Fraction by which the closest approach beside points (2, m, k) lies inside both flanks; negative beyond."""
-    here = across_line(splines, points)
-    way = here.direction * here.to_closest / here.slope
+    expansion = across_line(splines, points)
+    way = expansion.direction * expansion.to_closest / expansion.slope
     closest = points + way
     left = rotation - splines("roll_angle", closest)
     opposite = OppositePoints.of(splines, closest.reshape(2, -1)).after(left.ravel()).reshape(closest.shape)
@@ -107,8 +107,8 @@ def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
     within = np.where(splines.in_hole(near), -1.0, within)
     # Where there is no such step to a closest approach the flank's own boundary ends the line, as it was traced.
     outside = np.any((points < 0.0) | (points > 1.0), axis=0)
-    own = np.where(outside, -1.0, boundary_distance(splines, np.clip(points, 0.0, 1.0)))
-    within = np.where(_steps(here, way), within, own)
+    boundary_margin = np.where(outside, -1.0, boundary_distance(splines, np.clip(points, 0.0, 1.0)))
+    within = np.where(_steps(expansion, way), within, boundary_margin)
     return np.where(np.any(np.abs(points - 0.5) >= 0.5 + EXTRAPOLATION_LIMIT, axis=0), -1.0, within)
 
 
@@ -124,7 +124,7 @@ def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """
     rows, count = np.arange(len(margin)), margin.shape[1]
     inside, place = margin > 0.0, np.arange(count)
-    found = np.any(inside, axis=1)
+    has_part = np.any(inside, axis=1)
     middle = np.argmin(np.where(inside, np.abs(place - 0.5 * (count - 1)), np.inf), axis=1)[:, None]
     low = np.max(np.where(~inside & (place < middle), place, -1), axis=1) + 1
     high = np.min(np.where(~inside & (place > middle), place, count), axis=1) - 1
@@ -132,6 +132,6 @@ def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         at_low, at_high = (margin[rows, np.clip(end, 0, count - 1)] for end in (low, high))
         before = at_low / (at_low - margin[rows, np.maximum(low - 1, 0)])
         after = at_high / (at_high - margin[rows, np.minimum(high + 1, count - 1)])
-    first = low - np.where(found & (low > 0), before, 0.0)
-    last = high + np.where(found & (high < count - 1), after, 0.0)
-    return np.where(found, first, 0.0), np.where(found, last, 0.0), found
+    first = low - np.where(has_part & (low > 0), before, 0.0)
+    last = high + np.where(has_part & (high < count - 1), after, 0.0)
+    return np.where(has_part, first, 0.0), np.where(has_part, last, 0.0), has_part

@@ -76,13 +76,13 @@ def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) 
     of_gear = nodes.reshape(2, -1)
     start = None if near is None else np.concatenate([edge.points for edge in near if edge.of_pinion], axis=1)
     points = np.concatenate([of_gear, conjugate_points(splines, of_gear, start)], axis=1)
-    here, opposite = across_line(splines, points), OppositePoints.of(splines, points)
+    expansion, opposite = across_line(splines, points), OppositePoints.of(splines, points)
     blade_distance = splines("blade_distance", np.clip(points, 0.0, 1.0))
     edges = []
     for (number, (fraction, value)), of_pinion in product(enumerate(EDGES), (False, True)):
         first = (number + of_pinion * len(EDGES)) * along.size
-        own = slice(first, first + along.size)
-        around = points[:, own], _at(here, own), _at(opposite, own), blade_distance[own]
+        columns = slice(first, first + along.size)
+        around = points[:, columns], _at(expansion, columns), _at(opposite, columns), blade_distance[columns]
         edges.append(FlankEdge.of(of_pinion, fraction, value, nodes[:, number], *around))
     return tuple(edges)
 
@@ -106,10 +106,10 @@ def edge_elements(
     parts = _touching_parts(edges, rotations[rows], edge, element)
     some = parts.share > 0.0
     rows = rows[some]
-    found = _pieces(splines, rotations[rows], _at(parts, some))
-    kept = (found.separation_angle < widest[rows]) & (found.curvature > 0.0) & (found.length > 0.0)
-    kept &= found.still_opens & ~splines.in_hole(found.points)
-    return _at(replace(found, level=rows), kept)
+    pieces = _pieces(splines, rotations[rows], _at(parts, some))
+    kept = (pieces.separation_angle < widest[rows]) & (pieces.curvature > 0.0) & (pieces.length > 0.0)
+    kept &= pieces.still_opens & ~splines.in_hole(pieces.points)
+    return _at(replace(pieces, level=rows), kept)
 
 
 def chosen_elements(
@@ -133,20 +133,20 @@ def _pieces(splines: FlankSplines, rotations: Array, parts: _TouchingParts) -> E
     moving = np.flatnonzero(parts.of_pinion)
     points[:, moving] = points_below(splines, parts.wanted[:, moving], points[:, moving], rotations[moving])
     points = np.clip(points, 0.0, 1.0)
-    here = across_line(splines, points)
-    left = rotations - here.roll_angle
-    gap, curvature = here.gap(left), here.curvature
+    expansion = across_line(splines, points)
+    left = rotations - expansion.roll_angle
+    gap, curvature = expansion.gap(left), expansion.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
-        overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
+        overhang = np.abs(expansion.gap_slope(left)) * expansion.lever_arm / curvature
     return EdgeElements(
         level=np.arange(rotations.size),
         points=points,
         separation_angle=gap,
-        lever_arm=here.lever_arm,
-        length=parts.share * here.length_along(way),
+        lever_arm=expansion.lever_arm,
+        length=parts.share * expansion.length_along(way),
         curvature=curvature,
         overhang=overhang,
-        still_opens=here.still_opens(left),
+        still_opens=expansion.still_opens(left),
         edge=parts.edge,
         element=parts.element,
     )
@@ -227,12 +227,12 @@ def _touching_parts(
     margins, ends, wanted = np.empty((2, 6, count)), np.empty((2, 2, count)), np.empty((2, 2, count))
     of_pinion = np.zeros(count, dtype=bool)
     for number, one in enumerate(edges):
-        own = np.flatnonzero(edge == number)
-        of_pinion[own] = one.of_pinion
+        columns = np.flatnonzero(edge == number)
+        of_pinion[columns] = one.of_pinion
         for side in (0, 1):
-            at = element[own] + side
-            margins[side][:, own], ends[side][:, own] = _margins(one, rotations[own], at)
-            wanted[side][:, own] = one.nodes[:, at]
+            at = element[columns] + side
+            margins[side][:, columns], ends[side][:, columns] = _margins(one, rotations[columns], at)
+            wanted[side][:, columns] = one.nodes[:, at]
     low, high = np.zeros(count), np.ones(count)
     for first, last in zip(*margins, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -247,9 +247,9 @@ def _touching_parts(
 
 def _margins(edge: FlankEdge, rotations: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:
     """Margins (6, n), positive at nodes of an edge that may touch, and the nodes' points on the gear (2, n)."""
-    here = _at(edge.here, at)
-    away = rotations - here.roll_angle
-    falls = -here.gap_slope(away * edge.nearing[at]) * edge.leaving[at] * edge.outward
+    expansion = _at(edge.here, at)
+    away = rotations - expansion.roll_angle
+    falls = -expansion.gap_slope(away * edge.nearing[at]) * edge.leaving[at] * edge.outward
     moved = edge.points[:, at] + edge.moving[:, at] * away
     other = moved if edge.of_pinion else _at(edge.opposite, at).after(away)
     return np.stack([falls, *other, *(1.0 - other), edge.blade_distance[at]]), moved

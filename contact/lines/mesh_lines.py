@@ -77,8 +77,10 @@ class MeshLines:
         chosen = np.flatnonzero(self.position == position)
         every = self.lines
         lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
-        here = np.zeros(chosen.size, dtype=np.int64)
-        return MeshLines(self.rotations[position : position + 1], lines, here, self.pair[chosen], self.pinion_pitch)
+        positions = np.zeros(chosen.size, dtype=np.int64)
+        return MeshLines(
+            self.rotations[position : position + 1], lines, positions, self.pair[chosen], self.pinion_pitch
+        )
 
 
 def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:

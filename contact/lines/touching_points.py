@@ -107,9 +107,9 @@ def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.i
     across = [np.nan_to_num(np.abs(np.gradient(field["roll_angle"], axis=axis))) for axis in (0, 1)]
     reach = 0.5 * (across[0] + across[1])
     step = max(NODES_PER_BLOCK // reach.size, 1)
-    found = [_lowest(field, reach, rotations[start : start + step]) for start in range(0, rotations.size, step)]
-    row = np.concatenate([rows + step * block for block, (rows, _) in enumerate(found)])
-    return row, np.concatenate([node for _, node in found])
+    blocks = [_lowest(field, reach, rotations[start : start + step]) for start in range(0, rotations.size, step)]
+    row = np.concatenate([rows + step * block for block, (rows, _) in enumerate(blocks)])
+    return row, np.concatenate([node for _, node in blocks])
 
 
 def _lowest(field: Mapping[str, Array], reach: Array, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -145,30 +145,30 @@ def refined(
     best = _Best.none(count, parameters.shape[0])
     active = np.arange(count)
     for _ in range(ITERATION_LIMIT):
-        here = flanks.at(points[:, active], rotations[active], parameters[:, active], part[active])
-        step, promised = _bounded_step(here, damping[active])
-        inside = np.min(here.margins, axis=0)
-        edge = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
+        turned_gap = flanks.at(points[:, active], rotations[active], parameters[:, active], part[active])
+        step, promised = _bounded_step(turned_gap, damping[active])
+        inside = np.min(turned_gap.margins, axis=0)
+        edge = np.where(inside < BOUND_TOLERANCE, np.argmin(turned_gap.margins, axis=0), -1)
         edge[edge >= EDGE_COUNT] = -1
         for blade, index in zip(BLADES, np.divmod(part[active], len(flanks.parts[0])), strict=True):
             edge[(edge == blade) & (index > 0)] = -1
-        sure = (inside > -BOUND_TOLERANCE) & (here.miss < MISS_TOLERANCE)
+        sure = (inside > -BOUND_TOLERANCE) & (turned_gap.miss < MISS_TOLERANCE)
         short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
         done = sure & (short | (np.abs(promised) < PROMISE_TOLERANCE))
         # After a step that raises the gap the next one starts where that one did, and is held back along the valley.
-        raised = (here.gap > best.gap[active] + PROMISE_TOLERANCE) & ~done
+        raised = (turned_gap.gap > best.gap[active] + PROMISE_TOLERANCE) & ~done
         better = sure & ~raised
-        best.keep(active[better], points[:, active[better]], here.gap[better], promised[better], edge[better])
-        best.parameters[:, active[better]] = here.parameters[:, better]
-        gap[active[done]] = (here.gap + np.where(short, promised, 0.0))[done]
+        best.keep(active[better], points[:, active[better]], turned_gap.gap[better], promised[better], edge[better])
+        best.parameters[:, active[better]] = turned_gap.parameters[:, better]
+        gap[active[done]] = (turned_gap.gap + np.where(short, promised, 0.0))[done]
         bound[active[done]] = edge[done]
         step = step * np.minimum(1.0, STEP_LIMIT / np.maximum(np.max(np.abs(step), axis=0), STEP_LIMIT))
         damping[active] = np.where(raised, damping[active] * 100.0, np.maximum(0.1 * damping[active], DAMPING_MINIMUM))
         step = np.where(done & ~short, 0.0, step)
-        following = here.parameters + np.einsum("kin,in->kn", here.following, step)
+        following = turned_gap.parameters + np.einsum("kin,in->kn", turned_gap.following, step)
         points[:, active] = np.where(raised, best.points[:, active], points[:, active] + step)
         parameters[:, active] = np.where(raised, best.parameters[:, active], following)
-        active = active[~done & np.isfinite(promised) & (np.abs(here.gap) < GAP_LIMIT)]
+        active = active[~done & np.isfinite(promised) & (np.abs(turned_gap.gap) < GAP_LIMIT)]
         if not active.size:
             break
     # Along a valley without a slope to speak of there is no end to the steps, and no need of one.
@@ -176,8 +176,8 @@ def refined(
     gap[level], bound[level] = best.gap[level], best.bound[level]
     points[:, level], parameters[:, level] = best.points[:, level], best.parameters[:, level]
     hole = flanks.in_hole(np.clip(points, 0.0, 1.0), part)
-    found = TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
-    return _nearer_to_edges(flanks, found, rotations)
+    minima = TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
+    return _nearer_to_edges(flanks, minima, rotations)
 
 
 def _nearer_to_edges(flanks: TurnedFlanks, found: TouchingPoints, rotations: Array) -> TouchingPoints:
@@ -185,17 +185,19 @@ def _nearer_to_edges(flanks: TurnedFlanks, found: TouchingPoints, rotations: Arr
 
     The gap off the edge errs by 1e-14 rad, of which differences over small changes of a setting see five digits.
     """
-    own = np.flatnonzero((found.bound >= 0) & np.isfinite(found.gap))
-    if not own.size:
+    columns = np.flatnonzero((found.bound >= 0) & np.isfinite(found.gap))
+    if not columns.size:
         return found
-    part, parameters = found.part[own], found.parameters[:, own]
-    here = flanks.at(found.points[:, own], rotations[own], parameters, part)
-    step, promised = _bounded_step(here, np.full(own.size, DAMPING_MINIMUM))
+    part, parameters = found.part[columns], found.parameters[:, columns]
+    turned_gap = flanks.at(found.points[:, columns], rotations[columns], parameters, part)
+    step, promised = _bounded_step(turned_gap, np.full(columns.size, DAMPING_MINIMUM))
     short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
-    kept, step = own[short], step[:, short]
-    found.gap[kept] = (here.gap + promised)[short]
+    kept, step = columns[short], step[:, short]
+    found.gap[kept] = (turned_gap.gap + promised)[short]
     found.points[:, kept] += step
-    found.parameters[:, kept] = here.parameters[:, short] + np.einsum("kin,in->kn", here.following[..., short], step)
+    found.parameters[:, kept] = turned_gap.parameters[:, short] + np.einsum(
+        "kin,in->kn", turned_gap.following[..., short], step
+    )
     return found
 
 

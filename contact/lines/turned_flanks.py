@@ -78,8 +78,8 @@ class FlankCuts:
             away_slope = np.where(kinked, scale * (depth_slope - self.depth_slope[other]), away_slope)
             nearer = (part != other) & self.known[other] & (away < cut)
             cut, cut_slope = np.where(nearer, away, cut), np.where(nearer, away_slope, cut_slope)
-        own = [coordinate - self.begin[part], self.end[part] - coordinate, cut]
-        return np.stack(own), np.stack([slope, -slope, cut_slope])
+        margins = [coordinate - self.begin[part], self.end[part] - coordinate, cut]
+        return np.stack(margins), np.stack([slope, -slope, cut_slope])
 
     def _beyond(self, part: int) -> tuple[Array, Array]:
         """Distance (n) of points beyond the nearer end of a part's section, and the derivatives (2, n)."""
@@ -120,13 +120,13 @@ def circles_met(
     turned = rotations + motion.center
 
     def seen(p: Array) -> Array:
-        own, own_normal, coordinate = surface.evaluate(p)
-        (x, y, z), normal = _in_space(motion, np.tile(turned, len(parameters)), own, own_normal)
+        points, own_normal, coordinate = surface.evaluate(p)
+        (x, y, z), normal = _in_space(motion, np.tile(turned, len(parameters)), points, own_normal)
         radial = np.sqrt(x**2 + y**2)
         # Along the surface the azimuth changes so that the step is at right angles to the normal.
         share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
         by_radial = share * (x * normal[0] + y * normal[1]) / radial
-        bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
+        bounds = section.fractions(points[2], np.sqrt(points[0] ** 2 + points[1] ** 2))
         return np.array([x, y, z, radial, share * normal[2], by_radial, *bounds, coordinate, *normal])
 
     with np.errstate(all="ignore"):
@@ -178,9 +178,9 @@ def _in_space(motion: ConjugateMotion, turned: Array, *vectors: Array) -> tuple[
     """Pinion points (3, n) from the origin of the gear, and normals (3, n) if given, after the pinion has turned."""
     assembly = motion.assembly
     cosine, sine = cos_sin(motion.pinion_sense * turned)
-    found = [np.tensordot(assembly.pinion_frame, turn_z(cosine, sine, vector), axes=1) for vector in vectors]
-    found[0] += column(assembly.pinion_origin - assembly.gear_origin, found[0])
-    return tuple(found)
+    turned_vectors = [np.tensordot(assembly.pinion_frame, turn_z(cosine, sine, vector), axes=1) for vector in vectors]
+    turned_vectors[0] += column(assembly.pinion_origin - assembly.gear_origin, turned_vectors[0])
+    return tuple(turned_vectors)
 
 
 def _along(slopes: Array, way: Array) -> Array:
@@ -240,8 +240,8 @@ class TurnedFlanks:
             alone = np.isfinite(part.position[0]) | (np.mean(np.isfinite(part.position[0])) >= 0.5)
             names = ("parameters", "position", "normal", "blade_distance")
             taken = {name: np.where(alone, getattr(part, name), getattr(known, name)) for name in names}
-            own = np.where(alone, number, known.part).astype(np.int8)
-            flanks.append(replace(part, surface=known.surface, part=own, **taken))
+            part_numbers = np.where(alone, number, known.part).astype(np.int8)
+            flanks.append(replace(part, surface=known.surface, part=part_numbers, **taken))
         return tuple(flanks)
 
     @cached_property
@@ -281,8 +281,8 @@ class TurnedFlanks:
         if rotations.size > COLUMNS_PER_BLOCK:
             starts = range(0, rotations.size, COLUMNS_PER_BLOCK)
             cuts = [slice(i, i + COLUMNS_PER_BLOCK) for i in starts]
-            found = [self.at(points[:, c], rotations[c], parameters[:, c], part[c]) for c in cuts]
-            joined = (np.concatenate([getattr(f, one.name) for f in found], axis=-1) for one in fields(TurnedGap))
+            blocks = [self.at(points[:, c], rotations[c], parameters[:, c], part[c]) for c in cuts]
+            joined = (np.concatenate([getattr(f, one.name) for f in blocks], axis=-1) for one in fields(TurnedGap))
             return TurnedGap(*joined)
         of_gear, of_pinion = np.divmod(part, len(self.parts[0]))
         each = [spline.derivatives(_OWN_FIELDS, points, [*VALUE_AND_SLOPES, *BENDS]) for spline in self.own]
