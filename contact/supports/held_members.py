@@ -25,7 +25,10 @@ class HeldMembers:
     def holding(self, segments: Sequence[Segments | None]) -> list[Segments | None]:
         """The segments of every mesh position with its supports."""
         both = zip(segments, self.modes, strict=True)
-        return [None if here is None else replace(here, held=modes) for here, modes in both]
+        return [
+            None if position_segments is None else replace(position_segments, held=modes)
+            for position_segments, modes in both
+        ]
 
     def closing(self, segments: Segments, force: Array) -> float:
         """Rotation [rad] by which some gap on the flank closes farther, by the members' motion, than the gear turns."""

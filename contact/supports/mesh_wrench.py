@@ -66,9 +66,9 @@ class MeshWrenches:
 
     def beside_lines(self, points: Array, rotation: Array) -> Array:
         """Wrenches (6, n) at points (2, n) that touch at pinion rotations (n) other than their roll angle [rad]."""
-        found = self.fields.evaluate(["wrench", "roll_angle"], points)
-        force, moment = np.split(found["wrench"], 2)
-        angle = self.gear_turn * (rotation - found["roll_angle"])
+        fields = self.fields.evaluate(["wrench", "roll_angle"], points)
+        force, moment = np.split(fields["wrench"], 2)
+        angle = self.gear_turn * (rotation - fields["roll_angle"])
         cosine, sine = np.cos(angle), np.sin(angle)
 
         def turned(vector: Array) -> Array:

@@ -86,10 +86,10 @@ def _piece(section: ShaftSection, material: Material, start: float, end: float) 
     twisting = length / (2.0 * material.shear_modulus * section.second_moment)
     # A force at the origin has the bending moment z F at z: the mean of z^2 is middle^2 + length^2 / 12.
     forced = sliding + bending * (middle**2 + length**2 / 12.0)
-    found = np.diag([forced, forced, stretching, bending, bending, twisting])
-    found[0, 4] = found[4, 0] = -middle * bending
-    found[1, 3] = found[3, 1] = middle * bending
-    return found
+    compliance = np.diag([forced, forced, stretching, bending, bending, twisting])
+    compliance[0, 4] = compliance[4, 0] = -middle * bending
+    compliance[1, 3] = compliance[3, 1] = middle * bending
+    return compliance
 
 
 STEEL = Material(206000.0, 0.3)
@@ -230,14 +230,14 @@ class Shaft:
         """The shaft with the bearings' stiffness, load over displacement, under a wrench (6) at ``reference``."""
         if self.is_linear:
             return self
-        found = replace(self, bearings=tuple(bearing.under(np.zeros(6)) for bearing in self.bearings))
+        shaft = replace(self, bearings=tuple(bearing.under(np.zeros(6)) for bearing in self.bearings))
         for _ in range(STEP_COUNT_LIMIT):
-            loads = found.loads @ wrench
+            loads = shaft.loads @ wrench
             bearings = tuple(bearing.under(load) for bearing, load in zip(self.bearings, loads, strict=True))
-            new, old = (np.array([bearing.stiffness for bearing in each]) for each in (bearings, found.bearings))
-            found = replace(self, bearings=bearings)
+            new, old = (np.array([bearing.stiffness for bearing in each]) for each in (bearings, shaft.bearings))
+            shaft = replace(self, bearings=bearings)
             if np.all(np.abs(new - old) <= STIFFNESS_CHANGE_LIMIT * old):
-                return found
+                return shaft
         raise InputError(
             f"the stiffness of the bearings does not converge in {STEP_COUNT_LIMIT} steps: their displacement must "
             "grow more evenly with the load"

@@ -149,10 +149,10 @@ def checked_stiffness(
     if eigenvalues[0] < -FREE_STIFFNESS_SHARE * eigenvalues[-1]:
         raise InputError(f"{name} = {shown(matrix)}: must be positive definite; its least eigenvalue is negative")
     loose = vectors[:, eigenvalues < FREE_STIFFNESS_SHARE * max(eigenvalues[-1], 1e-300)]
-    own = np.zeros((6 * members, len(free)))
+    free_rotations = np.zeros((6 * members, len(free)))
     for number, (reference, axis) in enumerate(free):
-        own[6 * number : 6 * number + 6, number] = rotation_at(axis, reference)
-    allowed, _ = np.linalg.qr(_unscaled(own, length))
+        free_rotations[6 * number : 6 * number + 6, number] = rotation_at(axis, reference)
+    allowed, _ = np.linalg.qr(_unscaled(free_rotations, length))
     _, sizes, mixtures = np.linalg.svd(loose - allowed @ (allowed.T @ loose), full_matrices=False)
     if sizes.size and sizes[0] > FREE_MOTION_RESIDUAL:
         motion = _motion(loose @ mixtures[0], length, [point for point, _ in free])
@@ -190,9 +190,9 @@ def held(compliance: Array, couples: Array) -> Array:
     """A compliance (n, n) with the rotations held that couples (n, m) turn."""
     for couple in couples.T:
         turned = compliance @ couple
-        own = float(couple @ turned)
-        if own > 0.0:
-            compliance = compliance - np.outer(turned, turned) / own
+        rotation = float(couple @ turned)
+        if rotation > 0.0:
+            compliance = compliance - np.outer(turned, turned) / rotation
     return compliance
 
 
@@ -217,7 +217,7 @@ def _symmetric(name: str, values: Any, members: int, units: str) -> Array:
 def _sizes(matrix: Array) -> tuple[float, float]:
     """Greatest eigenvalues of the blocks of translation and of rotation of all members."""
     blocks = [slice(first, first + 3) for first in range(0, matrix.shape[0], 3)]
-    sizes = [float(np.abs(np.linalg.eigvalsh(matrix[own, own])).max()) for own in blocks]
+    sizes = [float(np.abs(np.linalg.eigvalsh(matrix[block, block])).max()) for block in blocks]
     return max(sizes[::2]), max(sizes[1::2])
 
 
@@ -453,8 +453,8 @@ class Supports:
     def compliance(self) -> Array:
         """Twists of pinion and gear for wrenches on them (12, 12), each about its reference."""
         coupling = np.zeros((6, 6)) if self.coupling is None else np.asarray(self.coupling)
-        own = np.asarray(self.pinion.compliance), np.asarray(self.gear.compliance)
-        return np.block([[own[0], coupling], [coupling.T, own[1]]])
+        diagonal = np.asarray(self.pinion.compliance), np.asarray(self.gear.compliance)
+        return np.block([[diagonal[0], coupling], [coupling.T, diagonal[1]]])
 
     def at_origin(self, assembly: Assembly) -> Array:
         """Twists of pinion and gear for wrenches on them (12, 12), all about the origin, their free rotations held."""
@@ -464,8 +464,8 @@ class Supports:
         couples[:6, 0], couples[6:, 1] = axes[0].couple, axes[1].couple
         shift = np.zeros((12, 12))
         for i, member in enumerate((self.pinion, self.gear)):
-            own = slice(6 * i, 6 * i + 6)
-            shift[own, own] = shift_matrix(ORIGIN, member.reference)
+            block = slice(6 * i, 6 * i + 6)
+            shift[block, block] = shift_matrix(ORIGIN, member.reference)
         # A couple is the same about every point.
         return shift.T @ held(self.compliance, couples[:, 1:] if self.wind_up else couples) @ shift
 

@@ -137,13 +137,13 @@ def _twists(assembly: Assembly, parts: int) -> Array:
 
 def _symmetric_basis(parts: int) -> Array:
     """Symmetric matrices (b, p, p) of unit length, one for every entry of a triangle."""
-    found = []
+    basis = []
     for row in range(parts):
         for column in range(row, parts):
             one = np.zeros((parts, parts))
             one[row, column] = one[column, row] = 1.0 if row == column else np.sqrt(0.5)
-            found.append(one)
-    return np.array(found)
+            basis.append(one)
+    return np.array(basis)
 
 
 def _symmetric_map(forces: Array) -> Array:

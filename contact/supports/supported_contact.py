@@ -109,9 +109,9 @@ def _bearing_loads(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
         for position, supports in enumerate(one.supports):
             row = 0
             for sign, support in ((1.0, supports.pinion), (-1.0, supports.gear)):
-                own = sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference)
+                support_wrench = sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference)
                 for bearing in support.bearings:
-                    loads[row, torque, position] = bearing.load(own)
+                    loads[row, torque, position] = bearing.load(support_wrench)
                     row += 1
     members = (found[0].supports[0].pinion, found[0].supports[0].gear)
     points = np.array([bearing.point for support in members for bearing in support.bearings])
@@ -132,11 +132,11 @@ def _shares(rotation: Array, cases: Sequence[LoadedCase], torques: Array) -> lis
     for case in cases:
         if not case.solution.certified:
             continue
-        here, force, place = case.segments, case.solution.force, (case.torque, case.mesh_position)
-        bending = float(np.sum((force @ here.bending.factor) ** 2))
-        local = float(force @ here.line_contact.deflection(force))
-        wrench = here.mesh_wrench(force)
-        motion = 0.0 if here.held is None else float(here.held.twist(wrench) @ wrench)
+        segments, force, place = case.segments, case.solution.force, (case.torque, case.mesh_position)
+        bending = float(np.sum((force @ segments.bending.factor) ** 2))
+        local = float(force @ segments.line_contact.deflection(force))
+        wrench = segments.mesh_wrench(force)
+        motion = 0.0 if segments.held is None else float(segments.held.twist(wrench) @ wrench)
         for share, work in zip(shares, (bending, local, motion), strict=True):
             share[place] = work / (1e3 * torques[case.torque])
     return [*shares, rotation - sum(shares)]
@@ -182,8 +182,8 @@ class SupportedContact:
     @cached_property
     def cases(self) -> list[LoadedCase]:
         """Every solved case with its contact problem."""
-        found = [replace(case, torque=one.torques[case.torque]) for one in self.rounds for case in one.found.cases]
-        return sorted(found, key=lambda case: (case.mesh_position, float(self.torques[case.torque])))
+        cases = [replace(case, torque=one.torques[case.torque]) for one in self.rounds for case in one.found.cases]
+        return sorted(cases, key=lambda case: (case.mesh_position, float(self.torques[case.torque])))
 
     @cached_property
     def assemblies(self) -> list[tuple[tuple[int, ...], CycleInAssembly]]:
@@ -192,8 +192,8 @@ class SupportedContact:
 
     def over_torque(self, name: str) -> Array:
         """An array of the rounds over all torques (t, ...)."""
-        found = {number: getattr(one.found, name)[i] for one in self.rounds for i, number in enumerate(one.torques)}
-        return np.stack([found[number] for number in range(self.torques.size)])
+        rows = {number: getattr(one.found, name)[i] for one in self.rounds for i, number in enumerate(one.torques)}
+        return np.stack([rows[number] for number in range(self.torques.size)])
 
     @property
     def mesh_wrench(self) -> Array:
@@ -220,11 +220,11 @@ class SupportedContact:
     @cached_property
     def loaded(self) -> xr.Dataset:
         """The group ``/loaded``; its transmission error leaves out ``support_rotation``."""
-        segments = [here for one in self.rounds for here in one.found.segments]
+        segments = [position_segments for one in self.rounds for position_segments in one.found.segments]
         rotations = self.pair.cycle.lines.rotations
-        found = loaded_dataset(segments, self.cases, self.torques, rotations)
+        dataset = loaded_dataset(segments, self.cases, self.torques, rotations)
         numbers = rotation_numbers(1e6 * self.transmission_error)
-        return found.assign({name: (dims, values, found[name].attrs) for name, (dims, values) in numbers.items()})
+        return dataset.assign({name: (dims, values, dataset[name].attrs) for name, (dims, values) in numbers.items()})
 
     @cached_property
     def misalignment(self) -> xr.Dataset:

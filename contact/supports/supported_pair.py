@@ -119,7 +119,7 @@ class SupportedPair:
 
     def _rounds(self, numbers: tuple[int, ...], torques: Array, found: Round, rounds: AssemblyRounds) -> FoundRound:
         """The last round at torques (t), from the first."""
-        absorbed, held = np.zeros((len(found.supports), 6)), found.supports
+        absorbed, supports = np.zeros((len(found.supports), 6)), found.supports
         for count in range(1, rounds.most + 1):
             now, following = self._next(found, absorbed, rounds.update)
             change = self._change(found, now - absorbed, following) if rounds.update != "none" or following else 0.0
@@ -132,11 +132,11 @@ class SupportedPair:
             if count == rounds.most:
                 break
             try:
-                found = self._round(torques, now, following or held, rounds.update)
+                found = self._round(torques, now, following or supports, rounds.update)
             except GeometryError as error:
                 reason = f"the flanks have no contact in the assembly found: {error}"
                 return replace(ended, status=RoundsStatus.NO_GEOMETRY, reason=reason)
-            absorbed, held = now, following or held
+            absorbed, supports = now, following or supports
         reason = f"after {rounds.most} rounds the assembly still changes gaps by {change:.3g} um"
         return replace(ended, status=RoundsStatus.ROUND_LIMIT, reason=reason)
 
@@ -189,7 +189,7 @@ class SupportedPair:
         segments: list[Segments | None] = []
         cases: list[LoadedCase] = []
         in_mean = MeshWrenches.of(mean.geometry)
-        for own, cycle in groups:
+        for numbers, cycle in groups:
             motion, wrenches = self.motion(cycle), in_mean if cycle is mean else MeshWrenches.of(cycle.geometry)
             kinds: dict[tuple[Supports, tuple[float, ...]], SupportModes] = {}  # the modes of equal ones are found once
             modes = [
@@ -197,7 +197,7 @@ class SupportedPair:
                     (supports[k], tuple(absorbed[k])),
                     SupportModes(compliances[supports[k]], motion.twist(absorbed[k])),
                 )
-                for k in own
+                for k in numbers
             ]
             there, solved = self.solve(
                 replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
@@ -205,11 +205,11 @@ class SupportedPair:
             segments += there
             apart = self._first_contact_change(cycle)
             for case in solved:
-                k = own[case.mesh_position]
+                k = numbers[case.mesh_position]
                 cases.append(replace(case, mesh_position=k))
                 if case.solution.certified:
-                    here, place = case.segments, (case.torque, k)
-                    wrench[place] = here.mesh_wrench(case.solution.force)
+                    case_segments, place = case.segments, (case.torque, k)
+                    wrench[place] = case_segments.mesh_wrench(case.solution.force)
                     parts[place] = motion.parts(modes[case.mesh_position].twist(wrench[place]))
                     rotation[place] = case.solution.rotation + apart - absorbed[k, 4] / self.assembly.ratio
         beyond = np.nan_to_num(cycle_mean(parts)) - absorbed.mean(axis=0)
@@ -230,8 +230,8 @@ class SupportedPair:
 
     def _first_contact_change(self, cycle: CycleInAssembly) -> float:
         """First contact in the assembly of a cycle [rad], counted from that without load."""
-        there, here = (one.geometry.ease_off.attrs["first_contact_rad"] for one in (cycle, self.cycle))
-        return _nearest_zero(there - here)
+        there, reference = (one.geometry.ease_off.attrs["first_contact_rad"] for one in (cycle, self.cycle))
+        return _nearest_zero(there - reference)
 
 
 def _nearest_zero(angle: float) -> float:
