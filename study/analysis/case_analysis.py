@@ -322,7 +322,7 @@ def analyze(
     )
     if stage is not None:
         stage("loaded contact")
-    found = contact_analysis(
+    analysis = contact_analysis(
         state,
         torques,
         edge_contact=edge_contact,
@@ -334,7 +334,7 @@ def analyze(
         **options,
     )
     if operation is None:
-        return found.tree
+        return analysis.tree
     return with_friction(
-        found, operation, friction_model, feedback=feedback, solver=solver, progress=told(progress), stage=stage
+        analysis, operation, friction_model, feedback=feedback, solver=solver, progress=told(progress), stage=stage
     ).tree

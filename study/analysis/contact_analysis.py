@@ -115,22 +115,26 @@ def _joined(parts: list[xr.Dataset], places: list[tuple[int, ...]]) -> xr.Datase
     pairs = np.unique(np.concatenate([part["pair"].values for part in parts])) if "pair" in parts[0].dims else None
     data: dict[str, xr.Variable] = {}
     for name, first in parts[0].variables.items():
-        own = [part.variables[name] for part in parts]
+        variables = [part.variables[name] for part in parts]
         if name == "pair":
-            data["pair"] = first.copy(data=pairs) if own[0].sizes == own[-1].sizes else xr.Variable("pair", pairs)
+            data["pair"] = (
+                first.copy(data=pairs) if variables[0].sizes == variables[-1].sizes else xr.Variable("pair", pairs)
+            )
             data["pair"].attrs = dict(first.attrs)
         elif "torque" in first.dims or "segment" in first.dims:
             # What depends on the segments alone is another thing in every assembly.
             if "torque" not in first.dims:
-                own = [_repeated(one, len(at)) for one, at in zip(own, places, strict=True)]
+                variables = [_repeated(one, len(at)) for one, at in zip(variables, places, strict=True)]
             if "pair" in first.dims and pairs is not None:
-                own = [_of_pairs(one, part["pair"].values, pairs) for one, part in zip(own, parts, strict=True)]
+                variables = [
+                    _of_pairs(one, part["pair"].values, pairs) for one, part in zip(variables, parts, strict=True)
+                ]
             if "segment" in first.dims:
-                own = [_padded(one, segments) for one in own]
-            own = [one.transpose(*own[0].dims) for one in own]
-            axis = own[0].dims.index("torque")
-            values = np.take(np.concatenate([one.values for one in own], axis=axis), order, axis=axis)
-            data[str(name)] = xr.Variable(own[0].dims, values, first.attrs)
+                variables = [_padded(one, segments) for one in variables]
+            variables = [one.transpose(*variables[0].dims) for one in variables]
+            axis = variables[0].dims.index("torque")
+            values = np.take(np.concatenate([one.values for one in variables], axis=axis), order, axis=axis)
+            data[str(name)] = xr.Variable(variables[0].dims, values, first.attrs)
         else:
             data[str(name)] = first
     attributes = {name: value for part in reversed(parts) for name, value in part.attrs.items()}
@@ -188,15 +192,15 @@ def supported_parts(
             states[misalignment] = state.misaligned(misalignment)
         return states[misalignment].cycle
 
-    found = state.cycle.supported(torques, supports, rounds=rounds, assembled=assembled, **options)
+    contact = state.cycle.supported(torques, supports, rounds=rounds, assembled=assembled, **options)
     parts = []
-    for numbers, cycle in found.assemblies:
-        own = {number: row for row, number in enumerate(numbers)}
-        cases = [replace(case, torque=own[case.torque]) for case in found.cases if case.torque in own]
-        groups = {name: getattr(found, name).isel(torque=list(numbers)) for name in ("misalignment", "supports")}
+    for numbers, cycle in contact.assemblies:
+        rows = {number: row for row, number in enumerate(numbers)}
+        cases = [replace(case, torque=rows[case.torque]) for case in contact.cases if case.torque in rows]
+        groups = {name: getattr(contact, name).isel(torque=list(numbers)) for name in ("misalignment", "supports")}
         there = states[cycle.geometry.pair.assembly.misalignment]
         chosen = tuple(places[number] for number in numbers)
-        parts.append(LoadedPart(chosen, there, found.loaded.isel(torque=list(numbers)), cases, groups))
+        parts.append(LoadedPart(chosen, there, contact.loaded.isel(torque=list(numbers)), cases, groups))
     return parts
 
 
@@ -225,16 +229,16 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     the contact is not certified, or the rounds do not end.
     """
     case, load = state.case, np.sort(np.asarray(torques, dtype=np.float64))
-    held = case_supports(case)
-    if held is None:
+    supports = case_supports(case)
+    if supports is None:
         return state
     from ...contact.supports.supported_pair import PARTS
 
     rows = {0.0: list(vars(misalignment_at(state.misalignment, 0.0, state.flank)).values())}
-    for places, own in state.assemblies(load):
+    for places, assembly in state.assemblies(load):
         chosen = load[list(places)]
         for part in supported_parts(
-            own, places, chosen, held, case_rounds(case), edge_contact=case.contact.edge_contact
+            assembly, places, chosen, supports, case_rounds(case), edge_contact=case.contact.edge_contact
         ):
             reason = part.groups["supports"].attrs.get("rounds_not_ended", "")
             means = [part.groups["misalignment"][name].mean("mesh_position").values for name in PARTS[:4]]
@@ -255,11 +259,11 @@ LIGHT_LOAD_SHARE = 0.01  # of the greatest torque
 
 def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> Array:
     """Torques at the pinion [N m], distinct and within limits: the case's own if none are given."""
-    found = distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
-    wrong = found[(found < TORQUE_MINIMUM) | (found >= TORQUE_LIMIT)]
+    load = distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
+    wrong = load[(load < TORQUE_MINIMUM) | (load >= TORQUE_LIMIT)]
     if wrong.size:
         raise InputError(f"torques = {wrong[0]:g}: must be {torque_range()}")
-    return found
+    return load
 
 
 @one_blas_thread()
@@ -284,33 +288,33 @@ def contact_analysis(
     AnalysisSize.of(case, load.size).require_memory()
     edges = case.contact.edge_contact if edge_contact is None else edge_contact
     assemblies = state.assemblies(load)
-    for own in (state, *(own for _, own in assemblies)):
-        if own.deviations:
-            require_line_contact(own.cycle.lost_contact, own.deviations)
+    for assembly in (state, *(assembly for _, assembly in assemblies)):
+        if assembly.deviations:
+            require_line_contact(assembly.cycle.lost_contact, assembly.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
-    held = case_supports(case) if supports is None else supports
+    chosen_supports = case_supports(case) if supports is None else supports
     if rounds is None and supports is None:
         rounds = case_rounds(case)
-    how: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
+    settings: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
     solved: list[LoadedPart] = []
     light, light_load = LIGHT_LOAD_SHARE * load.max(), None
     light_state = state.assemblies([light])[0][1]
     # The native solver takes the light load with the others, where nobody counts the solves; others start from it.
     native = require_solver(solver) == "native" and not options
-    with_light = held is None and progress is None and native
-    for places, own in assemblies:
+    with_light = chosen_supports is None and progress is None and native
+    for places, assembly in assemblies:
         at = load[list(places)]
-        if held is not None:
-            solved += supported_parts(own, places, at, held, rounds, **how)
-        elif with_light and light_load is None and _same_assembly(own, light_state):
-            loaded, cases = own.cycle.loaded(np.append(at, light), **how)
-            light_load = with_loaded_numbers(own.cycle, *_part_over_torque(loaded, cases, slice(at.size, None)))
-            solved.append(LoadedPart(places, own, *_part_over_torque(loaded, cases, slice(at.size)), {}))
+        if chosen_supports is not None:
+            solved += supported_parts(assembly, places, at, chosen_supports, rounds, **settings)
+        elif with_light and light_load is None and _same_assembly(assembly, light_state):
+            loaded, cases = assembly.cycle.loaded(np.append(at, light), **settings)
+            light_load = with_loaded_numbers(assembly.cycle, *_part_over_torque(loaded, cases, slice(at.size, None)))
+            solved.append(LoadedPart(places, assembly, *_part_over_torque(loaded, cases, slice(at.size)), {}))
         else:
-            solved.append(LoadedPart(places, own, *own.cycle.loaded(at, **how), {}))
+            solved.append(LoadedPart(places, assembly, *assembly.cycle.loaded(at, **settings), {}))
     parts = [(one.places, Analysis(_loaded_groups(one), one.cases)) for one in solved]
     if light_load is None:
-        light_load = _light_load(state, light, edges, solved, held, rounds)
+        light_load = _light_load(state, light, edges, solved, chosen_supports, rounds)
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, load, solver, edge_contact=edges)),
         "flanks": geometry.flanks,
@@ -324,17 +328,17 @@ def contact_analysis(
     if len(parts) == 1 and _same_assembly(solved[0].state, state):
         only = parts[0][1]
         return Analysis(groups | {name: only.groups[name] for name in OVER_TORQUE if name in only.groups}, only.cases)
-    found = joined_analysis(parts, groups)
+    analysis = joined_analysis(parts, groups)
     if reasons := [reason for one in solved if (reason := _not_ended(one))]:
-        found.groups["supports"].attrs["rounds_not_ended"] = "; ".join(reasons)
-    return found
+        analysis.groups["supports"].attrs["rounds_not_ended"] = "; ".join(reasons)
+    return analysis
 
 
 def _part_over_torque(loaded: xr.Dataset, cases: list[LoadedCase], part: slice) -> tuple[xr.Dataset, list[LoadedCase]]:
     """Loaded contact at some of its torques."""
     chosen = range(loaded.sizes["torque"])[part]
-    own = [replace(case, torque=case.torque - chosen.start) for case in cases if case.torque in chosen]
-    return loaded.isel(torque=part), own
+    chosen_cases = [replace(case, torque=case.torque - chosen.start) for case in cases if case.torque in chosen]
+    return loaded.isel(torque=part), chosen_cases
 
 
 def _not_ended(part: LoadedPart) -> str:
@@ -367,16 +371,16 @@ def _light_load(
     rounds: AssemblyRounds | None,
 ) -> xr.Dataset:
     """The group ``light_load``, in the assembly at its torque [N m]; segments of a greater torque there are taken."""
-    ((places, own),) = state.assemblies([torque])
-    greater = next((one.cases for one in parts if _same_assembly(one.state, own)), [])
+    ((places, assembly),) = state.assemblies([torque])
+    greater = next((one.cases for one in parts if _same_assembly(one.state, assembly)), [])
     if held is not None:
         from ...contact.supports.support import Supports
 
         first_order = isinstance(held, Supports) and rounds is not None and rounds.update == "none"
-        how: dict[str, Any] = {"edge_contact": edges, "greater": greater if first_order else ()}
-        (one,) = supported_parts(own, places, np.array([torque]), held, rounds, **how)
+        settings: dict[str, Any] = {"edge_contact": edges, "greater": greater if first_order else ()}
+        (one,) = supported_parts(assembly, places, np.array([torque]), held, rounds, **settings)
         return with_loaded_numbers(one.state.cycle, one.loaded, one.cases)
-    return with_loaded_numbers(own.cycle, *own.cycle.loaded([torque], edge_contact=edges, greater=greater))
+    return with_loaded_numbers(assembly.cycle, *assembly.cycle.loaded([torque], edge_contact=edges, greater=greater))
 
 
 def _same_assembly(state: CaseInMesh, other: CaseInMesh) -> bool:
@@ -399,6 +403,6 @@ def _provenance(state: CaseInMesh, torques: Array, solver: SolverChoice, *, edge
         "solver": solver if isinstance(solver, str) else require_solver(solver),
         "compliance_model": state.case.compliance.model,
         "edge_contact": int(edge_contact),
-        **({"contradictions": "; ".join(found)} if (found := contradictions(state.pair)) else {}),
+        **({"contradictions": "; ".join(conflicts)} if (conflicts := contradictions(state.pair)) else {}),
         "opposite_flanks": "given" if all(flanks) else "assumed from the loaded ones",
     }

@@ -83,7 +83,7 @@ def derivative_settings(pair: GearPair, flank: FlankName = "drive") -> list[str]
 
 
 def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
-    found = []
+    settings = []
     for member, side in SIDES[one_of("flank", flank, SIDES)].items():
         surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
         names = {f"machine.{name}": name for name in (*MACHINE_STEPS, *MODIFIED_ROLL_ORDERS)}
@@ -97,10 +97,12 @@ def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
                     continue  # a straight blade has no radius in the case
                 factor = -1.0 / radius**2
             if setting.acts_on(pair):
-                found.append(NamedSetting(f"{member}.{side}.{key}", setting, factor))
+                settings.append(NamedSetting(f"{member}.{side}.{key}", setting, factor))
     for name, error in ERRORS.items():
-        found.append(NamedSetting(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0))
-    return found
+        settings.append(
+            NamedSetting(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0)
+        )
+    return settings
 
 
 def chosen_settings(
@@ -184,12 +186,12 @@ class SolvedContact:
     ) -> tuple[xr.Dataset, xr.Dataset]:
         """Values and derivatives, as ``contact_derivatives`` has them; without load only if asked."""
         chosen, names = chosen_settings(self.state.pair, self.state.flank, settings)
-        found = CycleSlopes.of(self.state.cycle, [one.setting for one in chosen], self.cases)
-        values, slopes = found.datasets(self.loaded, self._roots, unloaded=unloaded)
+        cycle_slopes = CycleSlopes.of(self.state.cycle, [one.setting for one in chosen], self.cases)
+        values, slopes = cycle_slopes.datasets(self.loaded, self._roots, unloaded=unloaded)
         if self.operation is not None:
             from ...friction import FrictionModel
 
-            of_loss = loss_slopes(found, self.loaded, self.operation, self.friction_model or FrictionModel())
+            of_loss = loss_slopes(cycle_slopes, self.loaded, self.operation, self.friction_model or FrictionModel())
             values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
         order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
         factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
@@ -391,9 +393,9 @@ class _FrictionInputs:
         """Of solved cases and their dataset."""
         parts = []
         for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
-            own = one.case.solution.force > 0.0
-            sizes = one.force[own], one.length[own], one.equivalent_radius[own], one.place[:, own]
-            parts.append((one.case.segments.point[:, own], *sizes))
+            segments = one.case.solution.force > 0.0
+            sizes = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
+            parts.append((one.case.segments.point[:, segments], *sizes))
         point, force, length, radius, place = zip(*parts, strict=True)
         return cls(
             found,
@@ -417,26 +419,28 @@ class _FrictionInputs:
             np.append(np.nanmax(np.abs(nodes["action_normal"]), axis=(0, 1, 2)), 0.0),
         ]
         steps = STEP / np.maximum(np.max(sizes, axis=0), 1e-300)
-        own = np.abs(self.force / contacts.force[:, None]).max(axis=0)
-        return np.asarray(np.clip(SMALL_FORCE_STEP / np.maximum(own, 1e-300), SHORTEST_STEP * steps, steps))
+        force_changes = np.abs(self.force / contacts.force[:, None]).max(axis=0)
+        return np.asarray(np.clip(SMALL_FORCE_STEP / np.maximum(force_changes, 1e-300), SHORTEST_STEP * steps, steps))
 
     def moved(self, setting: int, step: float) -> LoadedContacts:
         """The contacts after a step of one setting."""
         from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 
         contacts, geometry = self.contacts, self.found.cycle.geometry
-        told, torque = geometry.ease_off, contacts.torque
+        ease_off, torque = geometry.ease_off, contacts.torque
         if setting < len(self.found.settings):
             one = self.found.settings[setting]
             names = ("action_position", "action_normal", "roll_angle")
             changes = {name: step * self.found.nodes[name][..., setting] for name in names}
             order = ("lengthwise", "profile")
-            told = told.transpose(*order, ...)
-            told = told.assign({name: told[name].copy(data=told[name].values + c) for name, c in changes.items()})
+            ease_off = ease_off.transpose(*order, ...)
+            ease_off = ease_off.assign(
+                {name: ease_off[name].copy(data=ease_off[name].values + c) for name, c in changes.items()}
+            )
             moved = one.moved(geometry.pair, step) if one.of == "assembly" else geometry.pair
             motion = replace(geometry.exact.motion, assembly=moved.assembly)
             origins = {"pinion_origin_mm": motion.assembly.pinion_origin, "gear_origin_mm": motion.assembly.gear_origin}
-            told = told.assign_attrs(pinion_axis=motion.pinion_axis, gear_axis=motion.gear_axis, **origins)
+            ease_off = ease_off.assign_attrs(pinion_axis=motion.pinion_axis, gear_axis=motion.gear_axis, **origins)
         else:
             torque = torque + step
         force = np.maximum(contacts.force + step * self.force[:, setting], LEAST_SHARE * contacts.force)
@@ -451,5 +455,5 @@ class _FrictionInputs:
             length=length,
             equivalent_radius=radius,
             hertz_pressure=contacts.hertz_pressure * np.sqrt(grown),
-            velocities=surface_velocities(axes_of(told), action_splines(told), points),
+            velocities=surface_velocities(axes_of(ease_off), action_splines(ease_off), points),
         )
