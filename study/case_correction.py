@@ -44,13 +44,13 @@ def measured_flanks(
     instance("deviations", sources, Mapping)
     if flank is not None:
         one_of("flank", flank, FLANKS)
-    found: dict[MemberName, tuple[MeasuredFlank, ...]] = {}
+    members: dict[MemberName, tuple[MeasuredFlank, ...]] = {}
     for name, given in sources.items():
         listed: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
         member = named_member(pair, name)
         views = {side(seen.loaded): seen for seen in (member, *_other_views(member))}
         wanted = None if flank is None else side_of(name, flank)
-        own: dict[Side, MeasuredFlank] = {}
+        flanks: dict[Side, MeasuredFlank] = {}
         there: list[str] = []
         for source in listed:
             opened, sides = _with_sides(source, name, member)
@@ -58,15 +58,15 @@ def measured_flanks(
             for which, seen in views.items():
                 if which not in sides or wanted not in (None, which):
                     continue
-                if which in own:
+                if which in flanks:
                     raise InputError(f"deviation {name}: the {which} flank comes twice; give it once")
                 pair_seen = replace(pair, pinion=seen) if name == "pinion" else replace(pair, gear=seen)
-                own[which] = (seen, flank_deviations(pair_seen, {name: opened}, interpolation)[name])
-        if not own:
+                flanks[which] = (seen, flank_deviations(pair_seen, {name: opened}, interpolation)[name])
+        if not flanks:
             asked = f"the {wanted} flank, which the {flank} side has" if wanted else f"of {' and '.join(views)}"
             raise InputError(f"deviation {name}: must hold {asked}; it holds {', '.join(there) or 'none'}")
-        found[name] = tuple(own[which] for which in views if which in own)
-    return found
+        members[name] = tuple(flanks[which] for which in views if which in flanks)
+    return members
 
 
 def side_of(member: MemberName, flank: FlankName) -> Side:
@@ -185,8 +185,8 @@ def correct_case(
         except (InputError, GeometryError) as error:
             raise type(error)(f"{name}: {error}") from error
     corrected = case
-    for name, found in corrections.items():
-        corrected = _with_corrections(corrected, name, found)
+    for name, member_corrections in corrections.items():
+        corrected = _with_corrections(corrected, name, member_corrections)
     return CaseCorrection(corrected, corrections)
 
 
@@ -202,16 +202,16 @@ def _member_corrections(flanks: Sequence[MeasuredFlank], options: dict[str, Any]
     one = shares_set_up(member) if shared is None else truth("shared", shared)
     if one and others:
         return (corrective_settings(member, deviation, opposite=others[0][1], **options),)
-    return tuple(corrective_settings(seen, own, **options) for seen, own in flanks)
+    return tuple(corrective_settings(seen, flank_deviation, **options) for seen, flank_deviation in flanks)
 
 
 def _with_corrections(case: Case, name: MemberName, corrections: Sequence[Correction]) -> Case:
     """The case with the corrected settings of a member; what its flanks were fitted to is no longer theirs."""
     table = getattr(case, name)
-    changed = [found for found in corrections if not found.nothing]
+    changed = [correction for correction in corrections if not correction.nothing]
     if not changed:
         return case
-    surfaces = {which: surface for found in changed for which, surface in found.surfaces.items()}
+    surfaces = {which: surface for correction in changed for which, surface in correction.surfaces.items()}
     try:
         update = {which: flank_settings(surface, table.number_of_teeth) for which, surface in surfaces.items()}
     except ValueError as error:  # a setting beyond what a case may hold

@@ -65,14 +65,14 @@ def _own_version() -> str:
 
 def case_attributes(case: Case, what: str) -> dict[str, Any]:
     """Attributes of every file: conventions, title, names of case and supports, version, computation, and the case."""
-    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), _own_version()
+    now, package_version = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), _own_version()
     names = {"case_name": case.name, "supports_name": case.supports_name}
     return {
         "Conventions": "CF-1.11",
         "title": case.title,
         **{key: name for key, name in names.items() if name},
-        "history": f"{now} easeoff {own} {what}",
-        "easeoff_version": own,
+        "history": f"{now} easeoff {package_version} {what}",
+        "easeoff_version": package_version,
         "case": case.text or case_toml(case),
     }
 
@@ -81,9 +81,9 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
     """The gear pair of a case without torque, with its own misalignment or another."""
     if misalignment is None:
         return gear_pair(case, flank)
-    own = misalignment_at(misalignment_of(misalignment), 0.0, flank)
+    errors = misalignment_at(misalignment_of(misalignment), 0.0, flank)
     # The case's own deflections may have no rows of the flank.
-    return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(own)
+    return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(errors)
 
 
 def deflection_attributes(
@@ -94,8 +94,8 @@ def deflection_attributes(
         return {}
     first, last = misalignment.torque_range(flank)
     beyond = f", extrapolated to {max(torques):g} N m" if len(torques) and max(torques) > last else ""
-    told = f"table from {first:g} to {last:g} N m{beyond}"
-    return {"deflection_torques_N_m": [first, last], "deflections": told}
+    note = f"table from {first:g} to {last:g} N m{beyond}"
+    return {"deflection_torques_N_m": [first, last], "deflections": note}
 
 
 @dataclass(frozen=True)
@@ -193,11 +193,11 @@ class CaseInMesh:
 
     def misaligned(self, misalignment: Misalignment | Deflections) -> CaseInMesh:
         """The same in another assembly: with its deviations and its modification."""
-        own = misalignment_at(misalignment, 0.0, self.flank)
-        geometry = self.unmodified.geometry.misaligned(own)
+        errors = misalignment_at(misalignment, 0.0, self.flank)
+        geometry = self.unmodified.geometry.misaligned(errors)
         cycle = self.unmodified.with_geometry(updated_geometry(geometry, self.deviations, self.deviated))
         deflections = misalignment if isinstance(misalignment, Deflections) else None
-        return replace(self, pair=self.pair.misaligned(own), unmodified=cycle, deflections=deflections)
+        return replace(self, pair=self.pair.misaligned(errors), unmodified=cycle, deflections=deflections)
 
     def recut(self, case: Case) -> CaseInMesh:
         """The pair of a case with other machine or cutter settings in its own assembly; the elastic teeth are held.
@@ -225,13 +225,16 @@ class CaseInMesh:
         """
         if self.deflections is None:
             return [(tuple(range(len(torques))), self)]
-        found: dict[Misalignment, list[int]] = {}
+        assemblies: dict[Misalignment, list[int]] = {}
         for number, torque in enumerate(torques):
-            found.setdefault(self.deflections.at(float(torque), self.flank), []).append(number)
+            assemblies.setdefault(self.deflections.at(float(torque), self.flank), []).append(number)
         constant = replace(self, deflections=None)
         return [
-            (tuple(places), constant if own == self.pair.assembly.misalignment else self.misaligned(own))
-            for own, places in found.items()
+            (
+                tuple(places),
+                constant if misalignment == self.pair.assembly.misalignment else self.misaligned(misalignment),
+            )
+            for misalignment, places in assemblies.items()
         ]
 
     @property
