@@ -77,8 +77,8 @@ class Method:
     def keywords(self, time_limit: float) -> dict[str, Any]:
         """Return the keywords that the solver is called with; for ``raw`` a time limit alone, where it takes one."""
         if self.solver not in SOLVERS:
-            own = {"time_limit": time_limit}
-            return {**own, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else own
+            keywords = {"time_limit": time_limit}
+            return {**keywords, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else keywords
         table: Mapping[str, Any] = SOLVERS[self.solver].settings
         key = SOLVERS[self.solver].time_setting
         limits = {key: time_limit} if key in table else {}
@@ -303,11 +303,11 @@ def attempt(
         solution, refused = _backend_solution(fresh, method, adapter, time_limit, start)
     # One clock for all: what a solution says of its own run time may come from a function of the user's.
     run_time, processor_time = perf_counter() - begin, process_time() - processor
-    found = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
+    outcome = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
     if solution is not None:
         residual = posed_residual(fresh, solution.answer, raw=method.settings == RAW)
-        found = replace(found, posed_residual=residual)
-    return replace(found, run_time=run_time, processor_time=processor_time)
+        outcome = replace(outcome, posed_residual=residual)
+    return replace(outcome, run_time=run_time, processor_time=processor_time)
 
 
 def _backend_solution(

@@ -269,8 +269,8 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     names = []
     for name in dict.fromkeys(name.strip() for name in solvers if name.strip()):
         # A solver of one's own is imported in its process alone: there it may hang or crash.
-        own = declares_place(name) or name in entry_point_names()
-        names.append(name if own else require_solver(name))
+        custom_solver = declares_place(name) or name in entry_point_names()
+        names.append(name if custom_solver else require_solver(name))
     return list(dict.fromkeys(names))
 
 
@@ -280,10 +280,10 @@ def measure(worker: Worker, cell: Cell, choice: Choice) -> list[Attempt]:
     for repetition in range(1, choice.repetitions + 1):
         factor = load_factor(cell.method, repetition, cell.posed.number)
         posed = cell.posed.varied(factor)
-        found = worker.run(Request(posed.problem, cell.method, choice.time_limit, posed.start(cell.method)))
+        attempt = worker.run(Request(posed.problem, cell.method, choice.time_limit, posed.start(cell.method)))
         reference = float(posed.reference.elastic_rotation)
-        attempts.append(replace(found, load_factor=factor, reference_rotation=reference))
-        if found.claim in (CRASHED, TIME_LIMIT):
+        attempts.append(replace(attempt, load_factor=factor, reference_rotation=reference))
+        if attempt.claim in (CRASHED, TIME_LIMIT):
             break
     return attempts
 

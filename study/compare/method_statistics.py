@@ -92,14 +92,14 @@ def waiting_solvers(dataset: xr.Dataset) -> dict[str, float]:
     """
     if int(dataset.attrs.get("threads", 1)) != 1:
         return {}
-    found = {}
+    medians = {}
     ratios = dataset["run_time"].values / np.maximum(dataset["processor_time"].values, 1e-9)
     answered = np.isfinite(ratios) & np.isfinite(dataset["worst_residual"].values)
     for solver in dict.fromkeys(dataset["solver"].values.tolist()):
-        own = ratios[answered & (dataset["solver"].values == solver)]
-        if own.size and np.median(own) > 1.0 + WAITING_EXCESS:
-            found[str(solver)] = float(np.median(own))
-    return found
+        solver_ratios = ratios[answered & (dataset["solver"].values == solver)]
+        if solver_ratios.size and np.median(solver_ratios) > 1.0 + WAITING_EXCESS:
+            medians[str(solver)] = float(np.median(solver_ratios))
+    return medians
 
 
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
@@ -204,16 +204,16 @@ def methods(problems: Any, time_limit: float) -> list[MethodName]:
     with the time limit [s]. Of those that certify none, the ones that claim to have solved some are last.
     """
     order = list(SETTINGS)
-    found = [tuple(row) for row in problems[METHOD_COLUMNS].drop_duplicates().itertuples(index=False)]
-    return sorted(found, key=lambda one: (order.index(one[1]), one[2], merit(problems, one, time_limit)))
+    names = [tuple(row) for row in problems[METHOD_COLUMNS].drop_duplicates().itertuples(index=False)]
+    return sorted(names, key=lambda one: (order.index(one[1]), one[2], merit(problems, one, time_limit)))
 
 
 def merit(problems: Any, method: MethodName, time_limit: float) -> tuple[float, float, int]:
     """Rank of a method among others, the least first; see ``methods``."""
-    found = of_method(problems, method)
-    times = found["run_time"].to_numpy(dtype=float)
+    rows = of_method(problems, method)
+    times = rows["run_time"].to_numpy(dtype=float)
     mean = shifted_geometric_mean(np.where(np.isfinite(times), times, time_limit), RUN_TIME_SHIFT)
-    return -float(found["certified"].mean()), mean, int(found["uncertified"].sum())
+    return -float(rows["certified"].mean()), mean, int(rows["uncertified"].sum())
 
 
 def headline(named: list[MethodName]) -> list[MethodName]:
@@ -273,10 +273,13 @@ def work_precision(dataset: xr.Dataset) -> list[WorkPrecision]:
     runs = _runs(dataset)
     result = []
     for solver in dict.fromkeys(runs["solver"]):
-        own = runs[runs["solver"] == solver]
+        solver_runs = runs[runs["solver"] == solver]
         best = np.array(
             [
-                own["run_time"].where(own["worst"] <= accuracy, np.inf).groupby([own[c] for c in PROBLEM_COLUMNS]).min()
+                solver_runs["run_time"]
+                .where(solver_runs["worst"] <= accuracy, np.inf)
+                .groupby([solver_runs[c] for c in PROBLEM_COLUMNS])
+                .min()
                 for accuracy in ACCURACIES
             ]
         )
@@ -288,20 +291,20 @@ def sweep_points(dataset: xr.Dataset) -> list[SweepPoint]:
     """Outcome of every solver at every tolerance, in the order of the table."""
     runs = _runs(dataset)
     result = []
-    for (solver, tolerance), found in runs.groupby(["solver", "solver_tolerance"], sort=False):
-        ended = found["run_time"].to_numpy(dtype=float)
+    for (solver, tolerance), solver_runs in runs.groupby(["solver", "solver_tolerance"], sort=False):
+        ended = solver_runs["run_time"].to_numpy(dtype=float)
         ended = ended[np.isfinite(ended)]
-        worst = found["worst"].to_numpy(dtype=float)
+        worst = solver_runs["worst"].to_numpy(dtype=float)
         result.append(
             SweepPoint(
                 str(solver),
                 float(tolerance),
-                len(found),
-                int(found["claims"].sum()),
-                int(found["missed"].sum()),
+                len(solver_runs),
+                int(solver_runs["claims"].sum()),
+                int(solver_runs["missed"].sum()),
                 _median(worst),
                 float(worst.max()),
-                float(found["posed"].max()),
+                float(solver_runs["posed"].max()),
                 float(np.median(ended)) if ended.size else np.inf,
             )
         )

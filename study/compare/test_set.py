@@ -128,12 +128,12 @@ def write_test_set(
 
 def _earlier_problems(table: Path, data: Path) -> set[Path]:
     """Problems of an earlier test set in the folder: those of its table, and those numbered."""
-    found = set(data.glob("contact_[0-9][0-9][0-9][0-9].npz"))
+    problems = set(data.glob("contact_[0-9][0-9][0-9][0-9].npz"))
     if table.is_file():
         with table.open(newline="", encoding="utf-8", errors="replace") as file:
             names = [row.get("problem") or "" for row in csv.DictReader(file)]
-        found |= {data / f"{name}.npz" for name in names if name and Path(name).name == name}
-    return found
+        problems |= {data / f"{name}.npz" for name in names if name and Path(name).name == name}
+    return problems
 
 
 def _row(problems: ProblemSet, i: int, name: str) -> dict[str, Any]:

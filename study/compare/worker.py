@@ -220,8 +220,8 @@ def machine(threads: int = 1) -> dict[str, str]:
 def _linear_algebra(package: str) -> str:
     """Name and version of the BLAS that a package was built with, with the kernels chosen by the environment."""
     try:
-        found: Any = importlib.import_module(package).show_config(mode="dicts")
-        library = found["Build Dependencies"]["blas"]
+        configuration: Any = importlib.import_module(package).show_config(mode="dicts")
+        library = configuration["Build Dependencies"]["blas"]
         name = f"{library['name']} {library['version']}"
     except Exception:  # of another build or version, which may tell nothing
         name = "unknown"
@@ -252,21 +252,21 @@ def solver_version(solver: str) -> str:
 
 def _digest(module: str) -> str:
     """Digest of a module's file, in words."""
-    found = find_module(module)
-    if found is None or found.origin is None or not Path(found.origin).is_file():
+    specification = find_module(module)
+    if specification is None or specification.origin is None or not Path(specification.origin).is_file():
         return "unknown"
-    return "file " + hashlib.sha256(Path(found.origin).read_bytes()).hexdigest()[:12]
+    return "file " + hashlib.sha256(Path(specification.origin).read_bytes()).hexdigest()[:12]
 
 
 def find_module(module: str) -> ModuleSpec | None:
     """Find a module without running it, last of all in the current folder; ``None`` if there is none."""
     places: Sequence[str] | None = [*sys.path, os.getcwd()]
-    found: ModuleSpec | None = None
+    specification: ModuleSpec | None = None
     names = module.split(".")
     for end in range(1, len(names) + 1):  # `importlib.util.find_spec` would run the packages around it
-        found = None if places is None else PathFinder.find_spec(".".join(names[:end]), places)
-        places = None if found is None else found.submodule_search_locations
-    return found
+        specification = None if places is None else PathFinder.find_spec(".".join(names[:end]), places)
+        places = None if specification is None else specification.submodule_search_locations
+    return specification
 
 
 def _version(package: str, missing: str = "unknown") -> str:
