@@ -176,9 +176,9 @@ def fit_modification(
     Settings ``free`` to move and errors are as of ``easeoff.geometry.fit_pinion``.
     """
     pair = gear_pair(case, flank)
-    found = fit_pinion(pair, _Wanted(pair, modification), free=free)
+    fit = fit_pinion(pair, _Wanted(pair, modification), free=free)
     side = "concave" if flank == "drive" else "convex"
-    settings = flank_settings(found.surface, case.pinion.number_of_teeth)
+    settings = flank_settings(fit.surface, case.pinion.number_of_teeth)
     return (
         case.model_copy(
             update={
@@ -186,5 +186,5 @@ def fit_modification(
                 "target": case.target.model_copy(update={flank: None}),
             }
         ),
-        found,
+        fit,
     )

@@ -220,12 +220,12 @@ def _places(proportions: ToothProportions, member: int) -> Array:
 
 def _fillet_clearance(pair: GearPair) -> Array:
     """Least height of the contact above the end of the fillet, in the half at the toe, of both members (2) [mm]."""
-    found = []
+    clearances = []
     for member, heights, along in zip((pair.pinion, pair.gear), *contact_heights(pair, TOE_HALF), strict=True):
         known = np.isfinite(heights) & (along >= 0.0) & (along <= 1.0)
         ends = _fillet_ends(member.loaded, member.section, along[known])
-        found.append(float(np.min(heights[known] - ends)) if ends.size else float("nan"))
-    return np.array(found)
+        clearances.append(float(np.min(heights[known] - ends)) if ends.size else float("nan"))
+    return np.array(clearances)
 
 
 def _fillet_ends(surface: GeneratingSurface, section: BlankSection, lengthwise: Array) -> Array:
@@ -233,10 +233,10 @@ def _fillet_ends(surface: GeneratingSurface, section: BlankSection, lengthwise: 
     if lengthwise.size < 3:  # what the search along the face takes
         return np.zeros(0)
     try:
-        found = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
+        points = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
     except GeometryError:
         return np.zeros(0)
-    return section.height_above_root(found[2], np.hypot(found[0], found[1]))
+    return section.height_above_root(points[2], np.hypot(points[0], points[1]))
 
 
 def _texts(values: Array, *, sign: bool = False) -> str:
@@ -277,16 +277,18 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
     concave, convex = case.pinion.concave, case.pinion.convex
     if concave is None or convex is None or concave.machine == convex.machine:
         return ()
-    found = [
+    names = [
         name
         for name, machine in (("concave", concave.machine), ("convex", convex.machine))
         if machine.cutter_tilt and (any(machine.modified_roll) or any(machine.motions.model_dump().values()))
     ]
-    if not found:
+    if not names:
         return ()
-    flanks, own = ("flanks have", "set-ups of their own") if len(found) > 1 else ("flank has", "a set-up of its own")
+    flanks, set_ups = (
+        ("flanks have", "set-ups of their own") if len(names) > 1 else ("flank has", "a set-up of its own")
+    )
     return (
-        f"Note: the pinion's {' and '.join(found)} {flanks} tilt and modified roll in {own}, as the closest fit "
+        f"Note: the pinion's {' and '.join(names)} {flanks} tilt and modified roll in {set_ups}, as the closest fit "
         "gives for analysis; the methods of the shop (fixed_setting, modified_roll, tilt, completing) make none such",
     )
 
@@ -309,14 +311,14 @@ def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str
 
 def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") -> Iterator[str]:
     """Warnings of blade tips off the root cone by their gap (3) [mm] at toe, middle and heel, or without a root."""
-    found = np.isfinite(gap)
-    if np.any(np.abs(gap[found]) > clearance):
+    roots = np.isfinite(gap)
+    if np.any(np.abs(gap[roots]) > clearance):
         yield (
-            f"the {member}'s blade tips deviate up to {np.abs(gap[found]).max():.2f} mm from its root cone, more than "
+            f"the {member}'s blade tips deviate up to {np.abs(gap[roots]).max():.2f} mm from its root cone, more than "
             f"the clearance of {clearance:.2f} mm{advice}"
         )
-    if not np.all(found):
-        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), found, strict=True) if not known)
+    if not np.all(roots):
+        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), roots, strict=True) if not known)
         yield f"the {member} has no flank near its root at the {places}: it is undercut or not reached"
 
 
@@ -484,8 +486,8 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
 
 def _unfinished(design: Design, designed: PairDesign) -> list[str]:
     """Warnings of members without a whole tooth, which the shell alone can do without."""
-    found = unfinished_teeth(designed.pair(), design.compliance.model)
-    return [text + _advice(design, designed, name) for name, text in found]
+    messages = unfinished_teeth(designed.pair(), design.compliance.model)
+    return [text + _advice(design, designed, name) for name, text in messages]
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
@@ -505,13 +507,13 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
     t, h = grid(EASE_OFF_NODES)
     gear = pair.gear.flank(t, h)
-    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    inside = found.status == NodeStatus.INSIDE
+    ease_off = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    inside = ease_off.status == NodeStatus.INSIDE
     wanted = ease_off_target(getattr(design.target, side))
     residual = fit.residual
     if designed.gear[0].settings.generated or design.pinion.method != "closest_fit":
-        residual = _left(found, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
-    gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
+        residual = _left(ease_off, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
+    gap = (ease_off.angle[inside] - ease_off.angle[inside].min()) * ease_off.lever_arm[inside]
     return SideReport(
         moved=fit.moved,
         residual=residual,
@@ -538,17 +540,17 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
     Of the pinion's fitted settings, except for the closest fit, which has none; and of edge radii, which are only
     rounded down, as a smaller one is allowed where a larger one is, but not below the smallest fillet.
     """
-    found: tuple[dict[str, tuple[float, float]], ...] = ({}, {})
+    ranges: tuple[dict[str, tuple[float, float]], ...] = ({}, {})
     if design.pinion.method != "closest_fit":
         limits, radius = setting_limits(design.pinion.limits), design.blank_design.cutter_radius
         allowed = partial(limits.allowed, root_angle=report.blank.pinion.root_angle, cutter_radius=radius)
-        found[0].update({name: allowed(name) for side in report.sides.values() for name in side.moved})
+        ranges[0].update({name: allowed(name) for side in report.sides.values() for name in side.moved})
     least = SMALLEST_SHARE * report.blank.mean_normal_module
-    for own, member in zip(found, (case.pinion, case.gear), strict=True):
+    for member_ranges, member in zip(ranges, (case.pinion, case.gear), strict=True):
         assert member.concave is not None  # a designed case has all flanks, and one edge radius a member
         radius = member.concave.cutter.tool_edge_radius
-        own["edge_radius"] = min(least, radius), radius
-    return found
+        member_ranges["edge_radius"] = min(least, radius), radius
+    return ranges
 
 
 def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:

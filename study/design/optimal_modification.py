@@ -142,19 +142,19 @@ def modify(
     others = misalignments_of(misalignments)
     AnalysisSize.of(checked, load.size * (1 + len(others))).require_memory()
     unloaded = CaseInMesh.of(checked, flank=flank, stage=stage)
-    own = in_assembly_under_load(unloaded, load)
+    case_state = in_assembly_under_load(unloaded, load)
     if stage is not None:
         stage("convex programmes")
-    assemblies = own.assemblies(load)
+    assemblies = case_state.assemblies(load)
     least = np.empty(load.size)
     for places, at in assemblies:
         loaded, _ = at.cycle.loaded(load[list(places)], edge_contact=False, solver=solver)
         least[list(places)] = _least_line_load(loaded, at.cycle.ratio)
-    states = [own, *(in_assembly_under_load(unloaded.misaligned(other), load) for other in others)]
+    states = [case_state, *(in_assembly_under_load(unloaded.misaligned(other), load) for other in others)]
     contacts = [
         ([number * load.size + place for place in places], ModifiedContact(at.cycle, load[list(places)], names, solver))
         for number, state in enumerate(states)
-        for places, at in (assemblies if state is own else state.assemblies(load))
+        for places, at in (assemblies if state is case_state else state.assemblies(load))
     ]
 
     def solved(coefficients: Array) -> LoadResponse | None:
@@ -170,12 +170,12 @@ def modify(
             "torques or misalignments"
         )
     goal = _goal(start, chosen, load.size, names, transmission_error, end_load, largest)
-    held = stacked([contact.held(none, cycles) for cycles, contact in contacts])
-    found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=told(progress))
-    best = contacts[0][1].modification(found.coefficients)
-    tree = contact_analysis(own.modified(best), torques, edge_contact=False, solver=solver).tree
+    full_contact = stacked([contact.held(none, cycles) for cycles, contact in contacts])
+    optimum = optimal_modification(solved, start, full_contact, goal, programmes=programmes, progress=told(progress))
+    best = contacts[0][1].modification(optimum.coefficients)
+    tree = contact_analysis(case_state.modified(best), torques, edge_contact=False, solver=solver).tree
     record = _compared(
-        checked, start, found, xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load}), states
+        checked, start, optimum, xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load}), states
     )
     record.attrs |= {
         "objective": chosen,
@@ -183,7 +183,7 @@ def modify(
         "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
         "end_load_limit_N_per_mm": goal.end_load,
         "largest_modification_um": largest,
-        "converged": int(found.converged),
+        "converged": int(optimum.converged),
     }
     tree["optimization"] = xr.DataTree(record)
     tree["modification"] = xr.DataTree(_surface(best, tree["ease_off"].to_dataset()))

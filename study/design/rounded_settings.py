@@ -58,8 +58,8 @@ def rounded_case(
     for name, given in (("pinion", pinion_limits), ("gear", gear_limits)):
         member = getattr(case, name)
         instance(f"{name}_limits", given, Mapping | None)
-        own = (given or {}).items()
-        limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in own}
+        entries = (given or {}).items()
+        limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in entries}
         flanks = {
             side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
         }
@@ -102,12 +102,12 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
 
 def _change(case: Case, rounded: Case, side: FlankName) -> float:
     t, h = grid(EFFECT_NODES)
-    found = []
+    ease_offs = []
     for each in (case, rounded):
         pair = gear_pair(each, side)
         flank = pair.gear.flank(t, h)
-        found.append(exact_ease_off(flank, pair.pinion.loaded, pair.pinion.section, pair.assembly))
-    before, after = found
+        ease_offs.append(exact_ease_off(flank, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+    before, after = ease_offs
     known = before.inside & after.inside
     if not np.any(known):
         raise GeometryError(f"{side}: with rounded settings pinion and gear do not meet: take a finer resolution")

@@ -115,18 +115,18 @@ class ContactQuantity:
     @classmethod
     def parsed(cls, text: str) -> ContactQuantity:
         """Quantity of a text such as ``coast.max_pressure@250``; raises InputError if it is none."""
-        found = WRITTEN.fullmatch(text)
+        match = WRITTEN.fullmatch(text)
         try:
-            torque = float(found[3]) if found and found[3] else None
+            torque = float(match[3]) if match and match[3] else None
         except ValueError:
-            found = None
-        if found is None:
+            match = None
+        if match is None:
             raise InputError(
                 f"quantity = {shown(text)}: must be NAME, NAME@TORQUE or FLANK.NAME, such as max_pressure@250 or "
                 f"coast.peak_to_peak; NAME is one of {', '.join(NAMES)}"
             )
-        flank = next((one for one in get_args(FlankName) if one == found[1]), None)
-        return cls(found[2], torque, flank)
+        flank = next((one for one in get_args(FlankName) if one == match[1]), None)
+        return cls(match[2], torque, flank)
 
     @property
     def text(self) -> str:
@@ -187,11 +187,11 @@ def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, 
     """Values (m) of a variable, and their derivatives (m, n)."""
     if meaning.variable not in values:
         raise InputError(f"{meaning.long_name}: must be of a case with {NEEDED[meaning.variable]}")
-    found = _chosen(values[meaning.variable], meaning, torque)
-    level = np.asarray(found.values, dtype=np.float64).ravel()
+    variable = _chosen(values[meaning.variable], meaning, torque)
+    level = np.asarray(variable.values, dtype=np.float64).ravel()
     if slopes is None:
         return level, np.zeros((level.size, 0))
-    change = _chosen(slopes[meaning.variable], meaning, torque).transpose(*found.dims, "setting")
+    change = _chosen(slopes[meaning.variable], meaning, torque).transpose(*variable.dims, "setting")
     return level, np.asarray(change.values, dtype=np.float64).reshape(level.size, -1)
 
 
@@ -204,11 +204,11 @@ def _chosen(found: xr.DataArray, meaning: QuantityKind, torque: int) -> xr.DataA
 def turned(change: Array, arm: Array) -> Array:
     """Changes of the ease-off (s, n) less those of a rotation of the gear, with lever arms (s); zero where unknown."""
     known = np.isfinite(change) & np.isfinite(arm)[:, None]
-    own = np.where(known, change, 0.0)
+    known_change = np.where(known, change, 0.0)
     lever = np.where(known, arm[:, None], 0.0)
     weight = np.sum(lever**2, axis=0)
-    turn = np.sum(lever * own, axis=0) / np.where(weight > 0.0, weight, 1.0)
-    return np.asarray(own - lever * turn)
+    turn = np.sum(lever * known_change, axis=0) / np.where(weight > 0.0, weight, 1.0)
+    return np.asarray(known_change - lever * turn)
 
 
 def _both_signs(level: Array, slope: Array) -> tuple[Array, Array]:
@@ -221,8 +221,8 @@ def _fourier(rows: Array, order: int) -> Array:
     if order > count // 2:
         return np.zeros((2, rows.shape[1]))
     scale = (1.0 if 2 * order == count else 2.0) / count
-    found = scale * np.fft.rfft(rows, axis=0)[order]
-    return np.stack([found.real, found.imag])
+    harmonic = scale * np.fft.rfft(rows, axis=0)[order]
+    return np.stack([harmonic.real, harmonic.imag])
 
 
 def _likely_greatest(level: Array, slope: Array, radius: float) -> tuple[Array, Array]:
@@ -360,8 +360,8 @@ class Aim:
                 )
         for quantity in self.quantities:
             if quantity.torque is not None and quantity.torque not in self.torques:
-                told = ", ".join(f"{torque:g}" for torque in self.torques)
-                raise InputError(f"quantity = {shown(quantity.text)}: must be at one of the torques {told} [N m]")
+                torques = ", ".join(f"{torque:g}" for torque in self.torques)
+                raise InputError(f"quantity = {shown(quantity.text)}: must be at one of the torques {torques} [N m]")
             if quantity.flank is not None and quantity.flank not in self.flanks:
                 raise InputError(
                     f"quantity = {shown(quantity.text)}: must be of the flanks that are analysed, "
@@ -393,14 +393,14 @@ class Aim:
 
     def references(self, read: Callable[[ContactQuantity, Load], Composite]) -> list[Reference]:
         """By objective its values at the start by side and torque, of the worst assembly."""
-        found = []
+        references = []
         for one in self.objectives:
-            own: Reference = {}
+            reference: Reference = {}
             for load, value in zip(self.loads(one.quantity), self.values(one.quantity, read), strict=True):
                 key = load.flank, load.torque
-                own[key] = max(own.get(key, REFERENCE_MINIMUM), float(value))
-            found.append(own)
-        return found
+                reference[key] = max(reference.get(key, REFERENCE_MINIMUM), float(value))
+            references.append(reference)
+        return references
 
 
 @dataclass(frozen=True, eq=False)
@@ -419,9 +419,10 @@ class Judgement:
         aim = self.aim
         ratios = tuple(
             tuple(
-                read(one.quantity, load).scaled(1.0 / own[load.flank, load.torque]) for load in aim.loads(one.quantity)
+                read(one.quantity, load).scaled(1.0 / reference[load.flank, load.torque])
+                for load in aim.loads(one.quantity)
             )
-            for one, own in zip(aim.objectives, self.references, strict=True)
+            for one, reference in zip(aim.objectives, self.references, strict=True)
         )
         limits = [
             tuple(limit.normed(read(limit.quantity, load)) for load in aim.loads(limit.quantity))
@@ -450,9 +451,9 @@ class Judgement:
         """Greatest ratio of every objective, and the worst value of every limit's quantity, by assembly (k, a)."""
         aim = self.aim
         ratios = np.full((len(aim.objectives), aim.assemblies), -np.inf)
-        for row, (one, own) in enumerate(zip(aim.objectives, self.references, strict=True)):
+        for row, (one, reference) in enumerate(zip(aim.objectives, self.references, strict=True)):
             loads = aim.loads(one.quantity)
-            values = aim.values(one.quantity, read) / np.array([own[load.flank, load.torque] for load in loads])
+            values = aim.values(one.quantity, read) / np.array([reference[load.flank, load.torque] for load in loads])
             np.maximum.at(ratios[row], [load.assembly for load in loads], values)
         limited = np.full((len(aim.limits), aim.assemblies), -np.inf)
         signs = np.array([1.0 if limit.upper else -1.0 for limit in aim.limits])
@@ -497,7 +498,7 @@ class EaseOffForm:
         change = reading.slopes["ease_off"].transpose(*_GRID, "setting").values[chosen]
         known = np.where(np.isfinite(value), arm, np.nan)
         slopes = turned(change.reshape(arm.size, -1), known)
-        t, h = (values[name].values[own] for name, own in zip(_GRID, (rows, columns), strict=True))
+        t, h = (values[name].values[nodes] for name, nodes in zip(_GRID, (rows, columns), strict=True))
         return cls(t, h, known, value, slopes)
 
     def missed(self, pair: GearPair, step: Array) -> Array:
@@ -507,5 +508,5 @@ class EaseOffForm:
         """
         gear = pair.gear.flank(self.lengthwise, self.profile)
         exact = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-        found = self.value + self.slopes @ step - 1e3 * exact.angle * exact.lever_arm
-        return turned(found[:, None], self.lever_arm)[:, 0]
+        difference = self.value + self.slopes @ step - 1e3 * exact.angle * exact.lever_arm
+        return turned(difference[:, None], self.lever_arm)[:, 0]

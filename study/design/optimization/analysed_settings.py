@@ -93,15 +93,15 @@ def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment
 
 def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
     """The assemblies as given, or InputError if one depends on the torque."""
-    found = []
+    assemblies = []
     for one in given:
         if isinstance(one, Deflections):
             raise InputError(
                 "misalignment: must be the same at all torques for a search of settings; give the assembly of the "
                 "torque that matters"
             )
-        found.append(one)
-    return found
+        assemblies.append(one)
+    return assemblies
 
 
 Array = NDArray[np.float64]
@@ -160,8 +160,8 @@ class BladeTips:
 
         GeometryError if a cutter meets no tooth.
         """
-        found = TIP_WEIGHT * ordered(blade_tip_gaps(pair).to_dataset(name="gap"), "gap", *DIMENSIONS).ravel()
-        return np.nan_to_num(self.value + self.slopes @ step - found)
+        distances = TIP_WEIGHT * ordered(blade_tip_gaps(pair).to_dataset(name="gap"), "gap", *DIMENSIONS).ravel()
+        return np.nan_to_num(self.value + self.slopes @ step - distances)
 
 
 def usual_root_line_change(pairs: Sequence[GearPair]) -> float:
@@ -207,14 +207,14 @@ class Workshop:
 
     def readings(self, case: Case) -> dict[tuple[FlankName, int], Reading]:
         """Analyses of a case with held teeth. Raises as ``SolvedContact.of``."""
-        found: dict[tuple[FlankName, int], Reading] = {}
-        for flank, held in self.states.items():
-            state = held.recut(case)
+        readings: dict[tuple[FlankName, int], Reading] = {}
+        for flank, kept_state in self.states.items():
+            state = kept_state.recut(case)
             for number, misalignment in enumerate(self.assemblies):
                 solved = self._solved(state, misalignment)
                 ways = partial(self._differentiated, solved), partial(self.differences, solved)
-                found[flank, number] = Reading(solved, self._values(solved), *ways)
-        return found
+                readings[flank, number] = Reading(solved, self._values(solved), *ways)
+        return readings
 
     def require_whole_teeth(self, case: Case) -> None:
         """Refuse a case whose teeth could not be built. Raises GeometryError, as where they are undercut or pointed."""
@@ -246,12 +246,12 @@ class Workshop:
         GeometryError if neither side has an analysis.
         """
         state = solved.state
-        here, values = self.space.values_of(state.case), self._values(solved)
+        settings, values = self.space.values_of(state.case), self._values(solved)
         columns: dict[str, list[Array]] = {str(name): [] for name in values.data_vars}
         for row, (one, unit) in enumerate(zip(self.space.free, self.units, strict=True)):
             ends, refusal = {0.0: values}, ""
             for side in (-DIFFERENCE_REACH, DIFFERENCE_REACH) if any(_acts(k, state.flank) for k in one.moves) else ():
-                there = here.copy()
+                there = settings.copy()
                 there[row] += side * unit
                 try:
                     moved = self.states[state.flank].recut(self.space.case_at(there))
@@ -308,8 +308,8 @@ def _times(slopes: xr.Dataset, columns: Array) -> xr.Dataset:
     """Derivatives by the free settings from those by keys."""
     data = {}
     for name, variable in slopes.data_vars.items():
-        own = variable.transpose(..., "setting")
-        data[name] = (own.dims, np.nan_to_num(own.values) @ columns.T)
+        derivatives = variable.transpose(..., "setting")
+        data[name] = (derivatives.dims, np.nan_to_num(derivatives.values) @ columns.T)
     return xr.Dataset(data)
 
 
@@ -332,8 +332,8 @@ class AnalysedSettings:
     def _modelled(self, radius: float, quantity: ContactQuantity, load: Load) -> Composite:
         """A quantity at a load as the settings change it."""
         key = load.flank, load.assembly
-        own = self.readings[key]
-        return quantity.composite(own.values, own.slopes, load.torque, self.start[key].values, radius)
+        reading = self.readings[key]
+        return quantity.composite(reading.values, reading.slopes, load.torque, self.start[key].values, radius)
 
     @cached_property
     def merit(self) -> Merit:
@@ -373,10 +373,10 @@ class AnalysedSettings:
         """The same with derivatives by differences of analyses alone; ``None`` if it has no others."""
         if all(one.exact is None for one in self.readings.values()):
             return None
-        own = {
+        readings = {
             key: one if one.exact is None else replace(one, differentiated=None) for key, one in self.readings.items()
         }
-        return replace(self, readings={**self.readings, **own})
+        return replace(self, readings={**self.readings, **readings})
 
     def _values(self, settings: Array) -> Array:
         return np.asarray(self.workshop.space.start + self.workshop.units * settings)

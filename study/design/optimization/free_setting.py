@@ -74,7 +74,7 @@ def free_settings(
         if not usual:
             raise InputError("free = None: must name settings, as the pinion has none that its set-up moves")
         return usual
-    found: dict[str, FreeSetting] = {}
+    settings: dict[str, FreeSetting] = {}
     for pattern in words("free", patterns, 1):
         names = [name for name, one in known.items() if any(fnmatchcase(key, pattern) for key in (name, *one.moves))]
         if not names:
@@ -82,8 +82,8 @@ def free_settings(
                 f"free = {shown(pattern)}: must be the key of a machine or cutter setting of the flanks in mesh, such "
                 f"as {next(iter(known))}, or a pattern with *{suggestion(pattern, known)}"
             )
-        found |= {name: known[name] for name in names}
-    return tuple(found.values())
+        settings |= {name: known[name] for name in names}
+    return tuple(settings.values())
 
 
 def _movable(pair: GearPair, flank: FlankName) -> list[str]:
@@ -91,7 +91,7 @@ def _movable(pair: GearPair, flank: FlankName) -> list[str]:
 
     On a generated member the basic cradle angle turns the tooth and does nothing else.
     """
-    found = []
+    keys = []
     for key in derivative_settings(pair, flank):
         member, short = key.partition(".")[0], key.rpartition(".")[2]
         if member not in ("pinion", "gear") or short == "blade_spheric_radius":
@@ -99,13 +99,13 @@ def _movable(pair: GearPair, flank: FlankName) -> list[str]:
         surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
         turns_only = short == "cradle_angle" and surface.settings.generated
         if internal_name(key) in movable_settings(surface) and not turns_only:
-            found.append(key)
-    return found
+            keys.append(key)
+    return keys
 
 
 def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]) -> dict[str, FreeSetting]:
     """Settings by name: the machine settings of both flanks are one setting where they share a set-up."""
-    found: dict[str, FreeSetting] = {}
+    settings: dict[str, FreeSetting] = {}
     for key, flank in keys.items():
         name, moves = key, {key: 1.0}
         member, side, table, short = key.split(".")
@@ -116,12 +116,12 @@ def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]
         setting = pair_setting(key)
         factor = math.degrees(1.0) if is_angle(setting) else 1.0
         start = factor * setting.value(pair)
-        found.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start))
-    return found
+        settings.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start))
+    return settings
 
 
 def _usual(pairs: Mapping[FlankName, GearPair], known: Mapping[str, FreeSetting]) -> list[FreeSetting]:
-    found: dict[str, FreeSetting] = {}
+    settings: dict[str, FreeSetting] = {}
     for flank, pair in pairs.items():
         surface = pair.pinion.loaded.designed
         tilted = surface.settings.cutter_tilt != 0.0
@@ -131,8 +131,8 @@ def _usual(pairs: Mapping[FlankName, GearPair], known: Mapping[str, FreeSetting]
             member, _, table, short = one.name.split(".")
             on_flank = f"pinion.{SIDES[flank]['pinion']}.{table}.{short}" in one.moves
             if member == "pinion" and table == "machine" and short in names and on_flank:
-                found[one.name] = one if tilted or short != CENTRE else _along_root(one, surface)
-    return list(found.values())
+                settings[one.name] = one if tilted or short != CENTRE else _along_root(one, surface)
+    return list(settings.values())
 
 
 def _along_root(one: FreeSetting, surface: GeneratingSurface) -> FreeSetting:
@@ -200,9 +200,9 @@ class SettingSpace:
         for member, changed in members.items():
             table = getattr(self.case, member)
             for side in ("concave", "convex"):
-                own = {key: step for key, step in steps.items() if key.startswith(f"{member}.{side}.")}
-                if own and getattr(table, side) is not None:
-                    surface = self._moved(member, side, own, rounded=rounded)
+                flank_steps = {key: step for key, step in steps.items() if key.startswith(f"{member}.{side}.")}
+                if flank_steps and getattr(table, side) is not None:
+                    surface = self._moved(member, side, flank_steps, rounded=rounded)
                     changed[side] = _settings(surface, table.number_of_teeth, member, side)
         update = {name: getattr(self.case, name).model_copy(update=changed) for name, changed in members.items()}
         dropped: dict[str, Any] = {
@@ -224,14 +224,14 @@ class SettingSpace:
 
     def values_of(self, case: Case) -> Array:
         """Values (n) of the free settings in a case, in the units of the case file."""
-        found = []
+        settings = []
         for one in self.free:
             member, side, _, _ = next(iter(one.moves)).split(".")
             flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
             setting = pair_setting(next(iter(one.moves)))
             factor = math.degrees(1.0) if is_angle(setting) else 1.0
-            found.append(factor * setting.value(gear_pair(case, flank)))
-        return np.array(found)
+            settings.append(factor * setting.value(gear_pair(case, flank)))
+        return np.array(settings)
 
 
 def _settings(surface: GeneratingSurface, teeth: int, member: str, side: str) -> Any:
@@ -250,7 +250,7 @@ def with_limits(
     Else a setting alone may change the ease-off by ``reach`` [um]; ``units`` (n) change it by one micrometre at most.
     InputError if limits are of no free setting, or leave its present value out.
     """
-    found = {
+    settings = {
         one.name: replace(one, low=one.start - reach * u, high=one.start + reach * u)
         for one, u in zip(free, units, strict=True)
     }
@@ -259,14 +259,14 @@ def with_limits(
         names = [one.name for one in free if any(fnmatchcase(key, pattern) for key in one.own_keys)]
         if not names:
             raise InputError(
-                f"limit_setting = {shown(pattern)}: must be the key of a free setting such as {next(iter(found))}, or "
-                f"a pattern with *{suggestion(pattern, found)}"
+                f"limit_setting = {shown(pattern)}: must be the key of a free setting such as {next(iter(settings))}, "
+                f"or a pattern with *{suggestion(pattern, settings)}"
             )
         for name in names:
-            if not low <= found[name].start <= high or not low < high:
+            if not low <= settings[name].start <= high or not low < high:
                 raise InputError(
                     f"limit_setting {name} = {low:g}:{high:g}: must be two numbers that rise, with the present value "
-                    f"{found[name].start:g} [{found[name].units}] between them"
+                    f"{settings[name].start:g} [{settings[name].units}] between them"
                 )
-            found[name] = replace(found[name], low=low, high=high)
-    return tuple(found.values())
+            settings[name] = replace(settings[name], low=low, high=high)
+    return tuple(settings.values())

@@ -107,32 +107,32 @@ def front(
     known
         Points that are there already.
     """
-    found = list(known)
-    if len(found) < 2:
+    points = list(known)
+    if len(points) < 2:
         searching.name("ends of the front")
         first = searching.settled(alone(judgement, 0))
         near = first.point if first.point.differentiable else None
         second = searching.settled(alone(judgement, 1), near)
-        found = undominated([front_point(one, judgement) for one in (second, first)])
+        points = undominated([front_point(one, judgement) for one in (second, first)])
     spent: list[float] = []
     for _ in range(ATTEMPT_COUNT * count):
-        ratios = np.array([one.ratio for one in found])
+        ratios = np.array([one.ratio for one in points])
         ceilings = 0.5 * (ratios[1:, 1] + ratios[:-1, 1])
         gaps = np.hypot(*(np.diff(ratios, axis=0) / np.maximum(np.ptp(ratios, axis=0), 1e-9)).T)
         gaps[np.isin(ceilings, spent)] = 0.0
-        if len(found) >= count or not np.any(gaps > 0.0):
+        if len(points) >= count or not np.any(gaps > 0.0):
             break
         gap = int(np.argmax(gaps))
-        searching.name(f"point {len(found) + 1} of {count}")
+        searching.name(f"point {len(points) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
         one = next(
-            (one for one in _attempts(searching, judgement, under, found[gap : gap + 2]) if new(one, ratios)), None
+            (one for one in _attempts(searching, judgement, under, points[gap : gap + 2]) if new(one, ratios)), None
         )
         if one is None:
             spent.append(float(ceilings[gap]))  # nothing new there
         else:
-            found = undominated([*found, one])
-    return found
+            points = undominated([*points, one])
+    return points
 
 
 def _attempts(
@@ -213,8 +213,8 @@ def search_record(
         "programme": np.arange(1, 1 + len(steps)),
     }
     merit = judgement.merit(outcome.point.read)
-    found = labelled(xr.Dataset(data, coords=coords))
-    found.attrs |= {
+    record = labelled(xr.Dataset(data, coords=coords))
+    record.attrs |= {
         "form": aim.form,
         "converged": int(outcome.ended == "converged"),
         "ended": outcome.ended or "",
@@ -227,7 +227,7 @@ def search_record(
         "flanks": ", ".join(aim.flanks),
         "edge_contact": int(start.readings[aim.flanks[0], 0].solved.edge_contact),
     }
-    return found
+    return record
 
 
 def _assembly_errors(assemblies: Sequence[Any]) -> dict[str, Any]:
@@ -283,9 +283,9 @@ def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) 
     }
     names = ("objective", "objective_units", "quantity_limit", "limit_units", "setting", "setting_units")
     coords = {name: record[name] for name in names} | {"point": np.arange(len(points))}
-    found = labelled(xr.Dataset(data, coords=coords))
-    found.attrs["chosen_point"] = chosen
-    return found
+    group = labelled(xr.Dataset(data, coords=coords))
+    group.attrs["chosen_point"] = chosen
+    return group
 
 
 def front_points(tree: xr.DataTree) -> list[FrontPoint]:
@@ -294,10 +294,10 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
         return []
     front = tree["front"].to_dataset()
     names = [name for over in GROUPS["front"].values() for name in over]
-    found = []
+    points = []
     for number in range(front.sizes["point"]):
         one = {name.removeprefix("front_"): front[name].values[number] for name in names}
-        found.append(
+        points.append(
             FrontPoint(
                 one["found"],
                 one["setting"],
@@ -315,7 +315,7 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
                 int(one["analyses"]),
             )
         )
-    return found
+    return points
 
 
 def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
@@ -327,10 +327,10 @@ def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -
         raise InputError("resume: must be a result of 'easeoff optimize'")
     known = tree["optimal_settings"].to_dataset()
     for name in ("setting", "objective", "quantity_limit") if front else ("setting",):
-        own, wanted = known[name].values.tolist(), record[name].values.tolist()
-        if own != wanted:
+        names, wanted = known[name].values.tolist(), record[name].values.tolist()
+        if names != wanted:
             raise InputError(
-                f"resume: its {name}s are {', '.join(own) or 'none'}: must be {', '.join(wanted) or 'none'}"
+                f"resume: its {name}s are {', '.join(names) or 'none'}: must be {', '.join(wanted) or 'none'}"
             )
     if not np.allclose(known["setting_start"].values, record["setting_start"].values, rtol=1e-9, atol=1e-9):
         raise InputError("resume: its search began at other settings: must be a result of the same case")

@@ -193,12 +193,12 @@ def optimize(
     if resume is not None:
         require_same_search(resume, _names(start, aim), front=form == "pareto")
     if form == "pareto":
-        found = front(searching, judgement, count, [] if resume is None else front_points(resume))
-        chosen = best_of(found)
-        outcome = found[chosen].resumed(searching, judgement)
-        done = [step for one in found if one.outcome is not None for step in one.outcome.steps]
+        optima = front(searching, judgement, count, [] if resume is None else front_points(resume))
+        chosen = best_of(optima)
+        outcome = optima[chosen].resumed(searching, judgement)
+        done = [step for one in optima if one.outcome is not None for step in one.outcome.steps]
         record = search_record(start, outcome, judgement, done)
-        front_group = front_record(found, record, chosen)
+        front_group = front_record(optima, record, chosen)
     else:
         outcome = searching.settled(judgement, None if resume is None else _resumed(searching, resume, judgement))
         record = search_record(start, outcome, judgement, outcome.steps)
@@ -242,8 +242,8 @@ def _point_count(aim: Aim, points: int | None, weights: Sequence[float] | None) 
             raise InputError(f"points = {points}: must go with form = 'pareto'")
         return 0
     if len(aim.objectives) != 2:
-        told = ", ".join(one.quantity.text for one in aim.objectives)
-        raise InputError(f"minimize = {told}: must be two quantities for the front of form = 'pareto'")
+        quantities = ", ".join(one.quantity.text for one in aim.objectives)
+        raise InputError(f"minimize = {quantities}: must be two quantities for the front of form = 'pareto'")
     if weights is not None:
         raise InputError("weights: must be left out for form = 'pareto', which has all of them")
     return whole("points", USUAL_POINT_COUNT if points is None else points, 2, POINT_LIMIT)
@@ -251,10 +251,10 @@ def _point_count(aim: Aim, points: int | None, weights: Sequence[float] | None) 
 
 def _objectives(minimize: Sequence[str], weights: Sequence[float] | None) -> tuple[Objective, ...]:
     texts = words("minimize", minimize)
-    own = [1.0] * len(texts) if weights is None else array("weights", weights, ndim=1, above=0.0).tolist()
-    if len(own) != len(texts):
-        raise InputError(f"weights = {own}: must be as many as objectives, {len(texts)}")
-    return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(texts, own, strict=True))
+    factors = [1.0] * len(texts) if weights is None else array("weights", weights, ndim=1, above=0.0).tolist()
+    if len(factors) != len(texts):
+        raise InputError(f"weights = {factors}: must be as many as objectives, {len(texts)}")
+    return tuple(Objective(ContactQuantity.parsed(text), weight) for text, weight in zip(texts, factors, strict=True))
 
 
 def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLimit, ...]:
@@ -275,11 +275,11 @@ def _assemblies(
     form: Form,
 ) -> tuple[list[Misalignment], int]:
     """All assemblies, the case's own first, and how many of them were drawn; of a worst case with the corners."""
-    own = constant_assemblies([case_misalignment(case.misalignment)])[0]
+    case_assembly = constant_assemblies([case_misalignment(case.misalignment)])[0]
     given = constant_assemblies(misalignments_of(misalignments))
-    drawn = sampled_assemblies(own, spread, samples, seed)
-    corners = corner_assemblies(own, spread) if form == "worst" else []
-    return [own, *given, *corners, *drawn], len(drawn)
+    drawn = sampled_assemblies(case_assembly, spread, samples, seed)
+    corners = corner_assemblies(case_assembly, spread) if form == "worst" else []
+    return [case_assembly, *given, *corners, *drawn], len(drawn)
 
 
 def _references(searching: SettingSearch, aim: Aim) -> list[Reference]:

@@ -119,19 +119,19 @@ class SettingSearch:
         Raises as ``Workshop.with_teeth`` and ``readings`` where neither can be analysed.
         """
         space, unrounded = self._workshop.space, ""
-        for own in (space.nearest(values if near is None else near), values):
+        for settings in (space.nearest(values if near is None else near), values):
             try:
-                case = space.case_at(own, rounded=not unrounded)
+                case = space.case_at(settings, rounded=not unrounded)
                 workshop = self._workshop.with_teeth(case, self._stage)
                 self.name()
-                changes = (own - workshop.space.start) / workshop.units
+                changes = (settings - workshop.space.start) / workshop.units
                 readings = workshop.readings(case)
                 break
             except EaseoffError as error:
                 if unrounded:
                     raise
                 unrounded = str(error)
-        return AnalysedSettings(own, changes, readings, self._start, judgement, workshop), case, unrounded
+        return AnalysedSettings(settings, changes, readings, self._start, judgement, workshop), case, unrounded
 
     def settled(self, judgement: Judgement, here: AnalysedSettings | None = None) -> Outcome:
         """The best settings for a judgement, from the start or from others that are analysed with their own teeth."""
@@ -140,7 +140,7 @@ class SettingSearch:
         outcomes: list[Outcome] = []
         radius = FIRST_RADIUS
         for number in range(ROUND_LIMIT):
-            found = search(
+            local_search = search(
                 here,
                 partial(self._programme, judgement),
                 steps=self._steps - len(done),
@@ -148,17 +148,17 @@ class SettingSearch:
                 tolerance=self._tolerance,
                 progress=self._progress,
             )
-            done += [(number, step) for step in found.steps]
-            if outcomes and not any(step.accepted for step in found.steps):
+            done += [(number, step) for step in local_search.steps]
+            if outcomes and not any(step.accepted for step in local_search.steps):
                 break
-            outcomes.append(self._rounded(found, here, judgement))
+            outcomes.append(self._rounded(local_search, here, judgement))
             last = outcomes[-1]
             enough = not last.unrounded and last.rounding_loss <= self._tolerance.gain
             if enough or len(done) >= self._steps or last.point is here or not last.point.differentiable:
                 break
-            here, radius = last.point, float(np.clip(found.radius, LATER_RADIUS, FIRST_RADIUS))
+            here, radius = last.point, float(np.clip(local_search.radius, LATER_RADIUS, FIRST_RADIUS))
         best = min(outcomes, key=lambda one: (bool(one.unrounded), one.point.merit.total))
-        return replace(best, steps=tuple(done), ended=found.ended)
+        return replace(best, steps=tuple(done), ended=local_search.ended)
 
     def _rounded(self, found: Search, here: AnalysedSettings, judgement: Judgement) -> Outcome:
         """The settings of a search from ``here`` as they are set on the machine, with their own teeth."""
@@ -193,8 +193,8 @@ def first_workshop(workshop: Workshop) -> tuple[Workshop, Readings]:
     readings = workshop.readings(workshop.space.case)
     reach = np.max([np.abs(EaseOffForm.of(one).slopes).max(axis=0) for one in readings.values()], axis=0)
     units = 1.0 / np.maximum(reach, 1e-12)
-    own = replace(workshop, units=units * workshop.units)
-    return own, {key: in_units(one, own, units) for key, one in readings.items()}
+    scaled_workshop = replace(workshop, units=units * workshop.units)
+    return scaled_workshop, {key: in_units(one, scaled_workshop, units) for key, one in readings.items()}
 
 
 def _rounded_settings(point: AnalysedSettings) -> Array:
@@ -228,9 +228,9 @@ def _rounded_settings(point: AnalysedSettings) -> Array:
                 tried = space.nearest(tried)
                 if reach(tried) > most:
                     continue
-                found = merit(tried)
-                if found < least - 1e-9:
-                    best, least = tried, found
+                tried_merit = merit(tried)
+                if tried_merit < least - 1e-9:
+                    best, least = tried, tried_merit
         if least == before:
             break
     return best

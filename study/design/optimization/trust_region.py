@@ -144,29 +144,29 @@ def search(
             ended = "no_gain"
         if ended is not None:
             return Search(best, tuple(done), ended, answer, radius)
-        here = best
+        point = best
         for mending in range(1 + MENDING_LIMIT):
             span = radius * MENDING_RADIUS_RATIO**mending
-            if mending and (len(done) >= steps or not here.differentiable):
+            if mending and (len(done) >= steps or not point.differentiable):
                 break
             if mending:
-                model = here.model(span)
+                model = point.model(span)
                 answer = programme(model).solve(model, span)
-            found, refusal = _moved(here, answer)
-            wanted = here.settings + answer.step if found is None else found.settings
-            fresh = Merit(np.nan, np.nan) if found is None else found.merit
+            trial, refusal = _moved(point, answer)
+            wanted = point.settings + answer.step if trial is None else trial.settings
+            fresh = Merit(np.nan, np.nan) if trial is None else trial.merit
             came_true = (best.merit.total - fresh.total) / predicted
-            accepted = bool(came_true > TAKEN_GAIN_RATIO) and found.differentiable
+            accepted = bool(came_true > TAKEN_GAIN_RATIO) and trial.differentiable
             if came_true > TAKEN_GAIN_RATIO and not accepted:
                 refusal = "analysed, and better, but without derivatives of either kind"
             done.append(Step(span, answer, wanted, fresh, accepted, mending > 0, refusal))
             if progress is not None:
                 progress()
-            if found is None or accepted or fresh.total > best.merit.total + HOPELESS_LOSS:
+            if trial is None or accepted or fresh.total > best.merit.total + HOPELESS_LOSS:
                 break
-            here = found
+            point = trial
         if accepted:
-            best = found
+            best = trial
         if not accepted:
             radius *= 0.35
         elif came_true < FAIR_GAIN_RATIO:
