@@ -62,15 +62,15 @@ class Distribution:
     def parsed(cls, text: str) -> Distribution:
         """Distribution of a text such as ``normal(0, 0.03)``; raises InputError if it is none."""
         instance("distribution", text, str)
-        found = TEXT.fullmatch(text)
+        match = TEXT.fullmatch(text)
         try:
-            parameters = tuple(float(part) for part in found[2].split(",")) if found else ()
+            parameters = tuple(float(part) for part in match[2].split(",")) if match else ()
         except ValueError:
-            found = None
-        if found is None:
+            match = None
+        if match is None:
             kinds = ", ".join(f"{kind}({', '.join(names)})" for kind, names in PARAMETERS.items())
             raise InputError(f"{shown(text)}: must be one of {kinds}; decimals have a point")
-        return cls(found[1], parameters)
+        return cls(match[1], parameters)
 
     @property
     def text(self) -> str:
@@ -109,7 +109,7 @@ def sample_values(
         drawn = engine.random(count)
     # The ends of the unit interval, which a scrambled sequence may hit, are no probabilities of a normal distribution.
     drawn = np.clip(drawn, 2.0**-33, 1.0 - 2.0**-33)
-    return {name: found.quantile(drawn[:, i]) for i, (name, found) in enumerate(distributions.items())}
+    return {name: distribution.quantile(drawn[:, i]) for i, (name, distribution) in enumerate(distributions.items())}
 
 
 VALUE_COUNT_LIMIT = 10_000_000
@@ -153,11 +153,11 @@ def grid_axis(name: str, values: Any) -> Axis:
     listed = _listed(quantity, values) if isinstance(values, str) else np.atleast_1d(np.asarray(values, dtype=object))
     if np.ndim(listed) != 1:
         raise InputError(f"{name} = {shown(values)}: must be values in a row")
-    found = column(quantity, listed)
-    different, counts = np.unique(found, return_counts=True)
-    if different.size != found.size:
+    coordinates = column(quantity, listed)
+    different, counts = np.unique(coordinates, return_counts=True)
+    if different.size != coordinates.size:
         raise InputError(f"{name}: {shown(different[counts > 1][0].item())} comes twice")
-    return Axis(name, {name: found})
+    return Axis(name, {name: coordinates})
 
 
 def _listed(quantity: SweptQuantity, text: str) -> Sequence[Any]:
@@ -223,13 +223,13 @@ def _require_inside(path: str | Path, name: str, value: str) -> None:
 
 def load_case_axis(columns: Any) -> Axis:
     """Load cases from values (n) by the names of their columns, which are known and equally long."""
-    found = {str(name): column(swept_quantity(str(name)), list(values)) for name, values in dict(columns).items()}
-    if not any(swept_quantity(name).stage < Stage.NOTHING for name in found):
+    table = {str(name): column(swept_quantity(str(name)), list(values)) for name, values in dict(columns).items()}
+    if not any(swept_quantity(name).stage < Stage.NOTHING for name in table):
         raise InputError(
-            f"load cases: must have a column that changes something, as torque or E; has {shown(list(found))}"
+            f"load cases: must have a column that changes something, as torque or E; has {shown(list(table))}"
         )
-    if len({values.size for values in found.values()}) > 1:
+    if len({values.size for values in table.values()}) > 1:
         raise InputError("load cases: the columns must be equally long")
-    if "share" in found and not (np.all(found["share"] >= 0.0) and found["share"].sum() > 0.0):
+    if "share" in table and not (np.all(table["share"] >= 0.0) and table["share"].sum() > 0.0):
         raise InputError("share: must be numbers of 0 or more, not all 0")
-    return Axis(LOAD_CASE, found)
+    return Axis(LOAD_CASE, table)

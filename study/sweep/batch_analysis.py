@@ -65,7 +65,7 @@ def analyze_batch(batch: Batch) -> Block:
     Common parts of points are computed once; no number depends on their division into batches.
     """
     loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
-    found: dict[int, xr.Dataset] = {}
+    point_numbers: dict[int, xr.Dataset] = {}
     status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)
     reasons = [[""] * loads for _ in batch.rows]
     for together in assemblies(dict(batch.columns), batch.rows.size):
@@ -83,13 +83,13 @@ def analyze_batch(batch: Batch) -> Block:
             except Exception as error:  # a sweep of many hours goes on, and says what happened
                 reasons[place] = [_reason(f"{type(error).__name__}: {error}")] * loads
             else:
-                found[place] = numbers
+                point_numbers[place] = numbers
     shape = (batch.rows.size,) if batch.setup.torques is None else status.shape
     return Block(
         batch.rows,
         status.reshape(shape),
         np.array(reasons, dtype=str).reshape(shape),
-        *_stacked(found, batch.rows.size),
+        *_stacked(point_numbers, batch.rows.size),
     )
 
 
@@ -110,13 +110,13 @@ class _Assembly:
     def analysis(self, values: Mapping[str, Any]) -> Analysis:
         """The whole analysis at a point, as of ``analyze``."""
         setup = self.setup
-        own = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
-        operation = operation_of(setup.case.friction, **{**setup.conditions, **own})
+        conditions = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
+        operation = operation_of(setup.case.friction, **{**setup.conditions, **conditions})
         model, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
-        found = self._contact(values)
+        analysis = self._contact(values)
         if operation is None:
-            return found
-        return with_friction(found, operation, model, feedback=feedback, solver=setup.solver)
+            return analysis
+        return with_friction(analysis, operation, model, feedback=feedback, solver=setup.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""
@@ -136,8 +136,8 @@ class _Assembly:
             state = self._in_mesh()
             if terms:
                 given = {} if setup.modification is None else dict(setup.modification.coefficients)
-                own = {name.removeprefix("modification."): value for name, value in terms.items()}
-                state = state.modified(Modification(given | own))
+                coefficients = {name.removeprefix("modification."): value for name, value in terms.items()}
+                state = state.modified(Modification(given | coefficients))
             self._loaded = {  # of the last load alone: rows are sorted, and an analysis is large
                 key: contact_analysis(
                     state, torques, edge_contact=setup.edge_contact, marking=setup.marking, solver=setup.solver
@@ -173,13 +173,13 @@ def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignm
     """The assembly of a point: that of the setup with some errors in place of its constant ones."""
     given = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
     base = given.constant if isinstance(given, Deflections) else given
-    found = Misalignment(
+    misalignment = Misalignment(
         errors.get("E", base.offset),
         errors.get("P", base.pinion_axial),
         errors.get("G", base.gear_axial),
         math.radians(errors["Sigma"]) if "Sigma" in errors else base.shaft_angle,
     )
-    return given.with_constant(found) if isinstance(given, Deflections) else found
+    return given.with_constant(misalignment) if isinstance(given, Deflections) else misalignment
 
 
 @lru_cache(maxsize=KEPT_PAIRS)
@@ -214,7 +214,7 @@ def _made(
 
 def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:
     """Status of every load, and why it is not certified."""
-    found: list[int] = []
+    codes: list[int] = []
     reasons = []
     light = ordered(groups["light_load"], "status", "torque", "mesh_position")
     friction = groups.get("friction")
@@ -232,9 +232,9 @@ def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:
                 said.append(f"{bad.size} of {values.size} {what} have no certified solution ({names})")
         if said and "first_failure" in groups["loaded"].attrs:
             said.append(_reason(groups["loaded"].attrs["first_failure"]))
-        found.append(int(PointStatus.UNCERTIFIED if said else PointStatus.CERTIFIED))
+        codes.append(int(PointStatus.UNCERTIFIED if said else PointStatus.CERTIFIED))
         reasons.append("; ".join(said))
-    return found, reasons
+    return codes, reasons
 
 
 def _reason(text: str) -> str:

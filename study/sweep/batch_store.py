@@ -43,19 +43,19 @@ class BatchStore:
     def __init__(self, folder: Path, digest: str, description: str, count: int, *, fresh: bool = False) -> None:
         check_folder(folder, "batches of the sweep")
         self.folder, self._digest, self._description = folder, digest, description
-        found = None if fresh else self._plan()
+        plan = None if fresh else self._plan()
         if fresh:
             self.remove()
-        elif found is None:
+        elif plan is None:
             self._refuse_other_files()
-        elif found.get("digest") != digest:
+        elif plan.get("digest") != digest:
             raise InputError(
                 f"{printable(str(folder))}: must hold the batches of this sweep ({description}), but holds those of "
-                f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
+                f"another ({printable(str(plan.get('description')))}); give another folder, remove it, or begin anew "
                 "with --fresh"
             )
         self._refuse_folders()
-        self.bounds: list[int] | None = _bounds(found, count)
+        self.bounds: list[int] | None = _bounds(plan, count)
         self._map: Checkpoint[str] | None = None
         if os.path.isdir(folder):  # a map that cannot be used shows before anything is written
             self._map = self._completed
@@ -85,9 +85,9 @@ class BatchStore:
         for number, (first, last) in enumerate(pairwise(self.bounds or [])):
             block = self._read(number)
             # Another run of the same sweep may have divided it otherwise.
-            own = block is not None and np.array_equal(block.rows, order[first:last])
+            same_rows = block is not None and np.array_equal(block.rows, order[first:last])
             # What failed unexpectedly, as for want of memory, may succeed now.
-            if block is not None and own and not np.any(block.status == PointStatus.FAILED):
+            if block is not None and same_rows and not np.any(block.status == PointStatus.FAILED):
                 yield number, block
 
     def _read(self, number: int) -> Block | None:
@@ -128,9 +128,9 @@ class BatchStore:
         if not os.path.isfile(self.folder / PLAN_NAME):
             return None
         try:
-            found = parsed_json(read_text(self.folder / PLAN_NAME, TABLE_SIZE_LIMIT))
-            own = found.pop(OWN_DIGEST)
-            return found if own == digest(**found) else None
+            plan = parsed_json(read_text(self.folder / PLAN_NAME, TABLE_SIZE_LIMIT))
+            checksum = plan.pop(OWN_DIGEST)
+            return plan if checksum == digest(**plan) else None
         except (ValueError, AttributeError, KeyError, TypeError):
             return None
 
@@ -168,6 +168,6 @@ def _bounds(plan: dict[str, Any] | None, count: int) -> list[int] | None:
 
 def _block(path: Path) -> Block:
     """A batch from its file."""
-    arrays = {name: found for name, found in read_arrays(path).items() if found is not None}
+    arrays = {name: array for name, array in read_arrays(path).items() if array is not None}
     numbers = {name.removeprefix(NUMBER): values for name, values in arrays.items() if name.startswith(NUMBER)}
     return Block(arrays["rows"], arrays["status"], arrays["reason"], numbers, str(arrays["layout"].item()))

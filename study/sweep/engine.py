@@ -131,13 +131,13 @@ async def _reached(distributed: Any, address: str) -> None:
 def _check_versions(client: Any, address: str) -> None:
     """Refuse workers without this package, or with another version of it or of dask."""
     for package in SAME_VERSIONS:
-        own = version(package)
-        for worker, found in client.run(version, package, on_error="return").items():
-            if found != own:
-                said = found if isinstance(found, str) else f"unknown ({type(found).__name__}: {found})"
+        local_version = version(package)
+        for worker, answer in client.run(version, package, on_error="return").items():
+            if answer != local_version:
+                said = answer if isinstance(answer, str) else f"unknown ({type(answer).__name__}: {answer})"
                 raise InputError(
-                    f"scheduler = {address!r}: must have workers with {package} {own}, as here; that of its worker "
-                    f"{worker} is {said}"
+                    f"scheduler = {address!r}: must have workers with {package} {local_version}, as here; that of "
+                    f"its worker {worker} is {said}"
                 )
 
 

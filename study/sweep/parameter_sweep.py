@@ -176,8 +176,8 @@ def run_plan(
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Analyse every point of a plan; arguments, returns and raises as of ``sweep``."""
-    own = usable_cores() if workers is None else workers
-    processes = 1 if scheduler is not None else whole("workers", own, 1, WORKER_COUNT_LIMIT)
+    worker_count = usable_cores() if workers is None else workers
+    processes = 1 if scheduler is not None else whole("workers", worker_count, 1, WORKER_COUNT_LIMIT)
     plan.require_memory(processes)
     numbers, done, table = SweepNumbers(plan.table, plan.setup), 0, plan.table
     with contextlib.ExitStack() as context:
@@ -275,12 +275,12 @@ def _misalignment(plan: SweepPlan) -> dict[str, Any]:
     given, flank = assembly_errors(plan.setup, {}), plan.setup.flank
     if isinstance(given, Deflections) and given.flank and "flank" in plan.table.names:
         return {}
-    found = misalignment_at(given, 0.0, flank)
+    misalignment = misalignment_at(given, 0.0, flank)
     errors = {
-        "E": ("misalignment_offset_mm", found.offset),
-        "P": ("misalignment_pinion_axial_mm", found.pinion_axial),
-        "G": ("misalignment_gear_axial_mm", found.gear_axial),
-        "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
+        "E": ("misalignment_offset_mm", misalignment.offset),
+        "P": ("misalignment_pinion_axial_mm", misalignment.pinion_axial),
+        "G": ("misalignment_gear_axial_mm", misalignment.gear_axial),
+        "Sigma": ("misalignment_shaft_angle_rad", misalignment.shaft_angle),
     }
     constant = dict(pair for name, pair in errors.items() if name not in plan.table.names)
     swept = [axis.columns["torque"].tolist() for axis in plan.axes if "torque" in axis.columns]
@@ -295,8 +295,8 @@ def _departures(plan: SweepPlan) -> dict[str, Any]:
     sources: dict[Any, Source] = {
         member: one for member, one in setup.deviations.items() if f"deviation.{member}" not in swept
     }
-    found: dict[str, Any] = {"modification_um": json.dumps(terms)} if terms else {}
+    attributes: dict[str, Any] = {"modification_um": json.dumps(terms)} if terms else {}
     if sources and "flank" not in swept:
         pair = prepared_pair(setup.case, setup.flank, setup.misalignment)
-        found |= deviation_attributes(flank_deviations(pair, sources, setup.interpolation), setup.deviated)
-    return found
+        attributes |= deviation_attributes(flank_deviations(pair, sources, setup.interpolation), setup.deviated)
+    return attributes

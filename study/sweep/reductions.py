@@ -24,11 +24,11 @@ SPARE_SAMPLES = 2
 
 def numbers(dataset: xr.Dataset) -> list[str]:
     """Names of the numbers that vary over a sweep and can be reduced."""
-    own = set(reduced_dimensions(dataset))
+    dimensions = set(reduced_dimensions(dataset))
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
-        if variable.dtype.kind == "f" and own & set(variable.dims) and name not in ("marking",)
+        if variable.dtype.kind == "f" and dimensions & set(variable.dims) and name not in ("marking",)
     ]
 
 
@@ -45,8 +45,8 @@ def swept_names(dataset: xr.Dataset) -> list[str]:
 
 def point_dimensions(dataset: xr.Dataset) -> list[str]:
     """Dimensions over which points are analysed apart: those of the sweep but torque and operating conditions."""
-    found = {str(dim) for name in swept_names(dataset) for dim in dataset[name].dims if dim not in LOADS}
-    return [str(dim) for dim in dataset["status"].dims if dim in found]
+    dimensions = {str(dim) for name in swept_names(dataset) for dim in dataset[name].dims if dim not in LOADS}
+    return [str(dim) for dim in dataset["status"].dims if dim in dimensions]
 
 
 def reduced_dimensions(dataset: xr.Dataset) -> list[str]:
@@ -88,28 +88,28 @@ def percentiles(
     True
     """
     wanted = array("percent", percent, ndim=1, least=0.0, most=100.0)
-    own = set(reduced_dimensions(dataset))
+    dimensions = set(reduced_dimensions(dataset))
     data: dict[str, Any] = {}
     for name in numbers(dataset) if names is None else words("names", names):
         variable = dataset[one_of("name", name, numbers(dataset))].variable
-        over = [dim for dim in variable.dims if dim in own]
-        rest = [dim for dim in variable.dims if dim not in own]
+        over = [dim for dim in variable.dims if dim in dimensions]
+        rest = [dim for dim in variable.dims if dim not in dimensions]
         values = variable.transpose(*over, *rest).values.reshape(-1, *(variable.sizes[dim] for dim in rest))
         data[name] = (("percentile", *rest), _percentiles(values, wanted), variable.attrs)
     coords: dict[Any, Any] = {"percentile": ("percentile", wanted, {"units": "percent", "long_name": "percentile"})}
-    coords |= {name: found for name, found in dataset.coords.items() if not own & set(found.dims)}
+    coords |= {name: coordinate for name, coordinate in dataset.coords.items() if not dimensions & set(coordinate.dims)}
     return xr.Dataset(data, coords=coords)
 
 
 def _percentiles(values: Array, percent: Array) -> Array:
     """Percentiles along the first axis; NaN where all values are."""
-    found = np.full((percent.size, *values.shape[1:]), np.nan)
+    quantiles = np.full((percent.size, *values.shape[1:]), np.nan)
     for at in np.ndindex(values.shape[1:]):
         known = values[(slice(None), *at)]
         known = known[~np.isnan(known)]
         if known.size:
-            found[(slice(None), *at)] = np.percentile(known, percent)
-    return found
+            quantiles[(slice(None), *at)] = np.percentile(known, percent)
+    return quantiles
 
 
 def sensitivities(dataset: xr.Dataset, name: str) -> xr.Dataset:
@@ -148,14 +148,16 @@ def sensitivities(dataset: xr.Dataset, name: str) -> xr.Dataset:
     """
     one_of("name", name, numbers(dataset))
     variable = dataset[name]
-    own = point_dimensions(dataset)
+    dimensions = point_dimensions(dataset)
     sampled = [one for one in swept_names(dataset) if dataset[one].dims == ("sample",)]
     sampled = [one for one in sampled if dataset[one].dtype.kind in "fiu"]
-    gridded = [one for one in own if one not in ROWS and dataset[one].dtype.kind == "f" and dataset.sizes[one] > 1]
+    gridded = [
+        one for one in dimensions if one not in ROWS and dataset[one].dtype.kind == "f" and dataset.sizes[one] > 1
+    ]
     gridded = [one for one in gridded if one in variable.dims]
-    middle = {dim: dataset.sizes[dim] // 2 for dim in own if dim not in ROWS and dim in variable.dims}
+    middle = {dim: dataset.sizes[dim] // 2 for dim in dimensions if dim not in ROWS and dim in variable.dims}
     parts: list[tuple[str, Array, float, Array]] = []
-    rest = [dim for dim in variable.dims if dim not in own]
+    rest = [dim for dim in variable.dims if dim not in dimensions]
     if sampled and "sample" in variable.dims:
         values = variable.isel(middle).transpose("sample", *rest).values
         parts += _regression(np.stack([dataset[one].values for one in sampled], axis=1), values, sampled)
@@ -179,7 +181,7 @@ def sensitivities(dataset: xr.Dataset, name: str) -> xr.Dataset:
         "variance_share": (dims, np.stack([part[3] for part in parts])),
     }
     coords: dict[Any, Any] = {"coordinate": np.array([part[0] for part in parts])}
-    coords |= {key: found for key, found in dataset.coords.items() if key in rest}
+    coords |= {key: coordinate for key, coordinate in dataset.coords.items() if key in rest}
     return labelled(xr.Dataset(data, coords=coords, attrs={"number": name}))
 
 
@@ -195,10 +197,10 @@ def _regression(inputs: Array, values: Array, names: Sequence[str]) -> list[tupl
         if np.count_nonzero(known) < count + SPARE_SAMPLES or not varied.any():
             continue
         centred = (inputs[known] - inputs[known].mean(axis=0))[:, varied] / scales[varied]
-        found, *_ = np.linalg.lstsq(centred, output[known] - output[known].mean(), rcond=None)
-        slope[(varied, *at)] = found / scales[varied]
+        coefficients, *_ = np.linalg.lstsq(centred, output[known] - output[known].mean(), rcond=None)
+        slope[(varied, *at)] = coefficients / scales[varied]
         variance = output[known].var()
-        share[(varied, *at)] = (found * centred.std(axis=0)) ** 2 / variance if variance > 0.0 else 0.0
+        share[(varied, *at)] = (coefficients * centred.std(axis=0)) ** 2 / variance if variance > 0.0 else 0.0
     return [(name, slope[i], float(scales[i]), share[i]) for i, name in enumerate(names)]
 
 
@@ -253,8 +255,12 @@ def worst_points(dataset: xr.Dataset, name: str, count: int = 3, *, least: bool 
     known = np.flatnonzero(~np.isnan(values))
     order = known[np.argsort(values[known] if least else -values[known], kind="stable")][:count]
     places = dict(zip(map(str, variable.dims), np.unravel_index(order, variable.shape), strict=True))
-    own = point_dimensions(dataset)
-    rows = np.ravel_multi_index([places[dim] for dim in own], [dataset.sizes[dim] for dim in own]) if own else 0 * order
+    dimensions = point_dimensions(dataset)
+    rows = (
+        np.ravel_multi_index([places[dim] for dim in dimensions], [dataset.sizes[dim] for dim in dimensions])
+        if dimensions
+        else 0 * order
+    )
     data: dict[str, Any] = {name: ("rank", values[order], variable.attrs)}
     data["row"] = ("rank", rows, {"long_name": "number of the point", "units": "1"})
     for one, coordinate in dataset.coords.items():

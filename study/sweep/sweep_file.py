@@ -55,14 +55,14 @@ class PointStatus(StoredStatus):
 
 def sweep_faults(dataset: xr.Dataset) -> list[str]:
     """Parts that the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole."""
-    found = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
-    found += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES, needed=False)
+    faults = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
+    faults += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES, needed=False)
     try:
         names = swept_names(dataset)
     except InputError:
-        return [*found, "the attribute 'swept' must be a list of coordinates"]
-    found += [*form_faults(dataset), *_coordinate_faults(dataset, names), *_status_faults(dataset, names)]
-    return found or list(_number_faults(dataset))
+        return [*faults, "the attribute 'swept' must be a list of coordinates"]
+    faults += [*form_faults(dataset), *_coordinate_faults(dataset, names), *_status_faults(dataset, names)]
+    return faults or list(_number_faults(dataset))
 
 
 def _coordinate_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
@@ -80,23 +80,23 @@ def _coordinate_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
 
 
 def _status_faults(dataset: xr.Dataset, names: list[str]) -> Iterator[str]:
-    own = {dim for name in names for dim in dataset[name].dims}
+    dimensions = {dim for name in names for dim in dataset[name].dims}
     status, known = dataset.get("status"), [int(one) for one in PointStatus]
     if status is None or status.dtype.kind not in "iu" or not np.all(np.isin(status.values, known)):
         yield f"no whole numbers 'status' from {min(known)} to {max(known)}"
-    elif not own - {*LOADS} <= {*status.dims} <= own | {"torque"} or not status.size:
+    elif not dimensions - {*LOADS} <= {*status.dims} <= dimensions | {"torque"} or not status.size:
         yield "'status' must be over the swept coordinates and torque"
     elif "reason" not in dataset or dataset["reason"].dims != status.dims or not _is_text(dataset["reason"].values):
         yield "no texts 'reason' over the dimensions of 'status'"
 
 
 def _number_faults(dataset: xr.Dataset) -> Iterator[str]:
-    own = {*point_dimensions(dataset)}
-    known = own | {*LOADS, *OTHER_DIMENSIONS}
+    dimensions = {*point_dimensions(dataset)}
+    known = dimensions | {*LOADS, *OTHER_DIMENSIONS}
     for name, variable in dataset.data_vars.items():
         if name in ("status", "reason"):
             continue
-        if variable.dtype.kind not in "fiu" or not own <= {*variable.dims} <= known:
+        if variable.dtype.kind not in "fiu" or not dimensions <= {*variable.dims} <= known:
             yield f"no numbers {name!r} over the points"
         elif np.any(np.abs(variable.values) > MAGNITUDE_LIMIT):  # infinite ones too; NaN where there is none
             yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
@@ -137,10 +137,10 @@ def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     ...     print(error)
     no-such-file.nc: there is no such file
     """
-    found = read_dataset(path)
-    if not is_sweep(found):
+    dataset = read_dataset(path)
+    if not is_sweep(dataset):
         raise InputError(f"{named(path)} is a netCDF file, but no sweep: make one with 'easeoff sweep CASE -o FILE'")
-    return checked_sweep(found, path)
+    return checked_sweep(dataset, path)
 
 
 def is_sweep(dataset: xr.Dataset) -> bool:

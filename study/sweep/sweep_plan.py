@@ -156,7 +156,7 @@ class PointTable:
 
     def values(self, row: int) -> dict[str, Any]:
         """Values of every coordinate in one row."""
-        return {name: found[0].item() for name, found in self.columns(np.array([row])).items()}
+        return {name: column[0].item() for name, column in self.columns(np.array([row])).items()}
 
     @cached_property
     def order(self) -> Array:
@@ -245,19 +245,19 @@ class SweepPlan:
     @property
     def digest(self) -> str:
         """Digest of everything that the numbers depend on."""
-        found = hashlib.sha256(self.setup.digest.encode())
+        digest = hashlib.sha256(self.setup.digest.encode())
         for axis in self.axes:
             for name, values in axis.columns.items():
-                found.update(f"{axis.name}/{name}/{values.dtype.kind}/{values.size}/".encode())
-                found.update(values.tobytes() if values.dtype.kind == "f" else "\0".join(values.tolist()).encode())
-        return found.hexdigest()
+                digest.update(f"{axis.name}/{name}/{values.dtype.kind}/{values.size}/".encode())
+                digest.update(values.tobytes() if values.dtype.kind == "f" else "\0".join(values.tolist()).encode())
+        return digest.hexdigest()
 
     @property
     def operation(self) -> Operation | None:
         """Operating conditions of the first point; none without friction."""
         first = self.table.values(0)
-        own = {name: first[name] for name in (*CONDITIONS, "oil") if name in first}
-        return operation_of(self.setup.case.friction, **{**self.setup.conditions, **own})
+        conditions = {name: first[name] for name in (*CONDITIONS, "oil") if name in first}
+        return operation_of(self.setup.case.friction, **{**self.setup.conditions, **conditions})
 
     @property
     def size(self) -> AnalysisSize:
@@ -383,7 +383,7 @@ def _axes(
             raise InputError(f"samples = None: must be given, as {', '.join(distributions)} have distributions")
         drawn = Axis(SAMPLE, sample_values(distributions, count, seed=seed, sampler=sampler))
         axes = [drawn if axis.name == SAMPLE else axis for axis in axes]
-        texts = {name: found.text for name, found in distributions.items()}
+        texts = {name: distribution.text for name, distribution in distributions.items()}
         sampling = {"distributions": json.dumps(texts), "seed": seed, "sampler": sampler}
     elif count is not None:
         raise InputError(f"samples = {shown(count)}: must go with a distribution, such as E~normal(0,0.03)")
