@@ -161,8 +161,8 @@ def entries() -> tuple[Entry, ...]:
     (510, 'nasa-12x36-drive-light')
     """
     single = [*_loads(), *_misaligned(), *_cycle(), *_fine(), *_weak(), *_dense(), *_degenerate()]
-    found = [*single, *_full_cycles(), *_ladders(), *_drifts(), *_pairs()]
-    return tuple(sorted(found, key=lambda entry: list(PARTS).index(entry.part)))
+    library = [*single, *_full_cycles(), *_ladders(), *_drifts(), *_pairs()]
+    return tuple(sorted(library, key=lambda entry: list(PARTS).index(entry.part)))
 
 
 def _loads() -> Iterator[Entry]:

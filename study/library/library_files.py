@@ -250,10 +250,10 @@ def _cycle(source: Source) -> MeshCycle:
 
 def _real_problem(cycle: MeshCycle, source: Source) -> ContactProblem:
     """The linear problem with the secant compliance at the solution of the nonlinear one."""
-    found = cycle.at(source.mesh_position).with_segments(source.segments_per_line).solved([source.torque], "native")
-    if not found:
+    cases = cycle.at(source.mesh_position).with_segments(source.segments_per_line).solved([source.torque], "native")
+    if not cases:
         raise GeometryError(f"{source}: no tooth pair can touch there")
-    (solved,) = found
+    (solved,) = cases
     if not solved.solution.certified:
         raise GeometryError(f"{source}: {solved.solution.status.name} {solved.solution.message}")
     return solved.problem
