@@ -126,17 +126,17 @@ def _wear_layout(worn: xr.Dataset) -> Iterator[tuple[str, bool]]:
 def _apart(member: Member, worn: xr.Dataset) -> float:
     """Greatest distance of a file's nodes from the designed flank [mm], turned to fit; infinite if too few compare."""
     there = worn["position"].transpose("xyz", "lengthwise", "profile").values.reshape(3, -1)
-    here = member.flank(worn["lengthwise"].values, worn["profile"].values).position
-    both = np.all((np.abs(there) <= COORDINATE_LIMIT) & np.isfinite(here), axis=0)
+    designed_points = member.flank(worn["lengthwise"].values, worn["profile"].values).position
+    both = np.all((np.abs(there) <= COORDINATE_LIMIT) & np.isfinite(designed_points), axis=0)
     if 2 * np.count_nonzero(both) < both.size:
         return float("inf")
-    there, here = there[:, both], here[:, both]
-    turned = np.arctan2(there[1], there[0]) - np.arctan2(here[1], here[0])
+    there, designed_points = there[:, both], designed_points[:, both]
+    turned = np.arctan2(there[1], there[0]) - np.arctan2(designed_points[1], designed_points[0])
     turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
-    radius = np.hypot(here[0], here[1])
+    radius = np.hypot(designed_points[0], designed_points[1])
     around = radius * (turned - np.median(turned))
     outward = np.hypot(there[0], there[1]) - radius
-    return float(np.max(np.sqrt(around**2 + outward**2 + (there[2] - here[2]) ** 2)))
+    return float(np.max(np.sqrt(around**2 + outward**2 + (there[2] - designed_points[2]) ** 2)))
 
 
 def flank_deviations(
@@ -149,13 +149,13 @@ def flank_deviations(
     """
     require_method(interpolation)
     instance("deviations", sources, Mapping | None)
-    found = {}
+    deviations = {}
     for name, source in (sources or {}).items():
         member = named_member(pair, name)
         grid = _from_file(source, name, pair) if isinstance(source, str | Path) else source
         if isinstance(grid, xr.Dataset):
             try:
-                found[str(name)] = (
+                deviations[str(name)] = (
                     flank_deviation(grid, member, interpolation)
                     if "row" in grid.dims
                     else deviation_from_dataset(member.section, grid, interpolation)
@@ -172,8 +172,8 @@ def flank_deviations(
         elif grid.section != member.section:
             raise InputError(f"the deviation of the {name} was made for another blank: use the section of this member")
         else:
-            found[str(name)] = grid
-    return found
+            deviations[str(name)] = grid
+    return deviations
 
 
 def deviated_geometry(

@@ -111,11 +111,11 @@ def duty_means(numbers: xr.Dataset, exponents: Sequence[float] = DAMAGE_EXPONENT
     equivalent = np.empty((len(known), len(exponents)))
     damage = np.zeros((torque.size, len(exponents)))
     for row, side in enumerate(known):
-        own = sides == side
+        rows = sides == side
         for column, exponent in enumerate(exponents):
-            equivalent[row, column] = equivalent_torque(torque[own], cycles[own], exponent)
-            part = cycles[own] * (torque[own] / np.max(torque[own])) ** exponent
-            damage[own, column] = part / np.sum(part)
+            equivalent[row, column] = equivalent_torque(torque[rows], cycles[rows], exponent)
+            part = cycles[rows] * (torque[rows] / np.max(torque[rows])) ** exponent
+            damage[rows, column] = part / np.sum(part)
     data: dict[str, Any] = {
         "equivalent_torque": (("flank", "damage_exponent"), equivalent),
         "damage_share": (("load_case", "damage_exponent"), damage),
@@ -259,7 +259,7 @@ def analyze_load_cases(
         try:
             # Without load a load case with deflections is in the assembly without torque, as in any analysis.
             state = meshes.at(sides[name], errors[name] if has_own_misalignment(row) else given)
-            found = contact_analysis(
+            analysis = contact_analysis(
                 state,
                 [row.torque],
                 edge_contact=edge_contact,
@@ -271,10 +271,10 @@ def analyze_load_cases(
             operation = operations[name]
             if operation is not None:
                 fed_back = bool(friction_feedback)
-                found = with_friction(
-                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=told(progress)
+                analysis = with_friction(
+                    analysis, operation, friction_model, feedback=fed_back, solver=solver, progress=told(progress)
                 )
-            trees[name] = found.tree
+            trees[name] = analysis.tree
         except EaseoffError as error:
             reasons[name] = " ".join(str(error).split())
             failures.append(error)
@@ -334,14 +334,14 @@ def _operation(
     """Operating conditions of a load case; ``None`` if neither it nor the case has a speed."""
     if row.speed is None and case.friction is None:
         return None
-    found = operation_of(case.friction, speed=row.speed, **conditions)
-    assert found is not None  # one of both has a speed
-    for what, count in zip(SINGLE[1:], found.shape, strict=True):
+    operation = operation_of(case.friction, speed=row.speed, **conditions)
+    assert operation is not None  # one of both has a speed
+    for what, count in zip(SINGLE[1:], operation.shape, strict=True):
         if count != 1:
             raise InputError(f"load case {name!r}: {what} has {count} values: must be one, here or in [friction]")
     if model is not None:
-        model.oil_states(found)  # a temperature the oil has no data for shows before the work
-    return found
+        model.oil_states(operation)  # a temperature the oil has no data for shows before the work
+    return operation
 
 
 def _numbers(
@@ -353,14 +353,16 @@ def _numbers(
     reasons: Mapping[str, str],
 ) -> xr.Dataset:
     """Inputs, status and key numbers of every load case, as one dataset."""
-    own = {name: _single(key_numbers(trees[name])) for name in trees}
+    datasets = {name: _single(key_numbers(trees[name])) for name in trees}
     known: dict[str, xr.DataArray] = {}
-    for dataset in own.values():
+    for dataset in datasets.values():
         known |= {str(name): variable for name, variable in dataset.data_vars.items() if str(name) not in known}
     data: dict[str, Any] = {}
     for variable, pattern in known.items():
         missing = np.full(pattern.shape, np.nan)
-        values = np.array([own[n][variable].values if n in own and variable in own[n] else missing for n in rows])
+        values = np.array(
+            [datasets[n][variable].values if n in datasets and variable in datasets[n] else missing for n in rows]
+        )
         whole = values.dtype.kind == "f" and pattern.dtype.kind != "f"  # some have no value: no codes any more
         attributes = {} if whole else {key: v for key, v in pattern.attrs.items() if key.startswith("flag_")}
         data[variable] = (("load_case", *pattern.dims), values, attributes)

@@ -104,12 +104,12 @@ def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
     """The result that a file holds; raises as ``read_result``, which it ends."""
     if "sweep_schema_version" in tree.attrs:
         raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
-    found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
-    if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
+    defects = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
+    if "easeoff_version" not in tree.attrs or defects == [f"no group {name}" for name in VARIABLES]:
         other = next((words for sign, words in OTHER_KINDS.items() if sign in tree.variables), None)
-        told = f"is {other}" if other else "is a netCDF file, but no result of 'easeoff run'"
-        raise InputError(f"{source} {told}: make a result with 'easeoff run CASE -o FILE'")
-    found = layout_fault(tree.attrs, "schema_version", RESULT_SCHEMA_VERSION) or found
-    if found:
-        raise unreadable(source, tree.attrs, found, "easeoff run CASE -o FILE")
+        description = f"is {other}" if other else "is a netCDF file, but no result of 'easeoff run'"
+        raise InputError(f"{source} {description}: make a result with 'easeoff run CASE -o FILE'")
+    defects = layout_fault(tree.attrs, "schema_version", RESULT_SCHEMA_VERSION) or defects
+    if defects:
+        raise unreadable(source, tree.attrs, defects, "easeoff run CASE -o FILE")
     return tree

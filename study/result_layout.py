@@ -330,73 +330,80 @@ def faults(tree: xr.DataTree) -> list[str]:
         layout["light_load"] = VARIABLES["loaded"] | {
             dimensions: (*VARIABLES["loaded"][dimensions], *names) for dimensions, names in EVALUATION.items()
         }
-    found = [f"no group {name}" for name in layout if name not in tree.children]
-    if found:
-        return found
+    defects = [f"no group {name}" for name in layout if name not in tree.children]
+    if defects:
+        return defects
     sizes: dict[str, int] = {}
     for name, variables in layout.items():
         group = tree[name].to_dataset()
-        found += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
+        defects += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
         like = "loaded" if name == "light_load" else name
         further: list[Layout] = [
             {over: (one,)} for over, names in OTHER_VARIABLES.get(like, {}).items() for one in names
         ]
         for together in (*OPTIONAL_VARIABLES.get(like, ()), *further):
             if any(variable in group.variables for names in together.values() for variable in names):
-                found += [f"{name}: {fault}" for fault in variable_faults(group, together)]
+                defects += [f"{name}: {fault}" for fault in variable_faults(group, together)]
         counted = {dimension for dimensions in variables for dimension in dimensions}
         for dimension, length in group.sizes.items():
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
             size = length if alone or dimension not in counted else sizes.setdefault(str(dimension), length)
             if size != length or size < LEAST_SIZES.get(str(dimension), 1):
-                found.append(f"{name}: {length} values along {dimension}, expected {size or 'some'}")
-    found += _group_faults(tree)
+                defects.append(f"{name}: {length} values along {dimension}, expected {size or 'some'}")
+    defects += _group_faults(tree)
     for name in ("unloaded", "loaded"):
         if _share(tree[name].to_dataset(), "pinion_rotation") < 1.0:
-            found.append(f"{name}: 'pinion_rotation' must hold finite numbers")
+            defects.append(f"{name}: 'pinion_rotation' must hold finite numbers")
     for name in ("flanks", "ease_off", "teeth"):
         grid = tree[name].to_dataset()
-        found += [f"{name}: {fault}" for fault in _counted_faults(grid)]
+        defects += [f"{name}: {fault}" for fault in _counted_faults(grid)]
         known = (*VARIABLES[name].values(), *OTHER_VARIABLES[name].values())
         present = [one for names in known for one in names if one in grid]
         empty = [one for one in present if not (_share(grid, one) and (one != "inside" or grid[one].values.any()))]
-        found += [f"{name}: no values in {one!r}" for one in empty]
+        defects += [f"{name}: no values in {one!r}" for one in empty]
         for dimension in GRID:
             fractions = tree.children[name].dataset.variables.get(dimension)
             if fractions is None or not _rises(fractions.values):
-                found.append(f"{name}: {dimension!r} must hold numbers from 0 to 1 that rise")
+                defects.append(f"{name}: {dimension!r} must hold numbers from 0 to 1 that rise")
     for name, node in tree.children.items():
-        found += [f"{name}: {fault}" for fault in form_faults(node.dataset)]
+        defects += [f"{name}: {fault}" for fault in form_faults(node.dataset)]
         if name in layout and name not in OTHER_STATUS:
-            found += [f"{name}: {fault}" for fault in _flag_faults(node.dataset)]
+            defects += [f"{name}: {fault}" for fault in _flag_faults(node.dataset)]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:
-                own = (tree[name] if name else tree).attrs
-                found += [f"{name or 'root'}: {fault}" for fault in attribute_faults(own, attributes, needed=needed)]
-    if not found:
+                group_attributes = (tree[name] if name else tree).attrs
+                defects += [
+                    f"{name or 'root'}: {fault}"
+                    for fault in attribute_faults(group_attributes, attributes, needed=needed)
+                ]
+    if not defects:
         loaded = tree.children["loaded"].dataset.variables
         for one in ("length", "tooth", "lengthwise", "profile"):
             if ((loaded["force"] > 0.0) & np.isnan(loaded[one])).any():
-                found.append(f"loaded: {one!r} must hold numbers where a segment carries")
-    return found
+                defects.append(f"loaded: {one!r} must hold numbers where a segment carries")
+    return defects
 
 
 def _group_faults(tree: xr.DataTree) -> Iterator[str]:
     """Faults of the groups that not every result has."""
     for name, layout in GROUPS.items():
         if name in tree.children:
-            own = tree[name].to_dataset()
-            yield from (f"{name}: {fault}" for fault in variable_faults(own, layout))
-            few = [one for one, size in own.sizes.items() if size < (2 if one in GRID else one not in PERHAPS_EMPTY)]
-            yield from (f"{name}: {own.sizes[one]} values along {one}" for one in few)
-            if name == "modification" and _share(own, name) < KNOWN_SHARE:
+            dataset = tree[name].to_dataset()
+            yield from (f"{name}: {fault}" for fault in variable_faults(dataset, layout))
+            few = [
+                one for one, size in dataset.sizes.items() if size < (2 if one in GRID else one not in PERHAPS_EMPTY)
+            ]
+            yield from (f"{name}: {dataset.sizes[one]} values along {one}" for one in few)
+            if name == "modification" and _share(dataset, name) < KNOWN_SHARE:
                 yield f"{name}: {name!r} must hold finite numbers"
             for text, dimension in GROUP_TEXTS.get(name, {}).items():
-                if not _is_text(own, text) or own[text].dims != (dimension,):
+                if not _is_text(dataset, text) or dataset[text].dims != (dimension,):
                     yield f"{name}: no text {text!r} over {dimension}"
             yield from (
-                f"{name}: {one!r} must hold finite numbers" for one in FINITE.get(name, ()) if _share(own, one) < 1.0
+                f"{name}: {one!r} must hold finite numbers"
+                for one in FINITE.get(name, ())
+                if _share(dataset, one) < 1.0
             )
     for name, other in (("front", "optimal_settings"), ("optimization", "modification")):
         if name in tree.children and other not in tree.children:
@@ -477,28 +484,28 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     numbers = tree["load_cases"].to_dataset()
     if not numbers.sizes.get("load_case"):
         return ["load_cases: no load cases"]
-    found = [f"load_cases: {fault}" for fault in (*variable_faults(numbers, LOAD_CASES), *form_faults(numbers))]
-    found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
+    defects = [f"load_cases: {fault}" for fault in (*variable_faults(numbers, LOAD_CASES), *form_faults(numbers))]
+    defects += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
     over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
-    found += [f"load_cases: {name!r} must be over load_case" for name in over]
+    defects += [f"load_cases: {name!r} must be over load_case" for name in over]
     for attributes, needed in (({"title": "text"}, True), (OPTIONAL_ATTRIBUTES[""], False)):
-        found += [f"root: {fault}" for fault in attribute_faults(tree.attrs, attributes, needed=needed)]
-    if found:
-        return found
+        defects += [f"root: {fault}" for fault in attribute_faults(tree.attrs, attributes, needed=needed)]
+    if defects:
+        return defects
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset()
         layout = DUTY | (DUTY_LOSS if any(name in duty for name in DUTY_LOSS[()]) else {})
-        found += [f"duty: {fault}" for fault in (*variable_faults(duty, layout), *form_faults(duty))]
-        found += [f"duty: no text {name!r}" for name in ("load_case", "flank") if not _is_text(duty, name)]
-        found += [f"duty: 0 values along {name}" for name, size in duty.sizes.items() if not size]
-        if not found and duty["load_case"].values.tolist() != numbers["load_case"].values.tolist():
-            found.append("duty: 'load_case' must be as in load_cases")
+        defects += [f"duty: {fault}" for fault in (*variable_faults(duty, layout), *form_faults(duty))]
+        defects += [f"duty: no text {name!r}" for name in ("load_case", "flank") if not _is_text(duty, name)]
+        defects += [f"duty: 0 values along {name}" for name, size in duty.sizes.items() if not size]
+        if not defects and duty["load_case"].values.tolist() != numbers["load_case"].values.tolist():
+            defects.append("duty: 'load_case' must be as in load_cases")
     results = tree["results"].children if "results" in tree.children else {}
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
         if not str(reason):
             result = results.get(str(name))
-            found += [f"results: no {name}"] if result is None else [f"{name}: {fault}" for fault in faults(result)]
-    return found
+            defects += [f"results: no {name}"] if result is None else [f"{name}: {fault}" for fault in faults(result)]
+    return defects
 
 
 def _is_text(group: xr.Dataset, name: str) -> bool:
@@ -513,8 +520,8 @@ def _flag_faults(group: xr.Dataset) -> Iterator[str]:
     for name, meanings in FLAGS.items():
         if name in group.variables:
             known = [int(one) for one in meanings]
-            found = group.variables[name]
-            if found.dtype.kind not in "iu" or not np.all(np.isin(found.values, known)):
+            variable = group.variables[name]
+            if variable.dtype.kind not in "iu" or not np.all(np.isin(variable.values, known)):
                 yield f"{name!r} must hold whole numbers from {min(known)} to {max(known)}"
 
 

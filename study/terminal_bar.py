@@ -94,8 +94,8 @@ class ProgressLines:
             return f"{name}: {self.total:.5g} {self.unit}s ..."
         known = self.n >= max(FORETOLD_SHARE * self.total, FORETOLD_STEPS)
         left = seconds * (self.total - self.n) / self.n if known else 0.0
-        told = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
-        return f"{told}, {time_in_words(left)} left" if left > 0.0 else told
+        line = f"{name}: {self.n:.5g} of {self.total:.5g} {self.unit}s, {seconds:.0f} s"
+        return f"{line}, {time_in_words(left)} left" if left > 0.0 else line
 
     def _tell(self, *, at_once: bool = False) -> None:
         now = time.perf_counter()

@@ -95,47 +95,47 @@ class PatternSearch:
 
     def start(self, displacement: Array | None = None) -> Found:
         """Centre and its derivatives, by differences, at displacements (2) [mm]; at none if left out."""
-        here = np.zeros(2) if displacement is None else displacement
-        centre = self._centre(here)
+        shift = np.zeros(2) if displacement is None else displacement
+        centre = self._centre(shift)
         if not np.all(np.isfinite(centre)):
-            return Found(here, centre, np.full((2, 2), np.nan), PatternStatus.NO_PATTERN)
-        slope = self._slope(here, centre)
+            return Found(shift, centre, np.full((2, 2), np.nan), PatternStatus.NO_PATTERN)
+        slope = self._slope(shift, centre)
         known = bool(np.all(np.isfinite(slope)))
-        return Found(here, centre, slope, PatternStatus.NOT_REACHED if known else PatternStatus.NO_PATTERN)
+        return Found(shift, centre, slope, PatternStatus.NOT_REACHED if known else PatternStatus.NO_PATTERN)
 
     def find(self, target: Array, start: Found) -> Found:
         """Displacements at which the centre is at a place (2) [mm], from where another search ended."""
         if start.status == PatternStatus.NO_PATTERN:
             return start
-        here, centre, slope = start.displacement, self._centre(start.displacement), start.slope
+        shift, centre, slope = start.displacement, self._centre(start.displacement), start.slope
         if not np.all(np.isfinite(centre)):
-            return Found(here, centre, slope, PatternStatus.NO_PATTERN)
+            return Found(shift, centre, slope, PatternStatus.NO_PATTERN)
         last, fresh, was_cut = self.evaluations + EVALUATION_COUNT_LIMIT, False, False
         while np.linalg.norm(centre - target) > self.tolerance:
-            step, cut = self._step(here, target - centre, slope)
+            step, cut = self._step(shift, target - centre, slope)
             if cut and was_cut:
-                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE)
+                return Found(shift, centre, slope, PatternStatus.OUT_OF_RANGE)
             was_cut, moved = cut, None
             for _ in range(HALVING_COUNT_LIMIT):
-                found = self._centre(here + step)
-                if np.all(np.isfinite(found)):
+                trial = self._centre(shift + step)
+                if np.all(np.isfinite(trial)):
                     if np.linalg.norm(step) > SHORT_SHARE * self.face:
-                        slope = slope + np.outer(found - centre - slope @ step, step) / (step @ step)
-                    nearer = np.linalg.norm(found - target) <= (1.0 - LEAST_DECREASE) * np.linalg.norm(centre - target)
+                        slope = slope + np.outer(trial - centre - slope @ step, step) / (step @ step)
+                    nearer = np.linalg.norm(trial - target) <= (1.0 - LEAST_DECREASE) * np.linalg.norm(centre - target)
                     if nearer:
-                        moved = here + step, found
+                        moved = shift + step, trial
                         break
                 step = 0.5 * step
             if moved is not None:
-                (here, centre), fresh = moved, False
+                (shift, centre), fresh = moved, False
             elif cut or fresh or self.evaluations >= last:
-                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE if cut else PatternStatus.NOT_REACHED)
+                return Found(shift, centre, slope, PatternStatus.OUT_OF_RANGE if cut else PatternStatus.NOT_REACHED)
             else:
-                taken = self._slope(here, centre)
+                taken = self._slope(shift, centre)
                 if not np.all(np.isfinite(taken)):
-                    return Found(here, centre, slope, PatternStatus.NOT_REACHED)
+                    return Found(shift, centre, slope, PatternStatus.NOT_REACHED)
                 slope, fresh = taken, True
-        return Found(here, centre, slope, PatternStatus.REACHED)
+        return Found(shift, centre, slope, PatternStatus.REACHED)
 
     def _centre(self, displacement: Array) -> Array:
         self.evaluations += 1
@@ -384,8 +384,8 @@ def vh_check(
     size = exact.size
     reach = RANGE_SHARE * size[0] if largest is None else number("largest", largest, "mm", above=0.0, most=RANGE_LIMIT)
     places = np.array([[share, height], [0.5, height], [1.0 - share, height]])
-    found = _searched(dict(zip(PLACES, places * size, strict=True)), exact, estimate, min(float(reach), RANGE_LIMIT))
-    dataset = found_dataset(found, places, exact)
+    searches = _searched(dict(zip(PLACES, places * size, strict=True)), exact, estimate, min(float(reach), RANGE_LIMIT))
+    dataset = found_dataset(searches, places, exact)
     if counts is not None:
         dataset = dataset.merge(
             grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, told(progress)))
@@ -408,14 +408,14 @@ def _counts(grid: tuple[int, int]) -> tuple[int, int]:
 
 def _unloaded(case: Case, nodes: tuple[int, int], mesh_positions: int) -> Case:
     """The case with another grid, and without elastic teeth: nothing here is loaded."""
-    own = case.contact
+    contact = case.contact
     grid = {
-        "lengthwise_nodes": min(nodes[0], own.lengthwise_nodes),
-        "profile_nodes": min(nodes[1], own.profile_nodes),
-        "mesh_positions": min(mesh_positions, own.mesh_positions),
+        "lengthwise_nodes": min(nodes[0], contact.lengthwise_nodes),
+        "profile_nodes": min(nodes[1], contact.profile_nodes),
+        "mesh_positions": min(mesh_positions, contact.mesh_positions),
     }
     return case.model_copy(
-        update={"contact": own.model_copy(update=grid), "compliance": ComplianceTable(model="shell")}
+        update={"contact": contact.model_copy(update=grid), "compliance": ComplianceTable(model="shell")}
     )
 
 
@@ -429,6 +429,6 @@ def _searched(
     start = rough.start()
     middle = rough.find(targets["middle"], start)
     first = middle if middle.status == PatternStatus.REACHED else start
-    found = {"middle": middle, **{name: rough.find(targets[name], first) for name in ("toe", "heel")}}
-    reached = {name for name, one in found.items() if one.status == PatternStatus.REACHED}
-    return {name: fine.find(targets[name], found[name]) if name in reached else found[name] for name in PLACES}
+    estimates = {"middle": middle, **{name: rough.find(targets[name], first) for name in ("toe", "heel")}}
+    reached = {name for name, one in estimates.items() if one.status == PatternStatus.REACHED}
+    return {name: fine.find(targets[name], estimates[name]) if name in reached else estimates[name] for name in PLACES}

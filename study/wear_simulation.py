@@ -153,9 +153,9 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     if wrong:
         raise InputError(f"torque = {wrong[0]:g}: must be {torque_range()}")
     if not usable or abs(total - 1.0) > 1e-6:
-        told = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
+        entries = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
         raise InputError(
-            f"torque = {{{told}}}: must be a torque above 0 [N m], or several with their shares of the revolutions, "
+            f"torque = {{{entries}}}: must be a torque above 0 [N m], or several with their shares of the revolutions, "
             f"above 0; the shares add up to {total:g}, not 1"
         )
     return {t: share / total for t, share in shares.items()}
@@ -263,8 +263,8 @@ def wear(
             report(run.revolutions)
     result = xr.concat(history, "step", combine_attrs="override").assign_coords(step=np.arange(len(history)))
     result["revolution_share"] = ("torque", list(run.shares.values()))
-    own = ("member", "lengthwise", "profile", "xyz")
-    result["position"] = (own, np.stack([run.positions[name] for name in MEMBERS]))
+    dimensions = ("member", "lengthwise", "profile", "xyz")
+    result["position"] = (dimensions, np.stack([run.positions[name] for name in MEMBERS]))
     result = result.assign_coords(xyz=list("xyz"))
     origin = case_attributes(checked, "wear")
     of_pair = {"pinion_teeth": pair.assembly.pinion_teeth, "gear_teeth": pair.assembly.gear_teeth}
@@ -306,7 +306,8 @@ class _Run:
     ) -> None:
         self.pair, self.law, self.shares, self.solver, self.start = designed.pair, law, shares, solver, start
         self.assemblies = [
-            (places, own.cycle, _motion(own.cycle.geometry)) for places, own in designed.assemblies(list(shares))
+            (places, assembly.cycle, _motion(assembly.cycle.geometry))
+            for places, assembly in designed.assemblies(list(shares))
         ]
         self.peak_to_peak, self.max_pressure = np.empty((2, len(shares)))
         self.t, self.h = grid(WEAR_NODES)
@@ -334,9 +335,9 @@ class _Run:
         reached: list[Engagement] = []
         for places, designed, motion in self.assemblies:
             ease_off = deviated_ease_off(designed.geometry, pinion=now["pinion"], gear=now["gear"])
-            own = self._engaged(designed.with_ease_off(ease_off), places, motion, now)
-            parts += zip([list(self.shares.values())[place] for place in places], own, strict=True)
-            reached.append(own[0])
+            engagements = self._engaged(designed.with_ease_off(ease_off), places, motion, now)
+            parts += zip([list(self.shares.values())[place] for place in places], engagements, strict=True)
+            reached.append(engagements[0])
         if not self.touched:
             self.touched = {
                 name: np.any([touched(once, name, self.t, self.h) for once in reached], axis=0) for name in MEMBERS
@@ -406,14 +407,14 @@ class _Run:
 
     def state(self) -> xr.Dataset:
         """State of the wear."""
-        own = ("member", "lengthwise", "profile")
+        dimensions = ("member", "lengthwise", "profile")
         # Beyond the contact lines the depth is continued for the sake of the splines; nothing wears there.
         depth = {name: np.where(self.touched[name], self.depth[name], 0.0) for name in MEMBERS}
         integrals = [integral(depth[n], self.positions[n], self.t, self.h) for n in MEMBERS]
         return xr.Dataset(
             {
-                "wear_depth": (own, 1e3 * np.stack([depth[n] for n in MEMBERS])),
-                "deviation": (own, 1e3 * np.stack([self._deviation(n).value for n in MEMBERS])),
+                "wear_depth": (dimensions, 1e3 * np.stack([depth[n] for n in MEMBERS])),
+                "deviation": (dimensions, 1e3 * np.stack([self._deviation(n).value for n in MEMBERS])),
                 "revolutions": ((), self.revolutions),
                 "largest_depth": ("member", [1e3 * float(depth[n].max()) for n in MEMBERS]),
                 "removed_volume": ("member", [self.volume[n] for n in MEMBERS]),
