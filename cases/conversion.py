@@ -206,8 +206,8 @@ def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *
 
 def misalignment(table: MisalignmentTable) -> Misalignment | Deflections:
     """Assembly errors in mm and rad, over the torque if the table has deflections."""
-    own = Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
-    return deflections_of(table.deflections, own) if table.deflections else own
+    errors = Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+    return deflections_of(table.deflections, errors) if table.deflections else errors
 
 
 def ease_off_target(table: TargetTable) -> EaseOffTarget:

@@ -104,14 +104,14 @@ class Deflections:
         rows, values = self._rows(flank)
         known = np.flatnonzero(rows == torque)
         if known.size:
-            found = values[known[0]]
+            deflection = values[known[0]]
         elif torque <= rows[0] or rows.size == 1:
-            found = values[0]
+            deflection = values[0]
         elif torque < rows[-1]:
-            found = self._curves[flank](torque)
+            deflection = self._curves[flank](torque)
         else:
-            found = values[-1] + (torque - rows[-1]) * self._curves[flank](rows[-1], 1)
-        whole = found + np.array([getattr(self.constant, name) for name in ERRORS])
+            deflection = values[-1] + (torque - rows[-1]) * self._curves[flank](rows[-1], 1)
+        whole = deflection + np.array([getattr(self.constant, name) for name in ERRORS])
         for symbol, value, limit in zip(SYMBOLS, whole, ERROR_LIMITS, strict=True):
             if abs(value) >= limit:
                 units, shown = ("deg", np.degrees([value, limit])) if symbol == "Sigma" else ("mm", (value, limit))
@@ -143,21 +143,21 @@ class Deflections:
 
     def _rows(self, flank: FlankName) -> tuple[Array, Array]:
         """Torques (n) and values (n, 4) of the rows of a flank."""
-        own = np.array([one == flank for one in self.flank] if self._flanks else [True] * len(self.torque))
-        if not own.any():
+        mask = np.array([one == flank for one in self.flank] if self._flanks else [True] * len(self.torque))
+        if not mask.any():
             raise InputError(
                 f"misalignment: the table of deflections has rows of the {self._flanks[0]} flanks alone: give rows of "
                 f"the {flank} flanks, too"
             )
-        return np.array(self.torque)[own], np.array([getattr(self, name) for name in ERRORS]).T[own]
+        return np.array(self.torque)[mask], np.array([getattr(self, name) for name in ERRORS]).T[mask]
 
     @cached_property
     def _curves(self) -> dict[FlankName, Any]:
         """Curves through the rows of every flank that has two or more."""
         from scipy.interpolate import PchipInterpolator
 
-        found = {flank: self._rows(flank) for flank in self._flanks or FLANKS}
-        return {flank: PchipInterpolator(*rows) for flank, rows in found.items() if rows[0].size > 1}
+        tables = {flank: self._rows(flank) for flank in self._flanks or FLANKS}
+        return {flank: PchipInterpolator(*rows) for flank, rows in tables.items() if rows[0].size > 1}
 
 
 def misalignment_at(given: Misalignment | Deflections, torque: float, flank: FlankName) -> Misalignment:

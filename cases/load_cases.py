@@ -52,14 +52,14 @@ def read_load_cases(path: str | os.PathLike[str]) -> tuple[LoadCase, ...]:
     >>> cruise.E, climb.E
     (None, 0.05)
     """
-    found = read_table_rows(
+    load_cases = read_table_rows(
         path, _is_text, _load_case, size_limit=TOML_SIZE_LIMIT, count_limit=LOAD_CASE_COUNT_LIMIT, needed="torque"
     )
     try:
-        named_load_cases(found)
+        named_load_cases(load_cases)
     except ValueError as error:
         raise InputError(f"{named(path)}: {error}") from error
-    return found
+    return load_cases
 
 
 def _is_text(column: str) -> bool:
@@ -83,11 +83,11 @@ def load_case_misalignment(
 ) -> Misalignment:
     """Misalignment of a load case [mm, rad] at its torque: its own values, else the given ones or the case's."""
     given = case_misalignment(case.misalignment) if misalignment is None else misalignment
-    found = misalignment_at(given, load_case.torque, load_case.flank or flank)
-    own = {error: getattr(load_case, symbol) for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
-    if own["shaft_angle"] is not None:
-        own["shaft_angle"] = math.radians(own["shaft_angle"])
-    return replace(found, **{error: value for error, value in own.items() if value is not None})
+    base = misalignment_at(given, load_case.torque, load_case.flank or flank)
+    errors = {error: getattr(load_case, symbol) for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
+    if errors["shaft_angle"] is not None:
+        errors["shaft_angle"] = math.radians(errors["shaft_angle"])
+    return replace(base, **{error: value for error, value in errors.items() if value is not None})
 
 
 def has_own_misalignment(load_case: LoadCase) -> bool:

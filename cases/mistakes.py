@@ -38,8 +38,8 @@ TYPE_MESSAGES = {
 
 def count(error: ValidationError) -> str:
     """Number of mistakes, in words."""
-    found = len(_items(error))
-    return "a mistake" if found == 1 else f"{found} mistakes"
+    total = len(_items(error))
+    return "a mistake" if total == 1 else f"{total} mistakes"
 
 
 def mistakes(model: type[BaseModel], error: ValidationError) -> str:
@@ -65,10 +65,10 @@ def _items(error: ValidationError) -> list[Any]:
 
 def _lines(model: type[BaseModel], items: list[Any]) -> list[str]:
     lines = []
-    told: set[tuple[Any, ...]] = set()  # tables whose keys were listed
+    tables: set[tuple[Any, ...]] = set()  # tables whose keys were listed
     for item in items:
         key = shortened(printable(".".join(str(part) for part in item["loc"]))) or model.__name__.lower()
-        lines.append(f"  {key}{_value(item)}: {_allowed(model, item, told)}")
+        lines.append(f"  {key}{_value(item)}: {_allowed(model, item, tables)}")
     return lines
 
 

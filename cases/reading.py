@@ -98,8 +98,8 @@ class FileKind(Generic[Model]):
         """Read and check a file."""
         text, folder = self.find(name_or_path)
         origin = named(name_or_path)
-        found, renamed = self._parsed(text, origin, folder, allow_outside=allow_outside)
-        found._name = stem(name_or_path)
+        model, renamed = self._parsed(text, origin, folder, allow_outside=allow_outside)
+        model._name = stem(name_or_path)
         for key in renamed:
             warnings.warn(
                 f"{origin} is of version 1: {key} is read as the thickness in the middle of the flank, now "
@@ -107,7 +107,7 @@ class FileKind(Generic[Model]):
                 UserWarning,
                 stacklevel=3,
             )
-        return found
+        return model
 
     def parse(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool = False) -> Model:
         """Check the text of a file called ``origin`` in messages, whose relative paths start in ``folder``.
@@ -127,9 +127,9 @@ class FileKind(Generic[Model]):
         if kinds and self.name not in kinds:
             raise InputError(f"{origin} is {self.others[kinds[0]].format(origin)}")
         tables, renamed = _of_this_version(data)
-        found = self.check(tables, origin, folder, allow_outside=allow_outside)
-        found._text = text
-        return found, renamed
+        model = self.check(tables, origin, folder, allow_outside=allow_outside)
+        model._text = text
+        return model, renamed
 
     def check(
         self, data: Mapping[str, Any], origin: str, folder: Path | None = None, *, allow_outside: bool = False
@@ -137,14 +137,14 @@ class FileKind(Generic[Model]):
         """Check the tables of a file, also whether its basic data make blanks and its supports hold."""
         data, _ = _of_this_version(data)
         try:
-            found = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
+            model = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
             raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
         try:
-            _require_possible(found)
+            _require_possible(model)
         except EaseoffError as error:
             raise type(error)(f"{origin}: {error}") from error
-        return found
+        return model
 
 
 def _of_this_version(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[str]]:
@@ -401,11 +401,11 @@ def with_supports(case: Case, supports: SupportsTable | str | Path) -> Case:
     from .support_conversion import support_system
 
     table = supports if isinstance(supports, SupportsTable) else read_supports(supports)
-    found = case.model_copy(update={"supports": table})
+    new_case = case.model_copy(update={"supports": table})
     try:
-        support_system(found)
+        support_system(new_case)
     except InputError as error:
         origin = "" if isinstance(supports, SupportsTable) else f"{supports}: "
         raise InputError(f"{origin}{error}") from error
-    found._supports_name = "" if isinstance(supports, SupportsTable) else stem(supports)
-    return found
+    new_case._supports_name = "" if isinstance(supports, SupportsTable) else stem(supports)
+    return new_case

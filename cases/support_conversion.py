@@ -60,8 +60,10 @@ def support_system(case: Case) -> LoadedSupports | None:
         return _housing(table.housing, axes, table.wind_up)
     blanks = sections(case)
     pinion, gear = (
-        _member(own, name, assembly, axis, blank, wind_up=table.wind_up and name == "pinion")
-        for own, name, axis, blank in zip((table.pinion, table.gear), get_args(MemberName), axes, blanks, strict=True)
+        _member(member_table, name, assembly, axis, blank, wind_up=table.wind_up and name == "pinion")
+        for member_table, name, axis, blank in zip(
+            (table.pinion, table.gear), get_args(MemberName), axes, blanks, strict=True
+        )
     )
     both = ShaftSupports(pinion, gear, wind_up=table.wind_up)
     return both.at(np.zeros(6), np.zeros(6)) if both.is_linear else both
@@ -94,9 +96,9 @@ def _member(
     try:
         if table.shaft is not None:
             middle = blank.points(np.array(0.5), np.array(0.5))
-            found = ShaftSupport.of(_shaft(table.shaft, table.bearings, float(middle[0])), assembly, name)
-            found.at(np.zeros(6))
-            return found
+            support = ShaftSupport.of(_shaft(table.shaft, table.bearings, float(middle[0])), assembly, name)
+            support.at(np.zeros(6))
+            return support
         assert table.reference is not None  # the schema sees to it
         if table.compliance is not None:
             return Support(table.reference, table.compliance)
@@ -107,14 +109,14 @@ def _member(
 
 
 def _shaft(table: ShaftTable, bearings: tuple[BearingTable, ...], reference: float) -> Shaft:
-    found = []
+    shaft_sections = []
     for at, section in enumerate(table.sections, start=1):
         try:
-            found.append(ShaftSection(**section.model_dump()))
+            shaft_sections.append(ShaftSection(**section.model_dump()))
         except InputError as error:
             raise InputError(f"section {at}: {error}") from error
     return Shaft(
-        tuple(found),
+        tuple(shaft_sections),
         tuple(_bearing(bearing) for bearing in bearings),
         reference,
         table.seat,

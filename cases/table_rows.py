@@ -50,19 +50,19 @@ def read_table_rows(
     texts = _columns(lines[0], mark, source, is_text, needed)
     if len(lines) == 1:
         raise InputError(f"{source} has a head but no {what}s: give a {what} a line")
-    found, wrong = [], []
+    rows, wrong = [], []
     for at, line in lines[1:]:
         try:
-            found.append(checked(_values(line, mark, texts, complete=complete)))
+            rows.append(checked(_values(line, mark, texts, complete=complete)))
         except ValueError as error:
             wrong += [f"line {at}, {mistake.strip()}" for mistake in str(error).splitlines()]
     if wrong:
         if len(wrong) == 1:
             raise InputError(f"{source}, {wrong[0]}")
         left = len(wrong) - LINE_COUNT_LIMIT
-        told = [*wrong[:LINE_COUNT_LIMIT], *([f"and {left} more"] if left > 0 else [])]
-        raise InputError("\n  ".join([f"{source} has {len(wrong)} mistakes:", *told]))
-    return tuple(found)
+        messages = [*wrong[:LINE_COUNT_LIMIT], *([f"and {left} more"] if left > 0 else [])]
+        raise InputError("\n  ".join([f"{source} has {len(wrong)} mistakes:", *messages]))
+    return tuple(rows)
 
 
 def _columns(

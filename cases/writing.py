@@ -257,16 +257,16 @@ def _every_key() -> list[tuple[str, tuple[str, str]]]:
 
 
 def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str]]]:
-    found: list[tuple[str, tuple[str, str]]] = []
+    keys: list[tuple[str, tuple[str, str]]] = []
     for name, field in table.model_fields.items():
         inner = _table(field)
         if inner is not None:
-            found += _keys(inner, f"{prefix}{name}.")
+            keys += _keys(inner, f"{prefix}{name}.")
         elif _is_number(field):
             extra = field.json_schema_extra
             unit = str(extra["unit"]) if isinstance(extra, dict) else "1"
-            found.append((f"{prefix}{name}", (unit, usual_name(name))))
-    return found
+            keys.append((f"{prefix}{name}", (unit, usual_name(name))))
+    return keys
 
 
 def _kinds(field: FieldInfo) -> tuple[Any, ...]:
@@ -308,15 +308,17 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
     friction = case.friction
     context = None if friction is None else {"folder": friction._folder, "allow_outside": friction._allow_outside}
     try:
-        found = Case.model_validate(data, context=context)
+        new_case = Case.model_validate(data, context=context)
     except ValidationError as error:
         raise InputError(f"the changed case has {count(error)}:\n{mistakes(Case, error)}") from error
-    if found.blank_design is not None:
+    if new_case.blank_design is not None:
         try:
-            designed_blanks(found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair)
+            designed_blanks(
+                new_case.blank_design, (new_case.pinion.number_of_teeth, new_case.gear.number_of_teeth), new_case.pair
+            )
         except EaseoffError as error:
             raise type(error)(f"the changed case: {error}") from error
-    return found
+    return new_case
 
 
 def _wants_whole(key: str) -> bool:

@@ -52,5 +52,5 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any] | N
             raise ValueError(f"the array {entry.filename!r} is longer than its entry")
         content = stream.read(count * kind.itemsize)
         stream.read()  # to the end, where the checksum is compared
-    found = np.frombuffer(content, dtype=kind, count=count)
-    return found.reshape(shape, order="F" if turned else "C").copy()
+    array = np.frombuffer(content, dtype=kind, count=count)
+    return array.reshape(shape, order="F" if turned else "C").copy()

@@ -517,17 +517,17 @@ def variable_attributes(name: str) -> dict[str, Any]:
     if name not in VARIABLES:
         raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")
     units, *words_of_it = VARIABLES[name]
-    found = dict(zip(("long_name", "comment"), words_of_it, strict=False))
-    return {**found, "units": units} if units else found
+    attributes = dict(zip(("long_name", "comment"), words_of_it, strict=False))
+    return {**attributes, "units": units} if units else attributes
 
 
 def units_of(name: str) -> str | None:
     """Units of a variable of numbers; ``None`` where it is a text or a flag, or not in the table."""
     try:
-        found: str | None = variable_attributes(name).get("units")
+        units: str | None = variable_attributes(name).get("units")
     except EaseoffError:
         return None
-    return found
+    return units
 
 
 def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:

@@ -94,17 +94,17 @@ def instance(name: str, value: Any, kind: Any) -> None:
     """Refuse a value that is not of a type, or of one of several types joined by ``|``."""
     if not isinstance(value, kind):
         names = [one.__name__ for one in get_args(kind) or (kind,)]
-        wanted = [KIND_WORDS.get(own, f"{'an' if own[0] in 'AEIOU' else 'a'} {own}") for own in names]
+        wanted = [KIND_WORDS.get(word, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}") for word in names]
         raise InputError(f"{name} = {shown(value)}: must be {' or '.join(wanted)}")
 
 
 def instances(name: str, values: Any, kind: type[Record], count: int | None = None) -> tuple[Record, ...]:
     """Return the objects of one type in a list or tuple, of a given length if that is given."""
-    found = tuple(values) if isinstance(values, Sequence) else (None,)
-    if not all(isinstance(one, kind) for one in found) or count not in (None, len(found)):
+    objects = tuple(values) if isinstance(values, Sequence) else (None,)
+    if not all(isinstance(one, kind) for one in objects) or count not in (None, len(objects)):
         many = "all" if count is None else count
         raise InputError(f"{name} = {shown(values)}: must be {many} of the type {kind.__name__}, in a list or tuple")
-    return found
+    return objects
 
 
 def two(name: str, values: Any, wanted: str) -> tuple[Any, Any]:
@@ -145,23 +145,23 @@ def array(
     ``size`` and ``fewest`` count the entries. ``anything`` takes every number, NaN too, for callers with better
     messages of their own; ``frozen`` returns a read-only copy in C order.
     """
-    found = _numbers(values, frozen)
+    numbers = _numbers(values, frozen)
     if (
-        found is None
-        or (ndim is not None and found.ndim != ndim)
-        or found.size < fewest
-        or (size is not None and found.size != size)
+        numbers is None
+        or (ndim is not None and numbers.ndim != ndim)
+        or numbers.size < fewest
+        or (size is not None and numbers.size != size)
     ):
         wanted = _range("numbers", unit, above, least, below, most, infinite or anything)
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
-    valid = _within(found, above, least, below, most, infinite)
+    valid = _within(numbers, above, least, below, most, infinite)
     if not (anything or valid.all()):
         one = _range("number", unit, above, least, below, most, infinite)
-        raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
-    return read_only(found) if frozen else found
+        raise InputError(f"{name} = {shown(numbers[~valid].flat[0])}: must be a {one}")
+    return read_only(numbers) if frozen else numbers
 
 
 def read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -212,15 +212,15 @@ def frozen(value: Any) -> Any:
             within = within.base
         if within is None:
             return value
-        own = np.array(value, subok=True)
-        own.setflags(write=False)
-        return own
+        copy = np.array(value, subok=True)
+        copy.setflags(write=False)
+        return copy
     named = isinstance(value, tuple) and hasattr(value, "_make")
     if not named and type(value) not in (tuple, list, dict):
         return value
     entries = list(value.values() if isinstance(value, dict) else value)
     kept = [frozen(entry) for entry in entries]
-    if all(own is entry for own, entry in zip(kept, entries, strict=True)):
+    if all(copy is entry for copy, entry in zip(kept, entries, strict=True)):
         return value
     if isinstance(value, dict):
         return dict(zip(value, kept, strict=True))
@@ -229,25 +229,25 @@ def frozen(value: Any) -> Any:
 
 def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[np.float64]:
     """Return one number, or several that differ, within the bounds of ``number``, as an array in one dimension."""
-    found = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
-    if found.ndim > 1:
+    numbers = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
+    if numbers.ndim > 1:
         raise InputError(f"{name} = {shown(values)}: must be a number, or numbers in a row")
-    different, counts = np.unique(found, return_counts=True)
-    if different.size != found.size:
+    different, counts = np.unique(numbers, return_counts=True)
+    if different.size != numbers.size:
         twice = shown(different[counts > 1][0])
         raise InputError(f"{name} = {shown(values)}: must be numbers that differ; {twice} comes twice")
-    return found
+    return numbers
 
 
 def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
     """Return texts, ``fewest`` or more, given as a list, a tuple or the like; one text alone is refused."""
     listed = isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
     listed = listed and getattr(values, "ndim", None) != 0
-    found = tuple(values) if listed else ()
-    if not listed or len(found) < fewest or not all(isinstance(value, str) for value in found):
+    texts = tuple(values) if listed else ()
+    if not listed or len(texts) < fewest or not all(isinstance(value, str) for value in texts):
         wanted = f", {fewest} or more" if fewest else ""
         raise InputError(f"{name} = {shown(values)}: must be a list of texts{wanted}")
-    return found
+    return texts
 
 
 def check_fields(record: Any, of: str = "") -> None:
@@ -256,8 +256,8 @@ def check_fields(record: Any, of: str = "") -> None:
     A ``float`` is finite and becomes Python's own; an ``int`` is 0 or more. Arrays, tuples and dicts are not looked
     into. ``of`` stands before the name in the message.
     """
-    own: Any = type(record)
-    for name, kind, optional in _field_kinds(own):
+    record_type: Any = type(record)
+    for name, kind, optional in _field_kinds(record_type):
         value = getattr(record, name)
         if (value is None and optional) or (type(value) is kind is float and math.isfinite(value)):
             continue  # nearly all, in a tenth of the time
@@ -265,9 +265,9 @@ def check_fields(record: Any, of: str = "") -> None:
             if not isinstance(value, str | int) or value not in get_args(kind):
                 raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")
         elif kind is float:
-            found = number(f"{of}{name}", value)
+            python_float = number(f"{of}{name}", value)
             if not isinstance(value, float):
-                object.__setattr__(record, name, found)
+                object.__setattr__(record, name, python_float)
         elif kind is int:
             whole(name, value, 0)
         elif kind is bool:
@@ -279,13 +279,13 @@ def check_fields(record: Any, of: str = "") -> None:
 @functools.cache
 def _field_kinds(record: Hashable) -> tuple[tuple[str, Any, bool], ...]:
     """Fields of a record with the type that their annotation allows, if it is one, and whether it allows None, too."""
-    found = []
+    field_kinds = []
     for name, hint in get_type_hints(record).items():
         kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
         given = [kind for kind in kinds if kind is not type(None)]
         if name in record.__dataclass_fields__:  # type: ignore[attr-defined]
-            found.append((name, given[0] if len(given) == 1 else Any, len(given) < len(kinds)))
-    return tuple(found)
+            field_kinds.append((name, given[0] if len(given) == 1 else Any, len(given) < len(kinds)))
+    return tuple(field_kinds)
 
 
 def shown(value: Any) -> str:

@@ -152,10 +152,10 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     """Nearest known name, or one that begins so, as the end of a phrase; empty if none. Case does not count."""
     lower = {word.lower(): word for word in known}
     given = str(name)[:NAME_LENGTH_LIMIT].lower()
-    found = difflib.get_close_matches(given, lower, n=1, cutoff=SIMILARITY)
-    if not found and len(given) >= BEGINNING_LENGTH:
-        found = [word for word in lower if word.startswith(given)]
-    return f"; did you mean {lower[found[0]]!r}?" if found else ""
+    matches = difflib.get_close_matches(given, lower, n=1, cutoff=SIMILARITY)
+    if not matches and len(given) >= BEGINNING_LENGTH:
+        matches = [word for word in lower if word.startswith(given)]
+    return f"; did you mean {lower[matches[0]]!r}?" if matches else ""
 
 
 MEMORY_UNITS = {"TB": 1e12, "GB": 1e9, "MB": 1e6}  # [byte]

@@ -31,11 +31,11 @@ def unreadable(
     """Error of a file with faults: damaged, or written by another version, which is named; ``remedy`` makes it anew."""
     more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
     what = f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}"
-    wrote, own = str(attributes.get("easeoff_version", "")), version("easeoff")
-    if wrote != own and VERSION.fullmatch(wrote):
+    wrote, this_version = str(attributes.get("easeoff_version", "")), version("easeoff")
+    if wrote != this_version and VERSION.fullmatch(wrote):
         return InputError(
-            f"{named(path)} was written by easeoff {wrote} and this is {own}: {what}; easeoff {wrote} reads it ('pip "
-            f"install easeoff=={wrote}'), or make it anew with '{remedy}'"
+            f"{named(path)} was written by easeoff {wrote} and this is {this_version}: {what}; easeoff {wrote} reads "
+            f"it ('pip install easeoff=={wrote}'), or make it anew with '{remedy}'"
         )
     return InputError(
         f"{named(path)} is damaged, changed by hand or made by another version of easeoff: {what}; make it anew with "

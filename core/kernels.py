@@ -29,8 +29,8 @@ def kernel(name: str, package: str) -> Any:
 
 def source_digest(source: Path) -> str:
     """Digest of a compiled module's source and types, and of those of its folder: it may use them."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for types in sorted(source.parent.glob("*.pxd")):
         for path in (types, types.with_suffix(".py")):
-            found.update(path.read_bytes().replace(b"\r\n", b"\n"))
-    return found.hexdigest()
+            digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()

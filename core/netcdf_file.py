@@ -138,9 +138,9 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, squar
     def loaded() -> Content:
         with (
             _reading(path, square=square),
-            opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as found,
+            opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as content,
         ):
-            return _computed(found)
+            return _computed(content)
 
     try:
         return in_forked_process(loaded)
@@ -253,8 +253,8 @@ def write_netcdf(
     ]
     later = _LaterWriter()
     with whole_file(path) as temporary, netcdf_to_oneself(), Dataset(temporary, "w", format="NETCDF4") as file:
-        for name, dataset, own in groups:
+        for name, dataset, encodings in groups:
             group = file if name == "." else file.createGroup(name)
             store = xr.backends.NetCDF4DataStore(group, lock=False)  # type: ignore[no-untyped-call]
-            dataset.dump_to_store(store, writer=later, encoding={key: dict(each) for key, each in own.items()})
+            dataset.dump_to_store(store, writer=later, encoding={key: dict(each) for key, each in encodings.items()})
         later.write()

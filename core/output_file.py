@@ -73,8 +73,8 @@ def private_folder(parent: Path) -> Iterator[Path]:
 def clear_remains(parent: Path) -> None:
     """Remove the private folders of processes that were ended: those of this user whose lock is free."""
     with contextlib.suppress(OSError), os.scandir(parent) as entries:
-        found = [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]
-        for folder in found:
+        folders = [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]
+        for folder in folders:
             with contextlib.suppress(OSError):
                 _clear(folder)
 
@@ -113,10 +113,10 @@ def _made(parent: Path) -> tuple[Path, int]:
                 folder.rmdir()
             raise
         try:
-            held = try_lock(lock)
+            locked = try_lock(lock)
         except OSError:  # no locks in this file system
-            held = True
-        if held and os.fstat(lock).st_nlink:
+            locked = True
+        if locked and os.fstat(lock).st_nlink:
             return folder, lock
         os.close(lock)
     raise OSError(f"a temporary folder was removed {ATTEMPT_COUNT} times by another process")

@@ -119,8 +119,8 @@ class Model:
 
     def related(self, kind: str, role: str, number: int) -> list[Relation]:
         """The relations of a type in which the given component has the given role, by their order."""
-        found = [r for r in self.relations if r.kind == kind and r.roles.get(role) == number]
-        return sorted(found, key=lambda relation: relation.order)
+        relations = [r for r in self.relations if r.kind == kind and r.roles.get(role) == number]
+        return sorted(relations, key=lambda relation: relation.order)
 
     def in_role(self, relation: Relation, role: str, kind: str) -> Component | None:
         """The component that has a role in a relation; ``None`` if there is none, or it is of another type."""
@@ -267,8 +267,8 @@ def _read(model: Model) -> tuple[Case, list[str]]:
     hand = _hand(pinion, gear, missing)
     visited = {stage.number, pinion.number, gear.number}
     tables = [
-        _read_member(model, component, own, missing, notes, visited)
-        for component, own in ((pinion, hand), (gear, opposite(hand)))
+        _read_member(model, component, spiral, missing, notes, visited)
+        for component, spiral in ((pinion, hand), (gear, opposite(hand)))
     ]
     if model.application == APPLICATION and stage.text(CASE_TERM) is None:
         for name, table in zip(MEMBERS, tables, strict=True):
@@ -312,8 +312,8 @@ def _hand(pinion: Component, gear: Component, missing: list[str]) -> Hand:
 
 def _values(component: Component, terms: dict[str, Term]) -> dict[str, Any]:
     """Keys of a table for the attributes that a component has."""
-    found = {key: component.number_of(term) for key, term in terms.items()}
-    return {key: value for key, value in found.items() if value is not None}
+    numbers = {key: component.number_of(term) for key, term in terms.items()}
+    return {key: value for key, value in numbers.items() if value is not None}
 
 
 def _needed(

@@ -155,10 +155,10 @@ def deflections_of(rows: Sequence[DeflectionRow], constant: Misalignment | None 
             )
         columns[symbol] = [] if without else values
     columns["Sigma"] = [math.radians(value) for value in columns["Sigma"]]
-    own = {error: columns[symbol] for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
+    errors = {error: columns[symbol] for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
     try:
         torques = [row.torque for row in rows]
-        return Deflections(torques, **own, flank=columns["flank"], constant=constant or Misalignment())
+        return Deflections(torques, **errors, flank=columns["flank"], constant=constant or Misalignment())
     except InputError as error:
         raise ValueError(str(error)) from error
 
@@ -353,8 +353,8 @@ class ComplianceTable(Table):
             value = getattr(self, key)
             # With the model itself given, a key of another model at its default is that of a table written in full.
             if not chosen or value != type(self).model_fields[key].default:
-                here = f'it is "{self.model}"' + ("" if chosen else ", the default")
-                raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {here}")
+                note = f'it is "{self.model}"' + ("" if chosen else ", the default")
+                raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {note}")
         for key in ("pinion_web", "gear_web"):
             if getattr(self, key) is not None and not self.neighbours:
                 raise ValueError(f"{key}: must go with neighbours = true: the web carries the body that teeth share")

@@ -265,10 +265,10 @@ def meaning(name: str, field: FieldInfo) -> str:
     """Meaning of a key, its unit, and its choices if they are words."""
     words, unit = described(name, field)
     choices = allowed(name, field)
-    told = plain(words) + (f" [{unit}]" if unit else "")
+    description = plain(words) + (f" [{unit}]" if unit else "")
     if "`" in choices and "," in choices and bool not in (field.annotation, *get_args(field.annotation)):
-        told += f": {plain(choices)}"
-    return told
+        description += f": {plain(choices)}"
+    return description
 
 
 def plain(text: str) -> str:

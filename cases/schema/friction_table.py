@@ -117,7 +117,7 @@ class FrictionTable(Table):
         from ...friction import Operation
         from ...friction.lubricants.lubricant import lubricant
 
-        own: dict[str, Any] = {
+        conditions: dict[str, Any] = {
             "speed": self.speed,
             "temperature": self.temperature,
             "roughness": list(self.roughness),
@@ -125,8 +125,8 @@ class FrictionTable(Table):
         }
         if "oil" not in changed:
             self._require_inside()
-            own["oil"] = lubricant(self.oil, self._folder)
-        return Operation(**(own | changed))
+            conditions["oil"] = lubricant(self.oil, self._folder)
+        return Operation(**(conditions | changed))
 
     @property
     def is_outside(self) -> bool:
@@ -180,5 +180,5 @@ class FrictionTable(Table):
         """The friction models, some of them changed."""
         from ...friction import FrictionModel
 
-        own = self.model_dump(include=set(FrictionModel.__dataclass_fields__))
-        return FrictionModel(**(own | changed))
+        settings = self.model_dump(include=set(FrictionModel.__dataclass_fields__))
+        return FrictionModel(**(settings | changed))

@@ -83,15 +83,15 @@ LoadCases = Annotated[
 
 def named_load_cases(load_cases: Sequence[LoadCase]) -> dict[str, LoadCase]:
     """Load cases by name, or by number from 1; names differ in more than case, and all have a share or none."""
-    found: dict[str, LoadCase] = {}
+    cases: dict[str, LoadCase] = {}
     known: set[str] = set()
     for at, load_case in enumerate(load_cases, start=1):
         name = load_case.name or str(at)
         if name.casefold() in known:
             raise ValueError(f"load_cases: name = {name!r} comes twice; give every load case its own name")
         known.add(name.casefold())
-        found[name] = load_case
-    without = [name for name, load_case in found.items() if load_case.share is None]
-    if 0 < len(without) < len(found):
+        cases[name] = load_case
+    without = [name for name, load_case in cases.items() if load_case.share is None]
+    if 0 < len(without) < len(cases):
         raise ValueError(f"load_cases: {without[0]!r} has no share: give the share of every load case, or of none")
-    return found
+    return cases

@@ -153,8 +153,8 @@ class MemberSupportTable(Table):
         _named_once(self.bearings)
         given = [key for key in ("stiffness", "compliance", "shaft") if getattr(self, key) is not None]
         if len(given) != 1:
-            found = " and ".join(given) if given else "none"
-            raise ValueError(f"{found} given: give one of stiffness, compliance, or a shaft with bearings")
+            kinds = " and ".join(given) if given else "none"
+            raise ValueError(f"{kinds} given: give one of stiffness, compliance, or a shaft with bearings")
         if self.shaft is None and self.reference is None:
             raise ValueError(f"reference is missing: give the point at which the {given[0]} holds")
         if self.shaft is None and self.bearings:
