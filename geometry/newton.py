@@ -124,8 +124,8 @@ def solve_by(
     limit = np.asarray(max_step)[:, None]
     with np.errstate(all="ignore"):
         for _ in range(iterations):
-            here = parameters[:, active]
-            value, (first, second) = derivatives(here, numbers)
+            columns = parameters[:, active]
+            value, (first, second) = derivatives(columns, numbers)
             residual = target[:, active] - value
             step = cramers_rule(first, second, residual)
             usable = np.all(np.isfinite(step), axis=0)

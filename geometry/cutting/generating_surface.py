@@ -400,8 +400,8 @@ class SurfacePoints:
     def with_others(self, chosen: Any, others: SurfacePoints) -> SurfacePoints:
         """The points with others in place of some of them."""
         arrays = np.array(self.parameters), np.array(self.values), np.array(self.slopes)
-        for own, other in zip(arrays, (others.parameters, others.values, others.slopes), strict=True):
-            own[..., chosen] = other
+        for array, other in zip(arrays, (others.parameters, others.values, others.slopes), strict=True):
+            array[..., chosen] = other
         return SurfacePoints(*arrays)
 
 
@@ -432,10 +432,10 @@ def points_at(
         return locate(points)
 
     with np.errstate(all="ignore"):
-        found = solve_by(derivatives, start.parameters, target, surface.max_step)
-        step = found.parameters - held.parameters
+        solution = solve_by(derivatives, start.parameters, target, surface.max_step)
+        step = solution.parameters - held.parameters
         far = np.flatnonzero(~np.all(np.abs(step) < LINEAR_STEP * surface.max_step[:, None], axis=0))
         held = held.moved(step)
         if far.size:
-            held = held.with_others(far, SurfacePoints.of(surface, found.parameters[:, far]))
-    return held, found
+            held = held.with_others(far, SurfacePoints.of(surface, solution.parameters[:, far]))
+    return held, solution

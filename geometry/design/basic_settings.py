@@ -230,11 +230,11 @@ def _face_milled(
     start = np.array(
         [along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral), point_width, drive, coast]
     )
-    found = _corrected(error, start) if corrected else start
-    cutter = np.array([steps.width(found[2]), steps.angle(found[3]), steps.angle(found[4])])
-    if np.array_equal(cutter, found[2:]):
-        return flanks(found)
-    place = found[:2]
+    solution = _corrected(error, start) if corrected else start
+    cutter = np.array([steps.width(solution[2]), steps.angle(solution[3]), steps.angle(solution[4])])
+    if np.array_equal(cutter, solution[2:]):
+        return flanks(solution)
+    place = solution[:2]
     if corrected:
         place = _corrected(lambda values: error(np.concatenate([values, cutter]))[:2], place)
     return flanks(np.concatenate([place, cutter]))
@@ -270,16 +270,18 @@ def _face_hobbed(
             return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, hand, 1)
 
         def error(values: Array) -> Array:
-            found = mean_point_angles(surface(values), section, gear)
-            return np.array([found.spiral_angle - gear.mean_spiral_angle, found.pressure_angle - pressure_angle])
+            angles = mean_point_angles(surface(values), section, gear)
+            return np.array([angles.spiral_angle - gear.mean_spiral_angle, angles.pressure_angle - pressure_angle])
 
         start = np.array([1.0, pressure_angle])
-        found = _corrected(error, start) if corrected else start
-        angle = np.array([steps.angle(found[1])])
-        if angle[0] == found[1]:
-            return surface(found)
+        solution = _corrected(error, start) if corrected else start
+        angle = np.array([steps.angle(solution[1])])
+        if angle[0] == solution[1]:
+            return surface(solution)
         radius = (
-            _corrected(lambda values: error(np.concatenate([values, angle]))[:1], found[:1]) if corrected else found[:1]
+            _corrected(lambda values: error(np.concatenate([values, angle]))[:1], solution[:1])
+            if corrected
+            else solution[:1]
         )
         return surface(np.concatenate([radius, angle]))
 
@@ -310,17 +312,17 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
 
     error(start)  # what is wrong with the blank itself is told in its own words
     try:
-        found = root(error, start, tol=1e-14)
+        solution = root(error, start, tol=1e-14)
     except GeometryError as lost:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: the search ran "
             "to settings that cut no tooth of it; change cutter_radius, the spiral angle, hypoid_offset or the "
             "pressure angles"
         ) from lost
-    if not np.max(np.abs(error(found.x))) < ANGLE_TOLERANCE:
+    if not np.max(np.abs(error(solution.x))) < ANGLE_TOLERANCE:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: "
-            f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "
+            f"an error of {np.degrees(np.max(np.abs(solution.fun))):.2g} degrees is left; check the blank's dedendum "
             "angle and cutter_radius"
         )
-    return np.asarray(found.x)
+    return np.asarray(solution.x)

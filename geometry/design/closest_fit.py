@@ -100,14 +100,14 @@ class StandardSteps:
         allowed: Callable[[str], tuple[float, float]] = lambda _: (-math.inf, math.inf),
     ) -> dict[str, float]:
         """Settings of a flank's blade at their steps, by name; one without a step within ``allowed`` stays as it is."""
-        found = {}
+        settings = {}
         if self.blade_angle:
             angle = get_setting(surface, "pressure_angle")
-            found["pressure_angle"] = _nearest(angle, self.blade_angle, *allowed("pressure_angle"))
+            settings["pressure_angle"] = _nearest(angle, self.blade_angle, *allowed("pressure_angle"))
         if with_radius and self.point_width:
             radius = get_setting(surface, "point_radius")
-            found["point_radius"] = _nearest(radius, 0.5 * self.point_width, *allowed("point_radius"))
-        return found
+            settings["point_radius"] = _nearest(radius, 0.5 * self.point_width, *allowed("point_radius"))
+        return settings
 
 
 def _nearest(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:

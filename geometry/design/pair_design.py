@@ -95,7 +95,8 @@ def design_pair(
     proportions = ToothProportions.of(blank, design.cutter_radius, groups, generated_gear=generated)
     usual = usual_edge_radii(blank, EdgeRadiusLimits(SlotWidths(ToothLine(proportions))))
     pinion_edge, gear_edge = (
-        steps.edge(own) if radius is None else radius for radius, own in zip(edge_radii, usual, strict=True)
+        steps.edge(usual_radius) if radius is None else radius
+        for radius, usual_radius in zip(edge_radii, usual, strict=True)
     )
 
     def flanks(make: Callable[..., Flanks]) -> Flanks:
@@ -198,6 +199,6 @@ def _left_thickness(pair: GearPair) -> float:
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:
     """The blank's mean normal thickness, carried from the mean point to the middle of the flank along both flanks."""
-    own = blank.gear
-    member = Member(own.number_of_teeth, blank_section(own, blank.clearance), *gear)
-    return mid_flank_thickness(member, own.mean_normal_thickness, own.mean_cone_distance)
+    gear_blank = blank.gear
+    member = Member(gear_blank.number_of_teeth, blank_section(gear_blank, blank.clearance), *gear)
+    return mid_flank_thickness(member, gear_blank.mean_normal_thickness, gear_blank.mean_cone_distance)

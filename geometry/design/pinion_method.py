@@ -80,10 +80,10 @@ class SettingLimits:
 
     def largest(self, name: str, cutter_radius: float) -> float:
         """Largest size of a free setting, or of its change; infinite where there is no limit."""
-        own = {HELICAL_MOTION: "helical_motion"}.get(name, name)
-        if own in ("sliding_base", "helical_motion") and getattr(self, own) is None:
+        key = {HELICAL_MOTION: "helical_motion"}.get(name, name)
+        if key in ("sliding_base", "helical_motion") and getattr(self, key) is None:
             return SLIDING_BASE_SHARE * cutter_radius
-        return float(getattr(self, own, math.inf))
+        return float(getattr(self, key, math.inf))
 
 
 def shared_settings(method: SetUpMethod, limits: SettingLimits, cutter_radius: float) -> tuple[str, ...]:
@@ -100,9 +100,9 @@ def at_limit(
     values: Mapping[str, float], limits: SettingLimits, root_angle: float, cutter_radius: float
 ) -> tuple[str, ...]:
     """Names of the fitted settings [mm, rad or per rad] that stand at a limit."""
-    found = []
+    names = []
     for name, value in values.items():
         low, high = limits.allowed(name, root_angle, cutter_radius)
         if min(value - low, high - value) < AT_LIMIT * scale_of(name):
-            found.append(name)
-    return tuple(found)
+            names.append(name)
+    return tuple(names)

@@ -49,17 +49,17 @@ class RootLine:
         Negative where it cuts deeper, NaN where the node is not found.
         """
         target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, self.profile))
-        found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
-        gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, found.parameters)
-        parameters = np.where(found.converged, found.parameters, self.parameters)
-        return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
+        solution = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
+        gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, solution.parameters)
+        parameters = np.where(solution.converged, solution.parameters, self.parameters)
+        return np.where(solution.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
 
     def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
         """Change of the gap (3) [mm] from one near flank to another, to first order: one step of Newton's method."""
-        here, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
+        coordinates, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
 
         def above_tip(near: GeneratingSurface) -> Array:
-            step = cramers_rule(first, second, here - near.axial_and_radial(self.parameters))
+            step = cramers_rule(first, second, coordinates - near.axial_and_radial(self.parameters))
             return _above_tip(near, self.parameters + step)
 
         return above_tip(behind) - above_tip(ahead)

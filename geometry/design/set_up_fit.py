@@ -60,21 +60,21 @@ class MeanSlot:
         axial = member.mean_cone_distance * math.cos(member.pitch_angle) - member.pitch_apex
         radial = member.mean_cone_distance * math.sin(member.pitch_angle)
         point = np.array([[axial], [radial]])
-        found = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
+        parameters = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
         wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness
-        return cls(point, radial * math.cos(member.mean_spiral_angle), wanted, (found[0], found[1]))
+        return cls(point, radial * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
 
     def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Normal width of the slot that two flanks of one set-up leave [mm]; NaN where a flank is not found."""
         azimuths, parameters = [], []
         for surface, start in zip((concave, convex), self.parameters, strict=True):
-            found = solve(surface.axial_and_radial, start, self.point, surface.max_step)
-            if not np.all(found.converged):
+            solution = solve(surface.axial_and_radial, start, self.point, surface.max_step)
+            if not np.all(solution.converged):
                 return math.nan
-            position = surface.evaluate(found.parameters)[0][:, 0]
+            position = surface.evaluate(solution.parameters)[0][:, 0]
             hand = 1.0 if surface.hand == "right" else -1.0
             azimuths.append(math.atan2(hand * position[1], position[0]))
-            parameters.append(found.parameters)
+            parameters.append(solution.parameters)
         self.parameters = parameters[0], parameters[1]
         return math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi) * self.width_per_angle
 
@@ -169,9 +169,9 @@ class SetUpResidual:
         rows = []
         for k, part in enumerate(self.parts):
             columns = self.columns(k)
-            own = part.jacobian(steps[columns])
-            block = np.zeros((own.shape[0], self.size))
-            block[:, columns] = own
+            slopes = part.jacobian(steps[columns])
+            block = np.zeros((slopes.shape[0], self.size))
+            block[:, columns] = slopes
             rows.append(block)
         if self.slot is not None:
             rows.append(self._slot_slopes(steps)[None, :])
@@ -186,13 +186,13 @@ class SetUpResidual:
         slopes = np.zeros(self.size)
         for k, part in enumerate(self.parts):
             columns = self.columns(k)
-            own = steps[columns]
-            here = part.surface(own)
+            part_steps = steps[columns]
+            surface = part.surface(part_steps)
             for place, index in enumerate(columns):
-                shift = np.zeros(own.size)
+                shift = np.zeros(part_steps.size)
                 shift[place] = SLOT_STEP
-                behind, ahead = part.surface(own - shift), part.surface(own + shift)
-                change = self.slot.change(here, behind, ahead, convex=k == 1)
+                behind, ahead = part.surface(part_steps - shift), part.surface(part_steps + shift)
+                change = self.slot.change(surface, behind, ahead, convex=k == 1)
                 slopes[index] += SLOT_WEIGHT * change / (2.0 * SLOT_STEP)
         return slopes
 
@@ -227,7 +227,7 @@ def best_set_up(
         tilts = FIRST_TILTS if method == "completing" and milled else (0.0,)
         starts = [*((start, 0.0) for start in further), *((first, tilt) for tilt in tilts)]
     sides: list[tuple[FlankName, ...]] = [("drive", "coast")] if method == "completing" else [("drive",), ("coast",)]
-    found: dict[FlankName, Synthesis] = {}
+    set_up: dict[FlankName, Synthesis] = {}
     for together in sides:
         best: dict[FlankName, Synthesis] | None = None
         failure = GeometryError("no start")
@@ -250,8 +250,8 @@ def best_set_up(
                 best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
             except GeometryError as error:
                 raise _refusal(together, method, error) from error
-        found |= best
-    return found
+        set_up |= best
+    return set_up
 
 
 def _refusal(sides: tuple[FlankName, ...], method: SetUpMethod, reason: GeometryError) -> GeometryError:
@@ -278,14 +278,14 @@ def _stepped(
         side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0, allowed=allowed)
         for side, fit in fits.items()
     }
-    own = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))
-    if own == BLADE_SETTINGS:
+    names = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))
+    if names == BLADE_SETTINGS:
         return dict(fits)
     near: dict[FlankName, Side] = {}
     for side, (pair, target, root) in sides.items():
         surface = with_settings(fits[side].surface, blades[side])
         near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
-    again = _fit(near, shared, limits, blank, cutter_radius, own=own)
+    again = _fit(near, shared, limits, blank, cutter_radius, own=names)
     return {
         side: replace(
             fit,
@@ -363,7 +363,7 @@ def _fit(
             if name == "cutter_tilt":
                 start[place] += tilt / scale
     inside = np.minimum(INTERIOR, 0.25 * (bounds[:, 1] - bounds[:, 0]))
-    found = least_squares(
+    solution = least_squares(
         fit,
         np.clip(start, bounds[:, 0] + inside, bounds[:, 1] - inside),
         fit.jacobian,
@@ -374,9 +374,9 @@ def _fit(
         gtol=1e-10,
         max_nfev=LARGEST_EVALUATIONS,
     )
-    fit(found.x)
+    fit(solution.x)
     return {
-        side: _synthesis(pair, part, found.x[fit.columns(k)])
+        side: _synthesis(pair, part, solution.x[fit.columns(k)])
         for k, (part, (side, (pair, _, _))) in enumerate(zip(fit.parts, sides.items(), strict=True))
     }
 

@@ -287,8 +287,8 @@ class EdgeRadiusLimits:
     def shift(self) -> Array:
         """Shares of both members in the approach that takes up the backlash at the toe (2) [mm] (104, 105)."""
         p = self.proportions
-        own = np.array(p.number_of_teeth) * np.cos(np.array(p.pitch_angle)[::-1])
-        return np.asarray(self.slots.clearance_change[::-1] * own / own.sum())
+        weights = np.array(p.number_of_teeth) * np.cos(np.array(p.pitch_angle)[::-1])
+        return np.asarray(self.slots.clearance_change[::-1] * weights / weights.sum())
 
     @cached_property
     def interference_height(self) -> Array:
@@ -388,10 +388,10 @@ class TopLands:
     def pinion_thickness(self, pinion_distance: Array) -> Array:
         """Normal circular thicknesses of the pinion (...) [mm] at its cone distances (177)."""
         p, line, place = self.line.proportions, self.line, self.line.on_gear(pinion_distance)
-        own = pinion_distance * np.cos(line.pinion_spiral(place))
+        lever = pinion_distance * np.cos(line.pinion_spiral(place))
         heel = line.pinion_places[2]
         outer = heel * math.cos(float(line.pinion_spiral(line.on_gear(np.asarray(heel)))))
-        play = own / outer * self.slots.backlash / math.cos(p.half_included_angle)
+        play = lever / outer * self.slots.backlash / math.cos(p.half_included_angle)
         return np.asarray(line.gear_dedendum(place) * p.taper + self.slots.gear_width(place) - play)
 
     def gear_thickness(self, gear_distance: Array) -> Array:

@@ -209,7 +209,7 @@ def fit_pinion(
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A straight blade has no radius: begin a little curved.
     curved = np.array([name in CURVATURE_STEPS for name in names])
-    found = least_squares(
+    solution = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
         # From the conjugate pinion the valley is flat: the shipped cases' settings are those that differences end at.
@@ -222,9 +222,9 @@ def fit_pinion(
         gtol=1e-12,
         max_nfev=60,
     )
-    values, surface = fit.settings(found.x), fit.surface(found.x)
+    values, surface = fit.settings(solution.x), fit.surface(solution.x)
     moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
-    left = 1e-3 * fit(found.x)[: fit.lever.size]
+    left = 1e-3 * fit(solution.x)[: fit.lever.size]
     # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
     fresh = exact_ease_off(gear, surface, pinion.section, pair.assembly)
     if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):

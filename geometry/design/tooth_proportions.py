@@ -185,14 +185,14 @@ def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
 
 def _angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
     """Angles of the loaded and of the other flank at a cone distance."""
-    found = []
+    angles = []
     for surface in (member.loaded, member.from_opposite.loaded):
         flank = solve_flank(surface, member.section, *member.section.on_pitch_cone(distance)[:, None])
         position, normal = flank.position[:, 0], flank.normal[:, 0]
         if not np.all(np.isfinite(position)):
             raise GeometryError("a flank does not pass through the mean point of its blank")
-        found.append(angles_of_normal(position, normal, member.section.pitch_angle, surface.hand))
-    return found[0], found[1]
+        angles.append(angles_of_normal(position, normal, member.section.pitch_angle, surface.hand))
+    return angles[0], angles[1]
 
 
 def _cutter_radius(surface: GeneratingSurface, height: float) -> float:

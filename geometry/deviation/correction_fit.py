@@ -70,21 +70,21 @@ class SetUpFit:
     def unknowns(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
         """Name of each unknown, and the numbers of the flanks that it belongs to."""
         every = tuple(range(len(self.flanks)))
-        own = {name: [(one,) for one in every] if name in BLADE_SETTINGS else [every] for name in self.names}
-        return tuple((name, flanks) for name, groups in own.items() for flanks in groups)
+        flank_groups = {name: [(one,) for one in every] if name in BLADE_SETTINGS else [every] for name in self.names}
+        return tuple((name, flanks) for name, groups in flank_groups.items() for flanks in groups)
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Name of each unknown; of a blade with its flank, as ``point_radius.concave``, if there are two."""
         return tuple(
-            name if len(own) == len(self.flanks) else f"{name}.{side(self.flanks[own[0]].surface)}"
-            for name, own in self.unknowns
+            name if len(flanks) == len(self.flanks) else f"{name}.{side(self.flanks[flanks[0]].surface)}"
+            for name, flanks in self.unknowns
         )
 
     @cached_property
     def start(self) -> Array:
         """Designed value of each unknown (m) [mm, rad or per radian]."""
-        return np.array([get_setting(self.flanks[own[0]].surface, name) for name, own in self.unknowns])
+        return np.array([get_setting(self.flanks[flanks[0]].surface, name) for name, flanks in self.unknowns])
 
     @cached_property
     def scale(self) -> Array:
@@ -94,8 +94,8 @@ class SetUpFit:
     def surface(self, flank: int, steps: Array) -> GeneratingSurface:
         """Surface of a flank at steps (m) from the design."""
         values = self.start + self.scale * steps
-        own = {name: float(v) for (name, flanks), v in zip(self.unknowns, values, strict=True) if flank in flanks}
-        return with_settings(self.flanks[flank].surface, own)
+        settings = {name: float(v) for (name, flanks), v in zip(self.unknowns, values, strict=True) if flank in flanks}
+        return with_settings(self.flanks[flank].surface, settings)
 
     def form(self, values: Sequence[Array]) -> Array:
         """Deviations of all flanks (n) [mm] less the rotation that fits them best."""
@@ -111,10 +111,10 @@ class SetUpFit:
         surfaces = [self.surface(number, steps) for number in range(len(self.flanks))]
         turns = np.array([flank.turn(s) for flank, s in zip(self.flanks, surfaces, strict=True)])
         turns = np.full(turns.shape, np.mean(turns)) if self.one_rotation else turns
-        held = np.array(self.position or np.zeros(turns.size))
+        position = np.array(self.position or np.zeros(turns.size))
         for _ in range(TURNS):
             values = [flank.distance(s, turn) for flank, s, turn in zip(self.flanks, surfaces, turns, strict=True)]
-            turns = turns + np.array(rotations(self.flanks, values, self.one_rotation)) - held
+            turns = turns + np.array(rotations(self.flanks, values, self.one_rotation)) - position
         return self.form(values)
 
     @cached_property
@@ -154,9 +154,9 @@ class SetUpFit:
         in_all = np.sqrt(np.arange(parts.size, 0, -1))  # of the combinations from each one on
         least, most = (share * float(np.linalg.norm(target)) for share in (LEAST_GIVEN_UP, GIVEN_UP))
         given_up = np.sqrt(np.cumsum(parts[::-1] ** 2)[::-1])
-        found = self.determined.copy()
-        found[found] = given_up > np.clip(SCATTER_SHARE * scatter * in_all, least, most)
-        return found
+        combinations = self.determined.copy()
+        combinations[combinations] = given_up > np.clip(SCATTER_SHARE * scatter * in_all, least, most)
+        return combinations
 
     def condition(self, target: Array) -> float:
         """Greatest over least effect of what a departure (n) takes; infinite if nothing is."""
@@ -166,12 +166,12 @@ class SetUpFit:
     def loose(self) -> tuple[LooseCombination, ...]:
         """The combinations that are not determined."""
         values, ways = self.effects
-        found = []
+        combinations = []
         for number in np.flatnonzero(~self.determined):
             share = np.abs(ways[:, number])
             names = tuple(self.keys[i] for i in np.argsort(-share) if share[i] >= min(NAMED_SHARE, share.max()))
-            found.append(LooseCombination(names, float(values[number])))
-        return tuple(found)
+            combinations.append(LooseCombination(names, float(values[number])))
+        return tuple(combinations)
 
     def root_change(self, flank: int, steps: Array) -> Array:
         """By how much the blade's tip moves off the root cone at toe, middle and heel (3) [mm]; NaN where unknown."""
@@ -185,11 +185,11 @@ class SetUpFit:
 
     def steps(self, target: Array) -> Array:
         """Small steps (m) whose departure is nearest to a measured one (n) [mm], see ``needed``."""
-        found = self._nearest(target, np.zeros(len(self.unknowns)))
-        ways, change = self.effects[1][:, ~self.determined], self._root_changes(found)
+        steps = self._nearest(target, np.zeros(len(self.unknowns)))
+        ways, change = self.effects[1][:, ~self.determined], self._root_changes(steps)
         known = np.isfinite(change)
         if not ways.size or not np.any(known):
-            return found
+            return steps
         pairs = [(self._root_changes(DIFFERENCE * way), self._root_changes(-DIFFERENCE * way)) for way in ways.T]
         slopes = np.stack([(ahead - behind)[known] for ahead, behind in pairs], axis=1) / (2.0 * DIFFERENCE)
         left, sizes, right = np.linalg.svd(np.nan_to_num(slopes), full_matrices=False)
@@ -217,10 +217,10 @@ class SetUpFit:
 
         start = np.zeros(ways.shape[1])
         differences = np.full(start.size, DIFFERENCE)
-        found = least_squares(
+        solution = least_squares(
             residual, start, x_scale=1.0, diff_step=differences, xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=40
         )
-        return np.asarray(loose + ways @ found.x)
+        return np.asarray(loose + ways @ solution.x)
 
     def rounded(self, steps: Array) -> Array:
         """Steps (m) to settings that the machine can be set to.
@@ -228,16 +228,16 @@ class SetUpFit:
         One setting after the other is rounded, first the one whose resolution the flanks feel most; the others make up
         for it.
         """
-        found = np.array(steps, dtype=float)
+        rounded_steps = np.array(steps, dtype=float)
         resolutions = [setting_step(name) for name, _ in self.unknowns]
         felt = np.linalg.norm(self.slopes, axis=0) * [r.step / r.factor for r in resolutions] / self.scale
         order = [int(number) for number in np.argsort(-felt)]
         for place, number in enumerate(order):
-            exact = self.start[number] + self.scale[number] * found[number]
+            exact = self.start[number] + self.scale[number] * rounded_steps[number]
             moved = (resolutions[number].rounded(float(exact)) - exact) / self.scale[number]
-            found[number] += moved
+            rounded_steps[number] += moved
             rest = order[place + 1 :]
             if rest:
                 effect = -self.slopes[:, number] * moved
-                found[rest] += np.linalg.lstsq(self.slopes[:, rest], effect, rcond=REFIT_SHARE)[0]
-        return found
+                rounded_steps[rest] += np.linalg.lstsq(self.slopes[:, rest], effect, rcond=REFIT_SHARE)[0]
+        return rounded_steps

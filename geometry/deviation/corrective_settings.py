@@ -203,7 +203,7 @@ def corrective_settings(
     require_movable(member.loaded, names)
     measured = [(member, deviation), *([] if opposite is None else [(member.from_opposite, opposite)])]
     fit, steps, before, cut = _fit(measured, names, thickness)
-    target = np.concatenate([v[own] for v, own in zip(before, cut, strict=True)])
+    target = np.concatenate([v[kept] for v, kept in zip(before, cut, strict=True)])
     to_set = fit.rounded(-steps) if rounded else -steps
     left = target - fit.departure(steps) + fit.departure(steps + to_set)
     if np.nansum(left**2) >= np.sum(target[np.isfinite(left)] ** 2):  # rounding changes more than there is to correct
@@ -213,13 +213,13 @@ def corrective_settings(
         CorrectedFlank(
             seen,
             fit.surface(number, to_set),
-            own,
-            form.reshape(own.value.shape),
-            _on_grid(linear, kept).reshape(own.value.shape),
-            _on_grid(after, kept).reshape(own.value.shape),
+            measurement,
+            form.reshape(measurement.value.shape),
+            _on_grid(linear, kept).reshape(measurement.value.shape),
+            _on_grid(after, kept).reshape(measurement.value.shape),
             fit.root_change(number, to_set),
         )
-        for number, ((seen, own), form, kept, linear, after) in enumerate(
+        for number, ((seen, measurement), form, kept, linear, after) in enumerate(
             zip(measured, before, cut, *stages, strict=True)
         )
     )
@@ -246,25 +246,25 @@ def _fit(
     A point that the flank with the errors found does not have (undercut, beyond the blade) is left out, and the errors
     are found anew.
     """
-    recut = [RecutFlank.of(member, own.axial, own.radial) for member, own in measured]
+    recut = [RecutFlank.of(member, deviation.axial, deviation.radial) for member, deviation in measured]
     values, together = _measured_values(measured, recut, thickness), thickness is not None
     cut = [np.ones(v.size, dtype=bool) for v in values]
     while True:
-        flanks = tuple(flank.at(own) for flank, own in zip(recut, cut, strict=True))
-        found = [v[own] for v, own in zip(values, cut, strict=True)]
-        fit = SetUpFit(flanks, names, together, rotations(flanks, found, together))
+        flanks = tuple(flank.at(mask) for flank, mask in zip(recut, cut, strict=True))
+        deviations = [v[mask] for v, mask in zip(values, cut, strict=True)]
+        fit = SetUpFit(flanks, names, together, rotations(flanks, deviations, together))
         known = np.all(np.isfinite(fit.slopes), axis=1)
         if np.all(known):
-            steps = fit.steps(fit.form(found))
+            steps = fit.steps(fit.form(deviations))
             known = np.isfinite(fit.departure(steps))
             if np.all(known):
                 form = [v - f.lever * turn for v, f, turn in zip(values, recut, fit.position, strict=True)]
                 return fit, steps, form, cut
-        for flank, own, kept in zip(recut, cut, fit.split(known), strict=True):
-            own[own] = kept
-            if np.mean(own) < 1.0 - MISSING_LIMIT:
+        for flank, mask, kept in zip(recut, cut, fit.split(known), strict=True):
+            mask[mask] = kept
+            if np.mean(mask) < 1.0 - MISSING_LIMIT:
                 raise GeometryError(
-                    f"{side(flank.surface)} flank: settings near the design do not cut {np.sum(~own)} of {own.size} "
+                    f"{side(flank.surface)} flank: settings near the design do not cut {np.sum(~mask)} of {mask.size} "
                     f"measured points; must be at most {100.0 * MISSING_LIMIT:g} %. Free others than "
                     f"{', '.join(names)}, or check the deviations"
                 )
@@ -272,9 +272,9 @@ def _fit(
 
 def _on_grid(values: Array, cut: NDArray[np.bool_]) -> Array:
     """Values of the points that are cut as those of all points (n); NaN elsewhere."""
-    found = np.full(cut.shape, np.nan)
-    found[cut] = values
-    return found
+    grid = np.full(cut.shape, np.nan)
+    grid[cut] = values
+    return grid
 
 
 def _measured_values(

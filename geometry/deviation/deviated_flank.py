@@ -74,8 +74,8 @@ class DeviatedFlank(GeneratingSurface):
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)
-        own, mixed = ([dot(tangent, other) for other in stretched] for tangent in tangents)
-        first, second = cramers_rule(own, mixed, climbs)
+        products, mixed = ([dot(tangent, other) for other in stretched] for tangent in tangents)
+        first, second = cramers_rule(products, mixed, climbs)
         lean = first * tangents[0] + second * tangents[1]
         return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), coordinate
 
@@ -87,8 +87,8 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
     if deviation.section != member.section:
         raise InputError("deviation: must have the section of this member; it was made for another blank")
     surface = member.loaded.designed
-    own = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
-    return replace(member, loaded=DeviatedFlank(**own, deviation=deviation))
+    attributes = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
+    return replace(member, loaded=DeviatedFlank(**attributes, deviation=deviation))
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
@@ -118,10 +118,10 @@ class RecutFlank:
     def at(self, chosen: NDArray[np.bool_]) -> RecutFlank:
         """The same flank at some of the points (n)."""
         flank = self.flank
-        own = {
+        arrays = {
             field.name: getattr(flank, field.name)[..., chosen] for field in fields(Flank) if field.name != "surface"
         }
-        return replace(self, target=self.target[:, chosen], flank=replace(flank, **own))
+        return replace(self, target=self.target[:, chosen], flank=replace(flank, **arrays))
 
     @cached_property
     def lever(self) -> Array:
@@ -133,14 +133,14 @@ class RecutFlank:
     def _parts(self) -> tuple[tuple[GeneratingSurface, NDArray[np.bool_]], ...]:
         """Parts of the flank that have points, and which ones (n)."""
         owned = [(part, self.flank.part == number) for number, part in enumerate(self.surface.flank_parts)]
-        return tuple((part, own) for part, own in owned if np.any(own))
+        return tuple((part, mask) for part, mask in owned if np.any(mask))
 
     @cached_property
     def _orientation(self) -> Array:
         """Signs of the side of the surface that is the flank (n): on the other one it is undercut."""
         sign = np.empty(self.lever.shape)
-        for part, own in self._parts:
-            sign[own] = np.sign(part.orientation(self.flank.parameters[:, own]))
+        for part, mask in self._parts:
+            sign[mask] = np.sign(part.orientation(self.flank.parameters[:, mask]))
         return sign
 
     def turn(self, surface: GeneratingSurface) -> float:
@@ -149,11 +149,13 @@ class RecutFlank:
         From points with the same axial and radial coordinates, weighted by their lever arms.
         """
         around = np.full(self.lever.shape, np.nan)
-        for part, own in self._parts:
+        for part, mask in self._parts:
             moved = surface.on(part.part)
-            found = solve(moved.axial_and_radial, self.flank.parameters[:, own], self.target[:, own], moved.max_step)
-            position = moved.evaluate(found.parameters)[0]
-            around[own] = np.where(found.converged, np.arctan2(position[1], position[0]), np.nan)
+            solution = solve(
+                moved.axial_and_radial, self.flank.parameters[:, mask], self.target[:, mask], moved.max_step
+            )
+            position = moved.evaluate(solution.parameters)[0]
+            around[mask] = np.where(solution.converged, np.arctan2(position[1], position[0]), np.nan)
         ahead = around - np.arctan2(self.flank.position[1], self.flank.position[0])
         ahead = np.mod(ahead + np.pi, 2.0 * np.pi) - np.pi
         weight = np.where(np.isfinite(ahead), self.lever**2, 0.0)
@@ -167,13 +169,13 @@ class RecutFlank:
         """
         ahead = np.full(self.lever.shape, self.turn(surface) if turn is None else turn)
         position, normal = rotate_z(ahead, self.flank.position), rotate_z(ahead, self.flank.normal)
-        found = np.full(ahead.shape, np.nan)
-        for part, own in self._parts:
-            start = self.flank.parameters[:, own]
-            distance, points = normal_distance(surface.on(part.part), position[:, own], normal[:, own], start)
-            usable = (points.orientation * self._orientation[own] > 0.0) & (np.abs(distance) <= DEVIATION_LIMIT)
-            found[own] = np.where(usable, distance, np.nan)
-        return found
+        distances = np.full(ahead.shape, np.nan)
+        for part, mask in self._parts:
+            start = self.flank.parameters[:, mask]
+            distance, points = normal_distance(surface.on(part.part), position[:, mask], normal[:, mask], start)
+            usable = (points.orientation * self._orientation[mask] > 0.0) & (np.abs(distance) <= DEVIATION_LIMIT)
+            distances[mask] = np.where(usable, distance, np.nan)
+        return distances
 
     def displacement(self, surface: GeneratingSurface) -> Array:
         """Distance (n) [mm] to first order in the change of the settings, not turned back.
@@ -182,9 +184,9 @@ class RecutFlank:
         of second order for the distance.
         """
         moved = np.empty(self.lever.shape)
-        for part, own in self._parts:
-            position = surface.on(part.part).evaluate(self.flank.parameters[:, own])[0]
-            moved[own] = dot(position - self.flank.position[:, own], self.flank.normal[:, own])
+        for part, mask in self._parts:
+            position = surface.on(part.part).evaluate(self.flank.parameters[:, mask])[0]
+            moved[mask] = dot(position - self.flank.position[:, mask], self.flank.normal[:, mask])
         return moved
 
 

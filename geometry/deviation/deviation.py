@@ -144,8 +144,8 @@ class GridSpline:
         jacobian = np.stack([corners[1, 0, :2], corners[0, 1, :2]], axis=1)
         point = 0.5 + np.linalg.solve(jacobian, target - corners[0, 0, :2, None])
         for _ in range(LOCATING_STEP_LIMIT):
-            here = self._derivatives(point, 1)
-            step = cramers_rule(here[1, 0, :2], here[0, 1, :2], target - here[0, 0, :2])
+            table = self._derivatives(point, 1)
+            step = cramers_rule(table[1, 0, :2], table[0, 1, :2], target - table[0, 0, :2])
             point = point + step / np.maximum(1.0, np.abs(step) / 0.5)
             if np.max(np.abs(np.nan_to_num(step)), initial=0.0) < 1e-12:
                 break
@@ -175,15 +175,15 @@ class GridSpline:
 
     def _settled(self, point: Array, component: int, bounds: Array, fading: float) -> Array:
         """A component and its derivatives (3, 3, n) by grid coordinates (2, n), settling beyond bounds (2, 2)."""
-        held, first, second = point.copy(), np.ones_like(point), np.zeros_like(point)
+        place, first, second = point.copy(), np.ones_like(point), np.zeros_like(point)
         for axis, (lower, upper) in enumerate(bounds):
             for bound, sign in ((lower, -1.0), (upper, 1.0)):
                 beyond = np.maximum(sign * (point[axis] - bound), 0.0) / fading
                 settled, out = np.tanh(beyond), beyond > 0.0
-                held[axis, out] = bound + sign * fading * settled[out]
+                place[axis, out] = bound + sign * fading * settled[out]
                 first[axis, out] = 1.0 - settled[out] ** 2
                 second[axis, out] = -2.0 * sign / fading * settled[out] * first[axis, out]
-        table = self._derivatives(held, 2)[:, :, component]
+        table = self._derivatives(place, 2)[:, :, component]
         for axis in (0, 1):
             terms = np.moveaxis(table, axis, 0)
             terms[2] = terms[2] * first[axis] ** 2 + terms[1] * second[axis]
@@ -197,8 +197,8 @@ def smoothed(value: Array) -> Array:
     largest = [min(SPLINE_DEGREE, n - 1) for n in value.shape]
     orders = [(i, j) for i in range(largest[0] + 1) for j in range(min(SPLINE_DEGREE - i, largest[1]) + 1)]
     terms = np.stack([np.multiply.outer(along**i, up**j).ravel() for i, j in orders], axis=-1)
-    found, *_ = np.linalg.lstsq(terms, value.ravel(), rcond=None)
-    return np.asarray((terms @ found).reshape(value.shape))
+    coefficients, *_ = np.linalg.lstsq(terms, value.ravel(), rcond=None)
+    return np.asarray((terms @ coefficients).reshape(value.shape))
 
 
 Method = Literal["spline", "smooth", "weighted_average"]
@@ -407,18 +407,18 @@ def normal_distance(
     across = first, cross(normal, first)
 
     def derivatives(here: Array, active: NDArray[np.int64]) -> tuple[Array, Array]:
-        own = [direction[:, active] for direction in across]
+        directions = [direction[:, active] for direction in across]
         point, slopes = complex_steps(lambda p: surface.evaluate(p)[0], here)
         return (
-            np.stack([dot(direction, point) for direction in own]),
-            np.stack([np.stack([dot(direction, slope) for direction in own]) for slope in slopes]),
+            np.stack([dot(direction, point) for direction in directions]),
+            np.stack([np.stack([dot(direction, slope) for direction in directions]) for slope in slopes]),
         )
 
     target = np.stack([dot(direction, position) for direction in across])
-    found = solve_by(derivatives, start, target, surface.max_step)
+    solution = solve_by(derivatives, start, target, surface.max_step)
     with np.errstate(all="ignore"):
-        points = SurfacePoints.of(surface, found.parameters)
-    usable = found.converged & (dot(points.normal, normal) > 0.0)
+        points = SurfacePoints.of(surface, solution.parameters)
+    usable = solution.converged & (dot(points.normal, normal) > 0.0)
     return np.where(usable, dot(points.position - position, normal), np.nan), points
 
 

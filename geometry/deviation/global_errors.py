@@ -103,10 +103,10 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     fractions = deviation.section.fractions(deviation.axial, deviation.radial)
     terms = _terms(*fractions)
     value = 1e3 * deviation.value
-    found, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
-    residual = value - terms @ found
+    errors, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
+    residual = value - terms @ errors
     return GlobalErrorFit(
-        GlobalErrors(*(float(v) for v in found)),
+        GlobalErrors(*(float(v) for v in errors)),
         residual,
         float(np.std(value)),
         float(np.sqrt(np.mean(residual**2))),

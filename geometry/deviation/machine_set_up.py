@@ -80,12 +80,12 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
 def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     """Settings of a surface that can be moved, but for its higher-order motions; a Formate flank has no roll."""
     hobbed, rolled = surface.settings.indexing_ratio != 0.0, surface.settings.generated
-    found = [name for name in BLADE_SETTINGS if hobbed or name not in ("rake_angle", "hook_angle")]
+    names = [name for name in BLADE_SETTINGS if hobbed or name not in ("rake_angle", "hook_angle")]
     tilted = surface.settings.cutter_tilt != 0.0
     for name in MACHINE_STEPS:
         if (rolled or name != "ratio_of_roll") and (tilted or name not in TILTS):
-            found.append(name)
-    return (*found, *MODIFIED_ROLL_ORDERS) if rolled else tuple(found)
+            names.append(name)
+    return (*names, *MODIFIED_ROLL_ORDERS) if rolled else tuple(names)
 
 
 def require_movable(surface: GeneratingSurface, names: Sequence[str]) -> None:

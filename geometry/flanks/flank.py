@@ -104,14 +104,14 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     candidates = np.flatnonzero(np.isfinite(mismatch))
     candidates = candidates[np.argsort(mismatch[candidates])[:24]]
     if candidates.size:
-        found = solve(
+        solution = solve(
             surface.axial_and_radial, lattice[:, candidates], np.repeat(target, candidates.size, 1), surface.max_step
         )
-        _, _, distance = surface.evaluate(found.parameters)
-        error = np.where(found.converged, np.abs(distance - expected), np.inf)
+        _, _, distance = surface.evaluate(solution.parameters)
+        error = np.where(solution.converged, np.abs(distance - expected), np.inf)
         best = int(np.argmin(error))
         if error[best] < 1.5 * depth:
-            parameters = _nearest_slot(surface, found.parameters[:, [best]])
+            parameters = _nearest_slot(surface, solution.parameters[:, [best]])
             parameters.setflags(write=False)  # remembered for the next caller
             return np.asarray(parameters)
     raise GeometryError(
@@ -154,14 +154,14 @@ class SeedLattice:
         if kept.size == 0:
             return self.points.at(np.zeros(target.shape[1], dtype=int)).moved(np.full(target.shape, np.nan))
         count = min(NEIGHBOURS, kept.size)
-        _, found = cKDTree(coordinates[:, kept].T).query(target.T, k=count)
-        found = kept[np.reshape(found, (target.shape[1], count))]
+        _, seeds = cKDTree(coordinates[:, kept].T).query(target.T, k=count)
+        seeds = kept[np.reshape(seeds, (target.shape[1], count))]
         middle = (SEEDS - 1) / 2.0
-        places = np.stack(np.divmod(found, SEEDS)) - middle
+        places = np.stack(np.divmod(seeds, SEEDS)) - middle
         apart = np.max(np.abs(places - places[:, :, :1]), axis=0)
         best = np.argmin(np.hypot(*places), axis=1)
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
-        return self.points.at(found[np.arange(found.shape[0]), choice])
+        return self.points.at(seeds[np.arange(seeds.shape[0]), choice])
 
     def strayed(self, start: Array, found: Array) -> NDArray[np.bool_]:
         """True for solutions (2, n) so far from their starts (2, n) that they belong to another sheet."""
@@ -298,13 +298,15 @@ def _solve_part(surface: GeneratingSurface, section: BlankSection, target: Array
     """The surface that one section of the blade cuts, at all nodes, with a status for each."""
     seeds = seed_lattice(surface, section)
     start = seeds.nearest(axial_and_radial(seeds.points)[0], seeds.side, target)
-    points, found = points_at(axial_and_radial, surface, start, target)
+    points, solution = points_at(axial_and_radial, surface, start, target)
     position, normal, distance = points.position, points.normal, points.coordinate
     side = points.orientation * seeds.orientation
     status = np.full(target.shape[1], NodeStatus.INSIDE, dtype=np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~(side > 0.0)] = NodeStatus.UNDERCUT
-    status[~found.converged | seeds.strayed(start.parameters, found.parameters)] = NodeStatus.NO_SOLUTION
+    status[~solution.converged | seeds.strayed(start.parameters, solution.parameters)] = NodeStatus.NO_SOLUTION
     unusable = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     position, normal = np.where(unusable, np.nan, position), np.where(unusable, np.nan, normal)
-    return Flank(surface, found.parameters, position, normal, distance, status, np.zeros(status.shape, dtype=np.int8))
+    return Flank(
+        surface, solution.parameters, position, normal, distance, status, np.zeros(status.shape, dtype=np.int8)
+    )

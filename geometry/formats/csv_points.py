@@ -66,15 +66,15 @@ def parsed(content: str, source: str) -> xr.Dataset:
 
 
 def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
-    found = cells(line, mark)
-    if len(found) != len(heading):
-        hint = "; with decimal commas, separate the columns by semicolons" if len(found) > len(heading) else ""
+    entries = cells(line, mark)
+    if len(entries) != len(heading):
+        hint = "; with decimal commas, separate the columns by semicolons" if len(entries) > len(heading) else ""
         raise InputError(
-            f"{where}: {excerpt(line)}: {len(found)} values, expected {len(heading)} ({','.join(heading)}){hint}"
+            f"{where}: {excerpt(line)}: {len(entries)} values, expected {len(heading)} ({','.join(heading)}){hint}"
         )
-    row, column = (_read(int, where, name, cell) for name, cell in zip(heading[1:3], found[1:3], strict=True))
-    values = [_read(float, where, name, cell) for name, cell in zip(heading[3:], found[3:], strict=True)]
-    one_of(f"{where}: flank", found[0], ("concave", "convex"))
+    row, column = (_read(int, where, name, cell) for name, cell in zip(heading[1:3], entries[1:3], strict=True))
+    values = [_read(float, where, name, cell) for name, cell in zip(heading[3:], entries[3:], strict=True)]
+    one_of(f"{where}: flank", entries[0], ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     for name, number in (("row", row), ("column", column)):
@@ -84,8 +84,8 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
     if max(map(abs, values[:6])) > COORDINATE_LIMIT:
         raise InputError(f"{where}: every coordinate must be at most {COORDINATE_LIMIT:g} mm")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: normal = ({', '.join(found[6:9])}): must be of length 1")
-    return (found[0], row, column), values
+        raise InputError(f"{where}: normal = ({', '.join(entries[6:9])}): must be of length 1")
+    return (entries[0], row, column), values
 
 
 def _read(kind: Callable[[str], Number], where: str, name: str, cell: str) -> Number:

@@ -59,15 +59,15 @@ def parsed(content: str, source: str) -> xr.Dataset:
             unit = rest.split(",")[0].strip().upper()
             one_of(f"{where}: UNITS", unit, UNIT_LENGTHS)
             scale = UNIT_LENGTHS[unit]
-        found = FEATURE_PATTERN.fullmatch(line)
-        if found is None:
+        match = FEATURE_PATTERN.fullmatch(line)
+        if match is None:
             continue
         if scale is None:
             raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
-        kind, label = found[1].upper(), found[2].strip().upper()
-        if found[3].upper() != "CART":
+        kind, label = match[1].upper(), match[2].strip().upper()
+        if match[3].upper() != "CART":
             raise InputError(
-                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {found[3]} coordinates: only CART is read"
+                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {match[3]} coordinates: only CART is read"
             )
         index = LABEL_PATTERN.search(label[:LABEL_LENGTH_LIMIT])
         if index is None:
@@ -75,7 +75,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
                 f"{where}: label = {excerpt(label)}: must tell flank, row and column, as CONCAVE_R1_C1 does"
             )
         key = (index[1].lower(), int(index[2]), int(index[3]))
-        values = _numbers(found[4], scale, where)
+        values = _numbers(match[4], scale, where)
         # A program defines a point, and its results put it out again.
         if features[kind].setdefault(key, values) != values:
             raise InputError(f"{where}: a second {kind}({label[:LABEL_LENGTH_LIMIT]}), other than the first")

@@ -139,12 +139,12 @@ def cmm_points(
     for share in ROOT_MARGIN_SHARES:
         margins = given.of(member.section, share)
         axial, radial = _grid(member.section, margins, rows, columns)
-        found = [flanks[name].at(axial, radial) for name in names]
-        if given.root is not None or all(np.all(flank.inside) for flank in found):
+        points = [flanks[name].at(axial, radial) for name in names]
+        if given.root is not None or all(np.all(flank.inside) for flank in points):
             break
-    for name, flank in zip(names, found, strict=True):
+    for name, flank in zip(names, points, strict=True):
         _check_measurable(name, flank, columns)
-    values = np.stack([np.stack([flank.position, flank.normal]).reshape(2, 3, rows, columns) for flank in found])
+    values = np.stack([np.stack([flank.position, flank.normal]).reshape(2, 3, rows, columns) for flank in points])
     grid = ("flank", "row", "column", "xyz")
     dataset = xr.Dataset(
         {
@@ -342,6 +342,6 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
 
 def require_units(dataset: xr.Dataset, name: str, units: str, source: Path | str) -> None:
     """Refuse a variable that says of itself to have other units."""
-    found = dataset[name].attrs.get("units", units)
-    if str(found) != units:
-        raise InputError(f"{source}: units of {name!r} = {shown(found)}: must be {units}")
+    unit = dataset[name].attrs.get("units", units)
+    if str(unit) != units:
+        raise InputError(f"{source}: units of {name!r} = {shown(unit)}: must be {units}")

@@ -42,10 +42,12 @@ def separator(line: str) -> str:
 
 def cells(line: str, mark: str) -> list[str]:
     """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point."""
-    found = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
-    while found and not found[-1]:
-        found.pop()
-    return found if mark == "," else [re.sub(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", cell) for cell in found]
+    entries = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
+    while entries and not entries[-1]:
+        entries.pop()
+    return (
+        entries if mark == "," else [re.sub(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", cell) for cell in entries]
+    )
 
 
 def excerpt(line: str) -> str:
@@ -65,9 +67,9 @@ def parted(content: str, source: str) -> tuple[Attributes, Lines]:
             if not colon:
                 raise InputError(f"{source}, line {number}: '# {said}': a comment must have the form '# key: value'")
             key, where = key.strip(), f"{source}, line {number}"
-            found = _attribute(key, value.strip(), where)
-            if attributes.setdefault(key, found) != found:
-                raise InputError(f"{where}: {key} = {found!r}: must be {attributes[key]!r}, as it is above")
+            attribute = _attribute(key, value.strip(), where)
+            if attributes.setdefault(key, attribute) != attribute:
+                raise InputError(f"{where}: {key} = {attribute!r}: must be {attributes[key]!r}, as it is above")
         elif line.strip(' \t;,"'):
             lines.append((number, line))
     if not lines:

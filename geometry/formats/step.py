@@ -210,9 +210,9 @@ def spline(points: Array) -> tuple[Array, list[Array], tuple[int, int]]:
     for axis in (0, 1):
         count = points.shape[axis]
         degree = min(3, count - 1)
-        found = make_interp_spline(np.linspace(0.0, 1.0, count), poles, k=degree, axis=axis)
-        poles = np.moveaxis(found.c, 0, axis)  # scipy keeps the spline's own axis first
-        knots.append(found.t)
+        curve = make_interp_spline(np.linspace(0.0, 1.0, count), poles, k=degree, axis=axis)
+        poles = np.moveaxis(curve.c, 0, axis)  # scipy keeps the spline's own axis first
+        knots.append(curve.t)
         degrees.append(degree)
     return poles, knots, (degrees[0], degrees[1])
 

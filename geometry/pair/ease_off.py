@@ -135,9 +135,9 @@ def exact_ease_off(
         on_part = replace(motion, surface=part)
         seeds = seed_lattice(part, pinion_section)
         start, sheet = _starts(on_part, seeds, target)
-        points, found = points_at(on_part.conjugate_place, part, start, target)
-        sought = (_sheet(found.jacobian) == sheet) & ~seeds.strayed(start.parameters, found.parameters)
-        solved = found.converged & usable & sought
+        points, solution = points_at(on_part.conjugate_place, part, start, target)
+        sought = (_sheet(solution.jacobian) == sheet) & ~seeds.strayed(start.parameters, solution.parameters)
+        solved = solution.converged & usable & sought
         surfaces.append(classified(on_part, pinion_section, gear, points, solved, seeds.orientation))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
     result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
@@ -157,14 +157,14 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float,
     """
     target, usable = _targets(gear)
     with np.errstate(all="ignore"):
-        points, found = points_at(
+        points, solution = points_at(
             motion.conjugate_place, motion.surface, SurfacePoints.of(motion.surface, start), target
         )
-        point, _ = motion.conjugate_gear(found.parameters)
+        point, _ = motion.conjugate_gear(solution.parameters)
         valid_side = points.orientation * side > 0.0
-        valid_side &= _sheet(found.jacobian) == sheet
-    known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
-    return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
+        valid_side &= _sheet(solution.jacobian) == sheet
+    known = usable & solution.converged & np.all(np.isfinite(point), axis=0) & valid_side
+    return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), solution.parameters
 
 
 def _targets(gear: Flank) -> tuple[Array, NDArray[np.bool_]]:
@@ -345,20 +345,20 @@ def drift(ease_off: EaseOff) -> Drift:
 
     def on_part(surface: GeneratingSurface, parameters: Array) -> Array:
         motion = replace(ease_off.motion, surface=surface)
-        own, own_normal, _ = surface.evaluate(parameters)
-        position, normal = motion.turned(*motion.assembly.pinion_to_global(own, own_normal), rotations)
+        points, own_normal, _ = surface.evaluate(parameters)
+        position, normal = motion.turned(*motion.assembly.pinion_to_global(points, own_normal), rotations)
         relative = position - column(motion.assembly.gear_origin, position)
         lever = np.abs(relative[0] * normal[1] - relative[1] * normal[0])
-        radial = np.hypot(own[0], own[1])
-        return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
+        radial = np.hypot(points[0], points[1])
+        return np.stack([points[2], radial, lever, *ease_off.pinion_section.fractions(points[2], radial)])
 
     with np.errstate(all="ignore"):
         parts, both = ease_off.motion.surface.flank_parts, ease_off.pinion_passing.swapaxes(0, 1).reshape(2, -1)
         shown = on_parts(parts, np.tile(ease_off.part, 2), both, on_part).reshape(5, 2, -1)
         before, after = shown[:, 0], shown[:, 1]
-        here = np.stack([ease_off.pinion_lengthwise, ease_off.pinion_profile])
+        fractions = np.stack([ease_off.pinion_lengthwise, ease_off.pinion_profile])
         rates = (after - before) / (2.0 * SKEW_STEP)
-        bends = (after[3:] - 2.0 * here + before[3:]) / SKEW_STEP**2
+        bends = (after[3:] - 2.0 * fractions + before[3:]) / SKEW_STEP**2
     missing = ~np.isfinite(ease_off.angle)
     rates[:, missing], bends[:, missing] = np.nan, np.nan
     return Drift(rates[0], rates[1], np.stack([rates[3], bends[0]]), np.stack([rates[4], bends[1]]), rates[2])

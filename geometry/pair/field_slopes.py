@@ -86,9 +86,9 @@ class _Fields:
 
     def __init__(self, geometry: PairGeometry) -> None:
         self.geometry = geometry
-        exact, told = geometry.exact, geometry.ease_off
-        angle = told["ease_off_angle"].transpose("lengthwise", "profile").values.ravel()
-        added = (angle + told.attrs["first_contact_rad"] - exact.angle) * exact.lever_arm
+        exact, dataset = geometry.exact, geometry.ease_off
+        angle = dataset["ease_off_angle"].transpose("lengthwise", "profile").values.ravel()
+        added = (angle + dataset.attrs["first_contact_rad"] - exact.angle) * exact.lever_arm
         # Without a modification nothing but rounding is left.
         self.added = np.where(np.abs(added) > 1e-12, added, 0.0)
         self.angle, self.inside = angle.reshape(geometry.nodes), exact.inside.reshape(geometry.nodes)
@@ -210,7 +210,7 @@ def held_point_slopes(
     """
     known = KnownPair(geometry)
     section = geometry.exact.pinion_section
-    found = np.zeros((4, *rotation.shape, len(settings)))
+    slopes = np.zeros((4, *rotation.shape, len(settings)))
 
     def stand(pair: GearPair) -> Array:
         there = known.motion(pair)
@@ -218,18 +218,18 @@ def held_point_slopes(
         def both(surface: GeneratingSurface, p: Array) -> Array:
             return np.concatenate(surface.evaluate(p)[:2])
 
-        own = on_parts(pair.pinion.loaded.flank_parts, pinion_part, pinion_parameters, both)
-        position, _ = there.turned(*pair.assembly.pinion_to_global(own[:3], own[3:]), rotation + there.center)
+        points = on_parts(pair.pinion.loaded.flank_parts, pinion_part, pinion_parameters, both)
+        position, _ = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
         x, y, z = position - pair.assembly.gear_origin.reshape(3, 1)
-        fractions = section.fractions(own[2], np.hypot(own[0], own[1]))
+        fractions = section.fractions(points[2], np.hypot(points[0], points[1]))
         return np.stack([z, np.hypot(x, y), *fractions])
 
     for number, setting in enumerate(settings):
         if setting.of not in ("modification", "gear"):
             step = STEP_SHARE * setting.scale
             pairs = at_places(setting, geometry.pair, step)
-            found[..., number] = rate([stand(pair) for pair in pairs], step)
-    return found[:2], found[2:]
+            slopes[..., number] = rate([stand(pair) for pair in pairs], step)
+    return slopes[:2], slopes[2:]
 
 
 def _of_gear(known: KnownPair, pairs: Sequence[GearPair], step: float, gear: Flank) -> Array:
@@ -250,8 +250,8 @@ def _of_pinion(
         def both(surface: GeneratingSurface, p: Array) -> Array:
             return np.concatenate(surface.evaluate(p)[:2])
 
-        own = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
-        turned = there.turned(*pair.assembly.pinion_to_global(own[:3], own[3:]), rotation + there.center)
+        points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
+        turned = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
         return turned[0] - pair.assembly.gear_origin.reshape(3, 1), turned[1], there.center
 
     position, normal, _ = from_gear(known.geometry.pair)

@@ -361,15 +361,15 @@ class PairGeometry:
         GeometryError
             If a cutter meets no tooth of its blank, or the flanks do not meet.
         """
-        own = self.members
+        old_members = self.members
         pinion, gear = (
-            flank if member.loaded == before.loaded else member.flank(own.lengthwise, own.profile)
+            flank if member.loaded == before.loaded else member.flank(old_members.lengthwise, old_members.profile)
             for member, before, flank in (
-                (pair.pinion, self.pair.pinion, own.pinion),
-                (pair.gear, self.pair.gear, own.gear),
+                (pair.pinion, self.pair.pinion, old_members.pinion),
+                (pair.gear, self.pair.gear, old_members.gear),
             )
         )
-        members = MemberGeometry(own.lengthwise, own.profile, pinion, gear, own.bodies)
+        members = MemberGeometry(old_members.lengthwise, old_members.profile, pinion, gear, old_members.bodies)
         return _in_mesh(pair, members, _exact_ease_off(pair, gear))
 
 

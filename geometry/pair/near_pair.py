@@ -184,8 +184,8 @@ class KnownPair:
         known = np.isfinite(exact.angle)
         sides = []
         for number, part in enumerate(exact.motion.surface.flank_parts):
-            own = known & (exact.part == number)
-            values = part.orientation(exact.pinion_parameters[:, own]) if np.any(own) else np.ones(1)
+            mask = known & (exact.part == number)
+            values = part.orientation(exact.pinion_parameters[:, mask]) if np.any(mask) else np.ones(1)
             sides.append(float(np.sign(np.median(values))))
         return sides
 
@@ -218,7 +218,7 @@ class KnownPair:
         return replace(motion, surface=pair.pinion.loaded.on("profile"), center=center)
 
     def _with_pinion(self, pairs: Sequence[GearPair], step: float) -> list[EaseOff]:
-        known, held = self.exact, self.exact.pinion_parameters
+        known, pinion_parameters = self.exact, self.exact.pinion_parameters
         motions = [self.motion(pair) for pair in pairs]
 
         def place(motion: ConjugateMotion) -> Array:
@@ -226,22 +226,22 @@ class KnownPair:
                 x, y, z = replace(motion, surface=surface).conjugate_gear(parameters)[0]
                 return np.stack([z, np.hypot(x, y)])
 
-            return on_parts(motion.surface.flank_parts, known.part, held, of_part)
+            return on_parts(motion.surface.flank_parts, known.part, pinion_parameters, of_part)
 
         with np.errstate(all="ignore"):
             first, second = self._pinion_slopes
             moved = -cramers_rule(first, second, rate([place(motion) for motion in motions], step))
         moved = np.where(np.isfinite(moved), moved, 0.0)
-        found = []
+        ease_offs = []
         for number, motion in zip(PLACES, motions, strict=True):
             each = []
             for part, side in zip(motion.surface.flank_parts, self._pinion_sides, strict=True):
-                points = SurfacePoints.of(part, held + number * step * moved)
+                points = SurfacePoints.of(part, pinion_parameters + number * step * moved)
                 solved = np.isfinite(known.angle)
                 section = known.pinion_section
                 each.append(classified(replace(motion, surface=part), section, self.gear, points, solved, side))
-            found.append(self._joined(motion, each))
-        return found
+            ease_offs.append(self._joined(motion, each))
+        return ease_offs
 
     def _joined(self, motion: ConjugateMotion, parts: list[EaseOff]) -> EaseOff:
         known = self.exact
@@ -271,13 +271,13 @@ class KnownPair:
             first, second = self._gear_slopes
             moved = -cramers_rule(first, second, rate([place(surface) for surface in surfaces], step))
         moved = np.where(np.isfinite(moved), moved, 0.0)
-        found = []
+        flanks = []
         for number, surface in zip(PLACES, surfaces, strict=True):
             parameters = known.parameters + number * step * moved
-            here = np.where(np.isfinite(known.position[0]), values(surface, parameters), np.nan)
-            flank = {"position": here[:3], "normal": here[3:6], "blade_distance": here[6]}
-            found.append(replace(known, surface=surface, parameters=parameters, **flank))
-        return found
+            points = np.where(np.isfinite(known.position[0]), values(surface, parameters), np.nan)
+            flank = {"position": points[:3], "normal": points[3:6], "blade_distance": points[6]}
+            flanks.append(replace(known, surface=surface, parameters=parameters, **flank))
+        return flanks
 
     def _facing(self, exact: EaseOff, gear: Flank) -> EaseOff:
         """The ease-off with another gear flank at the nodes."""

@@ -29,7 +29,7 @@ def unmet_tips(pair: GearPair) -> tuple[float, float]:
     t, half_way_and_tip = np.linspace(0.0, 1.0, TIP_NODES), np.array([0.5, 1.0])
     gear, section = pair.gear.flank(t, half_way_and_tip), pair.gear.section
     pinion_tip = pair.pinion.flank(t, np.ones(1))
-    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    ease_off = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     place = _conjugate_place(pair, pinion_tip)
     lengthwise, _ = section.fractions(*place)
     known = np.isfinite(lengthwise)
@@ -37,7 +37,7 @@ def unmet_tips(pair: GearPair) -> tuple[float, float]:
     if np.any(known):
         status[known] = solve_flank(pair.gear.loaded, section, *place[:, known]).status
     tip = slice(1, None, 2)
-    of_gear = _share(gear.status[tip], found.status[tip], found.pinion_lengthwise[tip])
+    of_gear = _share(gear.status[tip], ease_off.status[tip], ease_off.pinion_lengthwise[tip])
     return _share(pinion_tip.status, status, lengthwise), of_gear
 
 

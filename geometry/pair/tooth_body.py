@@ -127,8 +127,8 @@ def tooth_body(
     series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, LEGENDRE_ORDERS)
 
     def fit(values: Array) -> Array:
-        found = np.linalg.lstsq(series, values[usable], rcond=None)[0]
-        return np.asarray(found).reshape(LEGENDRE_ORDERS[0] + 1, LEGENDRE_ORDERS[1] + 1)
+        coefficients = np.linalg.lstsq(series, values[usable], rcond=None)[0]
+        return np.asarray(coefficients).reshape(LEGENDRE_ORDERS[0] + 1, LEGENDRE_ORDERS[1] + 1)
 
     # Normals of both flanks turned to azimuth zero, where they vary slowly.
     normal = rotate(Z_AXIS, -_azimuth(front), front.normal) - rotate(Z_AXIS, -_azimuth(back), back.normal)
@@ -195,8 +195,8 @@ def _plate(
     matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
     bulged = np.concatenate([matrix, (4.0 * up * (1.0 - up))[:, None] * np.stack([1 - along, along], axis=1)], axis=1)
     plate = np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
-    found = np.linalg.lstsq(bulged, thickness, rcond=None)[0]
-    fitted, bulge = np.reshape(found[:4], (2, 2)), np.maximum(found[4:], 0.0)
+    coefficients = np.linalg.lstsq(bulged, thickness, rcond=None)[0]
+    fitted, bulge = np.reshape(coefficients[:4], (2, 2)), np.maximum(coefficients[4:], 0.0)
     # A tooth that ends in a point keeps a plate with a narrow edge.
     for corners in (plate, fitted):
         corners[:, 1] = np.maximum(corners[:, 1], EDGE_THICKNESS_LIMIT * corners[:, 0])

@@ -80,29 +80,29 @@ def contradictions(pair: GearPair) -> list[str]:
 
     Pitch cones touch at the mean point, and teeth that mesh there have one normal module. Misalignment is not used.
     """
-    found = []
+    sentences = []
     assembly = pair.assembly
     distances, apart = _mean_point(pair)
     if not abs(apart) <= GAP_LIMIT * distances[1]:
         far = f"are {abs(apart):.2f} mm apart" if math.isfinite(apart) else "do not come near each other"
-        found.append(
+        sentences.append(
             f"the pitch cones of pinion and gear {far} in the middle of the face, where they should touch: check pitch "
             f"angles and apexes, shaft_angle = {math.degrees(assembly.shaft_angle):.6g} and hypoid_offset = "
             f"{assembly.hypoid_offset:.6g}"
         )
     try:
-        own, mate = (
+        module, mate = (
             2.0 * _normal_arc(member, _mean_flanks(member, distance)) / member.teeth
             for member, distance in zip((pair.pinion, pair.gear), distances, strict=True)
         )
     except GeometryError:
-        return found  # an analysis says so of the flanks
-    if abs(own - mate) > MODULE_LIMIT * max(own, mate):
-        found.append(
-            f"the mean normal module is {own:.3f} mm at the pinion and {mate:.3f} mm at the gear: check the tooth "
+        return sentences  # an analysis says so of the flanks
+    if abs(module - mate) > MODULE_LIMIT * max(module, mate):
+        sentences.append(
+            f"the mean normal module is {module:.3f} mm at the pinion and {mate:.3f} mm at the gear: check the tooth "
             "numbers, the pitch cones and the settings that make the spiral angles"
         )
-    return found
+    return sentences
 
 
 def mid_flank_thickness(member: Member, mean_normal_thickness: float, distance: float) -> float:

@@ -41,11 +41,11 @@ class PlacedFlank:
 
     def at(self, axial: Array, radial: Array) -> Flank:
         """The flank at axial and radial coordinates (n) [mm], turned to its tooth, in the member's frame."""
-        found = solve_flank(self.surface, self.section, axial, radial)
+        flank = solve_flank(self.surface, self.section, axial, radial)
         if self.rotation == 0.0:
-            return found
-        angle = np.full(found.position.shape[1], self.rotation)
-        return replace(found, position=rotate_z(angle, found.position), normal=rotate_z(angle, found.normal))
+            return flank
+        angle = np.full(flank.position.shape[1], self.rotation)
+        return replace(flank, position=rotate_z(angle, flank.position), normal=rotate_z(angle, flank.normal))
 
 
 def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]:

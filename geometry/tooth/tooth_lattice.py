@@ -183,7 +183,7 @@ def numbered(
     whole = np.concatenate([toe[::-1], tooth, heel])
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
-    held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
+    fixed_nodes = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
     floors = np.stack(
         [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
     )
@@ -197,7 +197,7 @@ def numbered(
         np.ascontiguousarray(cells),
         tooth[:, None, None] + in_column,
         rows - 1,
-        (whole[:, None] + held).ravel(),
+        (whole[:, None] + fixed_nodes).ravel(),
         normal,
         t,
         profile,
@@ -329,13 +329,13 @@ def usual_depth(blank: BlankSection) -> float:
 def body_nodes(sections: LatticeSections, top: Array, corner: int, through: Array, depth: float, rise: Array) -> Array:
     """Nodes (2, nt, columns, rows) of the body, from its bottom to the root."""
     floor = top[1].min(axis=1)
-    here, below = (sections.radial(up)[1] for up in (floor, floor - 1.0))
-    falling = np.maximum(here - below, 1e-9)  # of the radius per mm of depth
-    bottom = floor - np.minimum(depth, DEPTH_SHARE_LIMIT * here / falling)
+    radii, below = (sections.radial(up)[1] for up in (floor, floor - 1.0))
+    falling = np.maximum(radii - below, 1e-9)  # of the radius per mm of depth
+    bottom = floor - np.minimum(depth, DEPTH_SHARE_LIMIT * radii / falling)
     angle = top[0] / sections.radial(top[1])[1]
     last = top.shape[2] - 1 - corner
     room = np.minimum(angle[:, corner] - angle[:, 0], angle[:, -1] - angle[:, last])
-    spread = np.minimum(COLUMN_SPREAD * (floor - bottom) / here, SPREAD_LIMIT * room)
+    spread = np.minimum(COLUMN_SPREAD * (floor - bottom) / radii, SPREAD_LIMIT * room)
     left, right = angle[:, corner] - spread, angle[:, last] + spread
     lower = angle.copy()
     lower[:, corner : last + 1] = left[:, None] + (right - left)[:, None] * through
@@ -543,5 +543,5 @@ def _side_curves(sections: LatticeSections, side: ToothSide, land: Array, slot: 
 def _flank_normals(sections: LatticeSections, side: ToothSide, up: Array) -> Array:
     points, corner = _upward(side, side.fillet, side.flank)
     normals, _ = _upward(side, side.fillet_normal, side.flank_normal)
-    found = _along(normals[:, :, corner:], sections.plane(points)[:, :, corner:], up)
-    return np.moveaxis(found / np.sqrt(np.sum(found**2, axis=0)), 0, -1)
+    vectors = _along(normals[:, :, corner:], sections.plane(points)[:, :, corner:], up)
+    return np.moveaxis(vectors / np.sqrt(np.sum(vectors**2, axis=0)), 0, -1)

@@ -156,8 +156,8 @@ def _at_coordinate(
     """
 
     def fraction_and_coordinate(parameters: Array) -> Array:
-        position, _, found = surface.evaluate(parameters)
-        return np.stack([_lengthwise(section, position), found])
+        position, _, distance = surface.evaluate(parameters)
+        return np.stack([_lengthwise(section, position), distance])
 
     def fraction_and_meshing(parameters: Array) -> Array:
         position, _, velocity = surface.at_coordinate(parameters, coordinate)
@@ -166,14 +166,14 @@ def _at_coordinate(
     target = np.stack([lengthwise, np.full_like(lengthwise, coordinate)])
     if not surface.settings.generated:
         start = np.stack([start[0], target[1]])
-    found = solve(fraction_and_coordinate, start, target, FILLET_STEP_LIMIT, iterations=60)
-    position, normal, _ = surface.evaluate(found.parameters)
-    lost = np.flatnonzero(~found.converged)
+    solution = solve(fraction_and_coordinate, start, target, FILLET_STEP_LIMIT, iterations=60)
+    position, normal, _ = surface.evaluate(solution.parameters)
+    lost = np.flatnonzero(~solution.converged)
     if lost.size == 0:
-        return found.parameters, position, normal
-    parameters, refound = found.parameters.copy(), np.zeros(0, dtype=bool)
+        return solution.parameters, position, normal
+    parameters, refound = solution.parameters.copy(), np.zeros(0, dtype=bool)
     first, second = _neighbours(lost, lengthwise.size)
-    if surface.settings.generated and np.all(found.converged[[first, second]]):
+    if surface.settings.generated and np.all(solution.converged[[first, second]]):
         share = (lengthwise[lost] - lengthwise[first]) / (lengthwise[second] - lengthwise[first])
         reach = np.abs(parameters[:, second] - parameters[:, first])
         guess = parameters[:, first] + share * (parameters[:, second] - parameters[:, first])
@@ -348,9 +348,9 @@ def contact_heights(pair: GearPair, lengthwise: Array) -> tuple[Array, Array]:
     """
     profile = np.linspace(0.0, 1.0, PROFILE_NODES)
     gear, section = pair.gear.flank(lengthwise, profile), pair.pinion.section
-    found = exact_ease_off(gear, pair.pinion.loaded, section, pair.assembly)
+    ease_off = exact_ease_off(gear, pair.pinion.loaded, section, pair.assembly)
     shape = (lengthwise.size, PROFILE_NODES)
-    position = found.pinion_position.reshape(3, *shape)
+    position = ease_off.pinion_position.reshape(3, *shape)
     radius = np.hypot(position[0], position[1])
     on_pinion = section.height_above_root(position[2], radius)[:, -1]
     along, above = section.fractions(position[2].ravel(), radius.ravel())
@@ -380,14 +380,14 @@ class EndFace:
 def end_faces(member: Member) -> tuple[EndFace, EndFace]:
     """Toe and heel; the slants are those in the middle of the height."""
     corners = member.section.corners
-    found = member.flank(np.array([0.0, 1.0]), np.array([0.5]))
+    flank = member.flank(np.array([0.0, 1.0]), np.array([0.5]))
     up = corners[:, 1] - corners[:, 0]
     heights = np.linalg.norm(up, axis=1)
     face = np.stack([up[:, 1], -up[:, 0]], axis=1) / heights[:, None]  # (axial, radial)
     outward = np.array([[-1.0], [1.0]]) * (corners[1] - corners[0]).mean(axis=0)
     face *= np.sign(np.sum(face * outward, axis=1, keepdims=True))
-    radial = found.position[:2] / np.hypot(*found.position[:2])
-    agreeing = face[:, 0] * found.normal[2] + face[:, 1] * np.sum(radial * found.normal[:2], axis=0)
+    radial = flank.position[:2] / np.hypot(*flank.position[:2])
+    agreeing = face[:, 0] * flank.normal[2] + face[:, 1] * np.sum(radial * flank.normal[:2], axis=0)
     toe, heel = (
         EndFace(float(slant), float(height)) for slant, height in zip(-np.arcsin(agreeing), heights, strict=True)
     )
@@ -437,10 +437,10 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
         for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
             surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
             try:
-                found = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
+                tip_side = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
             except GeometryError:
                 continue
-            points[:, :, number] = found.turned(side.rotation).fillet[:, :, 0]
+            points[:, :, number] = tip_side.turned(side.rotation).fillet[:, :, 0]
             beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
             break
     return points.reshape(3, -1), beside
