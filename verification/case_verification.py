@@ -84,8 +84,8 @@ def meaning(row: VerificationRow) -> str:
         return "the other method found no answer for this pair, so this is not checked"
     unit = "" if row.unit == "1" else f" {row.unit}"
     whole, half = (f"{abs(value):.2g}{unit}" for value in (row.difference, 0.5 * row.difference))
-    found = max((start for start in MEANINGS if row.quantity.startswith(start)), key=len, default="")
-    return MEANINGS.get(found, "numbers of this kind may be off by {0}").format(whole, half)
+    beginning = max((start for start in MEANINGS if row.quantity.startswith(start)), key=len, default="")
+    return MEANINGS.get(beginning, "numbers of this kind may be off by {0}").format(whole, half)
 
 
 HEADS = ("quantity", "compared with", "difference", "limit", "unit", "within")
@@ -126,8 +126,8 @@ def head_lines() -> str:
 
 def row_lines(row: VerificationRow) -> str:
     """Lines of a row, with its meaning if it is outside its limit."""
-    found = cells(row)
-    wrapped = [textwrap.wrap(cell, width) or [""] for cell, width in zip(found, WIDTHS, strict=True)]
+    columns = cells(row)
+    wrapped = [textwrap.wrap(cell, width) or [""] for cell, width in zip(columns, WIDTHS, strict=True)]
     height = max(map(len, wrapped))
     lines = [_line([cell[at] if at < len(cell) else "" for cell in wrapped]) for at in range(height)]
     if said := meaning(row):
@@ -189,8 +189,8 @@ class Verification:
         """
         names = {"quantity": "quantity", "compared": "compared", "difference_unit": "unit"}
         data: dict[str, Any] = {
-            name: ("comparison", np.array([getattr(row, own) for row in self.rows], dtype=str))
-            for name, own in names.items()
+            name: ("comparison", np.array([getattr(row, attribute) for row in self.rows], dtype=str))
+            for name, attribute in names.items()
         }
         data |= {
             name: ("comparison", np.array([getattr(row, name) for row in self.rows], dtype=float))

@@ -258,8 +258,8 @@ def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array
     """
     # Columns: the gear's tangents in the pinion's basis.
     turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
-    own, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
-    return np.asarray(own + np.einsum("kan,kln,lbn->abn", turn, other, turn))
+    matrix, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
+    return np.asarray(matrix + np.einsum("kan,kln,lbn->abn", turn, other, turn))
 
 
 def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -> RelativeCurvature:
@@ -361,8 +361,8 @@ class BothMethods:
 
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]; of the pairs that have lines."""
-        found = unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
-        return found.sel(pair=np.unique(self.mesh.pair))
+        dataset = unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
+        return dataset.sel(pair=np.unique(self.mesh.pair))
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
@@ -399,8 +399,8 @@ def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.
 
 def point_differences(both: BothMethods) -> tuple[Array, Array]:
     """Differences (n) of transmission error [rad] and contact point on the gear [mm]; NaN unless inside both flanks."""
-    own = both.unloaded()
-    error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
+    dataset = both.unloaded()
+    error, t, h = (_flat(dataset, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
     point = both.splines("position", np.stack([t, h]))
     away = np.linalg.norm(point - both.contact.gear_position, axis=0)
     difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
@@ -413,9 +413,9 @@ def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array
     The line is the chord between points of closest approach at ends with the separation [um], its angle about the
     gear's normal. NaN where the edge of a flank ends the line.
     """
-    own = both.unloaded(separation)
-    ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])
-    smallest, length = 1e-6 * _flat(own, "transmission_error")[0], _flat(own, "line_length")[0]
+    dataset = both.unloaded(separation)
+    ends = np.stack([_flat(dataset, "line_lengthwise"), _flat(dataset, "line_profile")])
+    smallest, length = 1e-6 * _flat(dataset, "transmission_error")[0], _flat(dataset, "line_length")[0]
     closest = closest_approach(both.splines, ends)
     gap = 1e3 * (closest.separation_angle - smallest) * closest.lever_arm
     whole = both.inside & np.all(np.abs(gap / separation - 1.0) < 0.01, axis=0)

@@ -126,8 +126,8 @@ def correction_loop(
     before = measured_case(case, case, member, errors)
     random = np.random.default_rng(7)
     noisy = {which: value + noise * random.normal(size=value.shape) for which, value in before.items()}
-    found = correct_case(case, {member: grids(case, member, noisy)}, **options)
-    return CorrectionLoop(found, before, measured_case(case, found.case, member, errors))
+    correction = correct_case(case, {member: grids(case, member, noisy)}, **options)
+    return CorrectionLoop(correction, before, measured_case(case, correction.case, member, errors))
 
 
 def grids(case: Case, member: MemberName, values: Mapping[Side, Array]) -> list[Any]:
@@ -137,13 +137,13 @@ def grids(case: Case, member: MemberName, values: Mapping[Side, Array]) -> list[
 
 def completing(case: str) -> Case:
     """A shipped case whose pinion is cut in one set-up: its convex flank at the settings of the concave one."""
-    found = read_case(case)
-    pinion = found.pinion
+    original = read_case(case)
+    pinion = original.pinion
     assert pinion.convex is not None
     assert pinion.concave is not None
     # One cutter: outer and inner blades stand beside one another; a flank of its own for each.
     convex = pinion.convex.model_copy(update={"machine": pinion.concave.machine})
-    return found.model_copy(update={"pinion": pinion.model_copy(update={"convex": convex})})
+    return original.model_copy(update={"pinion": pinion.model_copy(update={"convex": convex})})
 
 
 def views(case: Case, name: MemberName) -> dict[Side, Member]:

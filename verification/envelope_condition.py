@@ -200,9 +200,9 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     near = solve(surface.axial_and_radial, start, target, surface.max_step)
     unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
     for _ in range(MAX_ITERATIONS):
-        found, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
+        points, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
         jacobian = np.concatenate([slopes, -normal[None]]).transpose(2, 1, 0)
-        error = found - position - unknowns[2] * normal
+        error = points - position - unknowns[2] * normal
         if np.max(np.abs(error)) < 1e-12 * np.max(np.abs(position)):
             return np.asarray(unknowns[2])
         # A start that ran away has no finite or no regular Jacobian: there is nothing to step from.

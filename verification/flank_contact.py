@@ -210,7 +210,7 @@ def contact_of_flanks(
     greatest_arm = float(np.max(flanks.splines.spline.coefficients[flanks.splines.columns["lever_arm"][0]]))
     band, allowed = FIRST_BAND_RATIO * half_width, 1.15 * rotation
     while True:
-        found = {
+        cells_of_pairs = {
             pair: cells_on_line(
                 flanks,
                 line,
@@ -222,13 +222,13 @@ def contact_of_flanks(
             )
             for pair, line in lines.items()
         }
-        found = {pair: cells for pair, cells in found.items() if cells.row.size}
-        if not found:
+        cells_of_pairs = {pair: cells for pair, cells in cells_of_pairs.items() if cells.row.size}
+        if not cells_of_pairs:
             if allowed > ROTATION_LIMIT:
                 return FlankContact(np.nan, [], [], [])
             allowed *= 2.0
             continue
-        cells = list(found.values())
+        cells = list(cells_of_pairs.values())
         solved = solve_surface_contact(
             [one.separation for one in cells],
             [one.lever_arm for one in cells],
@@ -242,7 +242,7 @@ def contact_of_flanks(
         elif solved.rotation > allowed:
             allowed = 1.15 * solved.rotation
         else:
-            return FlankContact(solved.rotation, list(found), cells, solved.force)
+            return FlankContact(solved.rotation, list(cells_of_pairs), cells, solved.force)
 
 
 def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
@@ -280,10 +280,10 @@ def greatest_stretch_load(place: Array, length: Array, force: Array, stretch: fl
 
 def stretch_load(contact: FlankContact, stretch: float) -> float:
     """Greatest load per length over any stretch of the lines of a contact without the split [N/mm]; 0 if none."""
-    found = [0.0]
+    loads = [0.0]
     for direction, cells, force in zip(line_directions(contact), contact.cells, contact.force, strict=True):
-        found.append(greatest_stretch_load(cells.position @ direction, cells.sides[:, 0], force, stretch))
-    return max(found)
+        loads.append(greatest_stretch_load(cells.position @ direction, cells.sides[:, 0], force, stretch))
+    return max(loads)
 
 
 def line_directions(contact: FlankContact) -> list[Array]:
@@ -322,9 +322,9 @@ def line_stations(pair: GearPair, contact: FlankContact) -> LineStations:
     for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
         pressure = force / cells.area
         for station in np.unique(cells.station[force > 0.0]):
-            own = np.flatnonzero(cells.station == station)
-            top = own[np.argmax(pressure[own])]
-            load = float(pressure[own] @ cells.sides[own, 1])
+            indices = np.flatnonzero(cells.station == station)
+            top = indices[np.argmax(pressure[indices])]
+            load = float(pressure[indices] @ cells.sides[indices, 1])
             place = cells.gear_fractions[:, top]
             edge = min(
                 edge_distance(pair.gear.section, place),

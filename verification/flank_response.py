@@ -274,8 +274,8 @@ def flank_response(
     lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS))
     key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}
-    found = kept(key, shapes, lambda: _response(lattice, material, member))
-    return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])
+    arrays = kept(key, shapes, lambda: _response(lattice, material, member))
+    return FlankResponse(arrays["lengthwise"], arrays["profile"], arrays["beyond_half_space"])
 
 
 def _response(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:

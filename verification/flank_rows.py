@@ -34,19 +34,19 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     usable = np.isfinite(flank.position[0])
     nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
     limit = POSITION_LIMIT * section.outer_cone_distance
-    found = envelope_condition(flank)
+    condition = envelope_condition(flank)
     rows = [
         VerificationRow(
             f"flank position, {member}",
             f"blade carried through the machine joint by joint, {nodes}",
-            greatest(found.position[usable]),
+            greatest(condition.position[usable]),
             limit,
             "mm",
         ),
         VerificationRow(
             f"flank normal, {member}",
             f"edge and cutting motion by differences, {nodes}",
-            greatest(found.normal[usable]),
+            greatest(condition.normal[usable]),
             NORMAL_LIMIT,
             "rad",
         ),
@@ -54,7 +54,7 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     envelope = f"envelope condition, {member}"
     if flank.surface.settings.generated:
         compared = f"cutter's motion by differences, along the blade, {nodes}"
-        rows.append(VerificationRow(envelope, compared, greatest(found.along_blade[usable]), limit, "mm"))
+        rows.append(VerificationRow(envelope, compared, greatest(condition.along_blade[usable]), limit, "mm"))
     else:
         rows.append(not_applicable(envelope, "cut without rolling: the blade itself sweeps the flank"))
     return [*rows, _curvature(member, flank, usable, nodes)]
@@ -63,8 +63,8 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
 def _others(flank: Flank, usable: NDArray[np.bool_]) -> str:
     """Description of the nodes without a flank."""
     left = flank.status[~usable]
-    told = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
-    return f" (the others: {', '.join(told)})" if told else ""
+    phrases = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
+    return f" (the others: {', '.join(phrases)})" if phrases else ""
 
 
 def greatest(values: Array) -> float:
@@ -76,9 +76,11 @@ def _curvature(member: str, flank: Flank, usable: NDArray[np.bool_], nodes: str)
     """Principal curvatures and torsion from two directions against the fundamental forms, over the greater one."""
 
     def other(surface: GeneratingSurface, parameters: Array) -> Array:
-        found = directional_curvatures(surface, parameters)
-        sine = dot(found.across[0], found.tangent[1])
-        return np.concatenate([found.shape_operator().principal().curvature, [found.torsion_residual(), sine]])
+        curvatures = directional_curvatures(surface, parameters)
+        sine = dot(curvatures.across[0], curvatures.tangent[1])
+        return np.concatenate(
+            [curvatures.shape_operator().principal().curvature, [curvatures.torsion_residual(), sine]]
+        )
 
     values = on_parts(flank.surface.flank_parts, flank.part, flank.parameters, other)[:, usable]
     expected = principal_curvatures(flank).curvature[:, usable]

@@ -52,12 +52,12 @@ def certificate_row(pair: VerifiedPair) -> VerificationRow:
 def gap_row(pair: VerifiedPair) -> VerificationRow:
     """Effect of gap errors of loaded segments on the transmission error."""
     chosen = [case for case in cases_at(pair, GAP_POSITIONS) if case.solution.certified]
-    found = [
+    errors = [
         segment_gaps(pair.flanks, pair.state.cycle, case).rotation_error / case.solution.rotation for case in chosen
     ]
     compared = f"gaps of the turned flanks where they carry, {len(chosen)} positions and torques"
     return VerificationRow(
-        "loaded transmission error by its gaps", compared, 100.0 * greatest(np.array(found)), GAP_LIMIT, "%"
+        "loaded transmission error by its gaps", compared, 100.0 * greatest(np.array(errors)), GAP_LIMIT, "%"
     )
 
 
@@ -92,8 +92,10 @@ def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> lis
 def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, float]:
     """Number of certified answers and greatest rotation difference; NaN if a polished one is not certified."""
     tolerance = SOLVERS[name].tolerance if name in SOLVERS and not polish else None
-    found = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
-    ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]
+    solutions = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
+    ratios = [
+        one.rotation / case.solution.rotation for one, case in zip(solutions, cases, strict=True) if one.certified
+    ]
     return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
 
 
@@ -149,18 +151,18 @@ def refinements(case: Case) -> list[Refinement]:
     }
     segments = {"segments_per_line": round(SEGMENTS_FACTOR * contact.segments_per_line)}
     positions = {"mesh_positions": round(POSITIONS_FACTOR * contact.mesh_positions)}
-    found = [
+    common_refinements = [
         Refinement("grid of the flank", "contact", nodes),
         Refinement("segments of a line", "contact", segments),
         Refinement("mesh positions", "contact", positions),
     ]
     if elastic.model != "shell":
         fineness = {"fineness": round(FINENESS_FACTOR * elastic.fineness, 3)}
-        return [*found, Refinement("fineness of the teeth", "compliance", fineness)]
+        return [*common_refinements, Refinement("fineness of the teeth", "compliance", fineness)]
     face = {"lengthwise_modes": math.ceil(MODES_FACTOR * elastic.lengthwise_modes)}
     profile = {"profile_modes": math.ceil(MODES_FACTOR * elastic.profile_modes)}
     return [
-        *found,
+        *common_refinements,
         Refinement("shell modes along the face", "compliance", face),
         Refinement("shell modes up the profile", "compliance", profile),
     ]
@@ -190,14 +192,14 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
         other = fine[name] if name in fine and fine[name].dims == values.dims else values * np.nan
         scale = _scale(coarse, str(name))
         for place in np.ndindex(values.shape):
-            own, finer = float(values.values[place]), float(other.values[place])
-            change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
+            number, finer = float(values.values[place]), float(other.values[place])
+            change = 0.0 if np.isnan(number) and np.isnan(finer) else 100.0 * abs(finer - number) / float(scale[place])
             group = _group((coarse, fine), str(name), place)
             # A change without a number is the worst of all, and stays so.
             if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
                 at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
                 unit = values.attrs.get("units", "1")
-                words = f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
+                words = f"{name}{at} {number:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
                 worst[group] = change, words + _relative_to(coarse, str(name), place)
     for group, (value, label) in worst.items():
         yield group, value, label

@@ -102,8 +102,8 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     instance("geometry", geometry, PairGeometry)
     rotations = np.atleast_1d(array("rotations", rotations, "rad", fewest=1))
     flanks = _Flanks(geometry)
-    found = [flanks.smallest(rotation) for rotation in rotations.ravel().tolist()]
-    angle, gear, pinion, edge = zip(*found, strict=True)
+    gaps = [flanks.smallest(rotation) for rotation in rotations.ravel().tolist()]
+    angle, gear, pinion, edge = zip(*gaps, strict=True)
     return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
 
 
@@ -112,17 +112,17 @@ def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[Smalles
     flanks, pitch = _Flanks(geometry), geometry.pair.assembly.pinion_pitch
     best, carrying = [], []
     for rotation in np.atleast_1d(rotations):
-        here, own = flanks.smallest(float(rotation)), 0
+        gap, carrier = flanks.smallest(float(rotation)), 0
         for sense in (1, -1):
             for pair in range(1, PAIR_LIMIT):
-                limit = here[0] + GAP_ABOVE_LEAST_LIMIT if np.isfinite(here[0]) else np.inf
+                limit = gap[0] + GAP_ABOVE_LEAST_LIMIT if np.isfinite(gap[0]) else np.inf
                 other = flanks.smallest(float(rotation) - sense * pair * pitch, limit)
-                if other[0] < here[0] or not np.isfinite(here[0]):
-                    here, own = other, sense * pair
+                if other[0] < gap[0] or not np.isfinite(gap[0]):
+                    gap, carrier = other, sense * pair
                 elif not other[0] < limit:
                     break
-        best.append(here)
-        carrying.append(own)
+        best.append(gap)
+        carrying.append(carrier)
     angle, gear, pinion, edge = zip(*best, strict=True)
     smallest = SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
     return smallest, np.array(carrying)
@@ -145,8 +145,8 @@ class _Flanks:
         self.field_flank = _flank(self.gear, self.field)
         along = np.linspace(0.0, 1.0, EDGE_NODES)
         self.edges = {
-            (member, name): _edge(own, name, along)
-            for member, own in (("gear", self.gear), ("pinion", self.pinion))
+            (member, name): _edge(owner, name, along)
+            for member, owner in (("gear", self.gear), ("pinion", self.pinion))
             for name in EDGES
         }
 
@@ -216,13 +216,13 @@ class _Flanks:
             # Where the edge leaves the other flank the best node lies beside one without a value, and so to the end.
             tried = np.clip(place[:, None] + width * np.linspace(-1.0, 1.0, ZOOM_NODES), 0.0, 1.0)
             points, flank = _edge(getattr(self, member), name, tried.ravel())
-            found, other = self._edge_gap(member, flank, rotation)
-            found = np.where(np.isfinite(found), found, np.inf).reshape(tried.shape)
-            best = np.argmin(found, axis=1)
+            gaps, other = self._edge_gap(member, flank, rotation)
+            gaps = np.where(np.isfinite(gaps), gaps, np.inf).reshape(tried.shape)
+            best = np.argmin(gaps, axis=1)
             place, width = tried[rows, best], width * 2.0 / (ZOOM_NODES - 1)
-        own, there = (p.reshape(2, *tried.shape)[:, rows, best] for p in (points, other))
-        gear, pinion = (own, there) if member == "gear" else (there, own)
-        return [(float(found[k, best[k]]), gear[:, k], pinion[:, k], f"{member} {name}") for k in rows]
+        edge_points, there = (p.reshape(2, *tried.shape)[:, rows, best] for p in (points, other))
+        gear, pinion = (edge_points, there) if member == "gear" else (there, edge_points)
+        return [(float(gaps[k, best[k]]), gear[:, k], pinion[:, k], f"{member} {name}") for k in rows]
 
     def _edge_gap(self, member: str, flank: Flank, rotation: float) -> tuple[Array, Array]:
         """Gap (n) at points of an edge that lie on the other flank, and the fractions (2, n) there."""
@@ -253,8 +253,8 @@ class _Flanks:
             seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])])[:, facing].T)
             start = lattice[:, facing][:, seeds.query(np.where(usable, target, 1.0).T)[1]]
             parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)
-            own, _, coordinate = part.evaluate(parameters)
-            fractions = np.stack(self.pinion.section.fractions(own[2], np.hypot(own[0], own[1])))
+            points, _, coordinate = part.evaluate(parameters)
+            fractions = np.stack(self.pinion.section.fractions(points[2], np.hypot(points[0], points[1])))
             with np.errstate(invalid="ignore"):
                 there, ahead = self._in_gear(part, parameters, turned)
                 valid_side = (part.orientation(parameters) * side > 0.0) & (ahead > 0.0)
@@ -329,12 +329,12 @@ def _valley(field: Array) -> Array:
     """Fractions (2, m) of the lowest local minima of the valley in a field (k, n), one point of it in every row."""
     value = np.where(np.isfinite(field), field, np.inf)
     rows, middle = np.arange(field.shape[0]), np.argmin(value, axis=1)
-    left, here, right = (value[rows, np.clip(middle + i, 0, field.shape[1] - 1)] for i in (-1, 0, 1))
+    left, center, right = (value[rows, np.clip(middle + i, 0, field.shape[1] - 1)] for i in (-1, 0, 1))
     with np.errstate(invalid="ignore"):
-        bend = left - 2.0 * here + right
+        bend = left - 2.0 * center + right
         curved = np.isfinite(bend) & (bend > 0.0)
         step = np.where(curved, 0.5 * (left - right) / np.where(curved, bend, 1.0), 0.0)
-        lowest = np.where(curved, here - 0.5 * bend * step**2, here)
+        lowest = np.where(curved, center - 0.5 * bend * step**2, center)
     padded = np.pad(lowest, 1, constant_values=np.inf)
     minima = np.flatnonzero(np.isfinite(lowest) & (lowest <= padded[:-2]) & (lowest <= padded[2:]))
     minima = minima[np.argsort(lowest[minima])[:STARTS]]
@@ -354,9 +354,9 @@ def _flank(member: Member, points: Array) -> Flank:
 
 def _edge(member: Member, name: str, along: Array) -> tuple[Array, Flank]:
     """Fractions (2, n) of points along an edge, and the flank there."""
-    held, value = EDGES[name]
+    axis, value = EDGES[name]
     points = np.stack([along, along])
-    points[held] = value
+    points[axis] = value
     flank = _flank(member, points)
     low = flank.blade_distance
     if name != "root" or not np.any(low < 0.0):
@@ -409,19 +409,19 @@ def flank_gap(
     """
     if position.shape[1] > COLUMNS_PER_BLOCK:
         parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, position.shape[1], COLUMNS_PER_BLOCK)]
-        found = [flank_gap(motion, position[:, p], normal[:, p], rotation, closing, start[:, p]) for p in parts]
-        return FlankGap(*(np.concatenate([getattr(f, one.name) for f in found], axis=-1) for one in fields(FlankGap)))
+        gaps = [flank_gap(motion, position[:, p], normal[:, p], rotation, closing, start[:, p]) for p in parts]
+        return FlankGap(*(np.concatenate([getattr(f, one.name) for f in gaps], axis=-1) for one in fields(FlankGap)))
     turn = np.asarray(rotation / motion.assembly.ratio - closing)
     origin = column(motion.assembly.gear_origin, position)
-    here = rotate(motion.gear_axis, turn, position) + origin
+    points = rotate(motion.gear_axis, turn, position) + origin
     along = rotate(motion.gear_axis, turn, normal)
     # From here on all rays stand still: three equations for the pinion's two parameters and the distance.
     values = np.concatenate([start, np.zeros((1, position.shape[1]))])
 
     def miss(v: Array) -> Array:
         point, _ = motion.action_point(v[:2], np.full(v.shape[1], rotation))
-        repeats = v.shape[1] // here.shape[1]
-        return np.asarray(point - np.tile(here, repeats) - v[2] * np.tile(along, repeats))
+        repeats = v.shape[1] // points.shape[1]
+        return np.asarray(point - np.tile(points, repeats) - v[2] * np.tile(along, repeats))
 
     limit = np.concatenate([motion.surface.max_step, [2.0]])[:, None]
     converged = np.zeros(position.shape[1], dtype=bool)
@@ -436,8 +436,8 @@ def flank_gap(
             values = values + step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
             if np.all(converged | ~finite):
                 break
-        own, own_normal, _ = motion.surface.evaluate(values[:2])
+        pinion_position, own_normal, _ = motion.surface.evaluate(values[:2])
         _, turned = motion.action_point(values[:2], np.full(values.shape[1], rotation))
     blank = np.where(converged, 1.0, np.nan)
     facing = -np.sum(turned * along, axis=0)
-    return FlankGap(values[2] * blank, values[:2], own * blank, own_normal * blank, facing * blank)
+    return FlankGap(values[2] * blank, values[:2], pinion_position * blank, own_normal * blank, facing * blank)

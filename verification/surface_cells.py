@@ -126,15 +126,15 @@ def cells_on_line(
     shape = points.shape[1:]
     gear = flanks.pair.gear
     axial, radial = gear.section.points(points[0].ravel(), points[1].ravel())
-    found = solve_flank(gear.loaded, gear.section, axial, radial)
-    position = found.position.reshape(3, *shape)
+    nodes = solve_flank(gear.loaded, gear.section, axial, radial)
+    position = nodes.position.reshape(3, *shape)
     sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
     lengths = [np.linalg.norm(side, axis=0) for side in sides]
     start = flanks.splines("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
     gap = flank_gap(
         flanks.motion,
-        found.position,
-        found.normal,
+        nodes.position,
+        nodes.normal,
         rotation + flanks.motion.center,
         flanks.first_contact,
         start,
@@ -144,8 +144,8 @@ def cells_on_line(
     on_gear = points.reshape(2, -1)
     with np.errstate(invalid="ignore"):
         both = np.all((on_gear >= 0) & (on_gear <= 1) & (on_pinion >= 0) & (on_pinion <= 1), axis=0)
-        chosen = found.inside & both & (gap.facing > FACING_COSINE_LIMIT) & (gap.gap < widest_gap)
-    arm = np.abs(found.position[0] * found.normal[1] - found.position[1] * found.normal[0])
+        chosen = nodes.inside & both & (gap.facing > FACING_COSINE_LIMIT) & (gap.gap < widest_gap)
+    arm = np.abs(nodes.position[0] * nodes.normal[1] - nodes.position[1] * nodes.normal[0])
 
     def flat(vectors: Array) -> Array:
         return np.asarray(vectors.reshape(vectors.shape[0], -1).T[chosen])
@@ -208,14 +208,14 @@ def segment_gaps(flanks: FlanksInMesh, cycle: MeshCycle, case: LoadedCase) -> Se
     """Gaps of a solved case's segments against those of the turned flanks."""
     # Where edges may touch, the lines end at the edges and know how far these are.
     cut = bool(np.any(np.isfinite(case.segments.line_contact.overhang)))
-    found = cycle.segments.to_edges if cut else cycle.segments
-    segments, on_lines, lines = case.segments, found.on_lines, found.on_lines.lines
-    here = np.flatnonzero(lines.position == case.mesh_position)
+    line_segments = cycle.segments.to_edges if cut else cycle.segments
+    segments, on_lines, lines = case.segments, line_segments.on_lines, line_segments.on_lines.lines
+    rows = np.flatnonzero(lines.position == case.mesh_position)
     points, weights = on_lines.quadrature
-    places = (points + found.closest.shift)[:, here].reshape(2, -1)
-    pairs = np.repeat(lines.pair[here], points.shape[2])
+    places = (points + line_segments.closest.shift)[:, rows].reshape(2, -1)
+    pairs = np.repeat(lines.pair[rows], points.shape[2])
     # The segments of the lines come first, then pieces of edges.
-    count = here.size * on_lines.count
+    count = rows.size * on_lines.count
     places = np.concatenate([places, segments.point[:, count:]], axis=1)
     pairs = np.concatenate([pairs, segments.pair[count:]])
     rotation = lines.rotations[case.mesh_position] - pairs * lines.pinion_pitch
@@ -245,13 +245,18 @@ def exact_gap(flanks: FlanksInMesh, places: Array, rotation: Array) -> tuple[Arr
     arm = np.abs(nodes.position[0] * nodes.normal[1] - nodes.position[1] * nodes.normal[0])
     start = flanks.splines("pinion_parameters", np.clip(places, 0.0, 1.0))
     gap, fractions = np.full(rotation.shape, np.nan), np.full(places.shape, np.nan)
-    for here in np.unique(rotation):
-        own = np.flatnonzero(rotation == here)
-        turned = here + flanks.motion.center
-        found = flank_gap(
-            flanks.motion, nodes.position[:, own], nodes.normal[:, own], turned, flanks.first_contact, start[:, own]
+    for angle in np.unique(rotation):
+        indices = np.flatnonzero(rotation == angle)
+        turned = angle + flanks.motion.center
+        gaps = flank_gap(
+            flanks.motion,
+            nodes.position[:, indices],
+            nodes.normal[:, indices],
+            turned,
+            flanks.first_contact,
+            start[:, indices],
         )
-        gap[own] = found.gap / arm[own]
-        axial, radial = found.pinion_position[2], np.hypot(*found.pinion_position[:2])
-        fractions[:, own] = np.stack(pinion.fractions(axial, radial))
+        gap[indices] = gaps.gap / arm[indices]
+        axial, radial = gaps.pinion_position[2], np.hypot(*gaps.pinion_position[:2])
+        fractions[:, indices] = np.stack(pinion.fractions(axial, radial))
     return gap, fractions

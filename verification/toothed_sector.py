@@ -94,25 +94,25 @@ def toothed_sector(pitch: ToothLattice, teeth: int, on_sector: int | None = None
     numbers: list[NDArray[np.int64]] = []
     nodes, cells, count = [], [], 0
     for place in places:
-        own, with_tooth = np.full(len(pitch.nodes), -1), 0 <= place < inner
+        node_numbers, with_tooth = np.full(len(pitch.nodes), -1), 0 <= place < inner
         if numbers:
-            own[start] = numbers[-1][end]
+            node_numbers[start] = numbers[-1][end]
         if closed and place == inner - 1:
-            own[end] = numbers[0][start]
-        new = np.flatnonzero((own < 0) & (on_body | with_tooth))
-        own[new] = count + np.arange(new.size)
+            node_numbers[end] = numbers[0][start]
+        new = np.flatnonzero((node_numbers < 0) & (on_body | with_tooth))
+        node_numbers[new] = count + np.arange(new.size)
         count += new.size
         nodes.append(rotate_z(np.full(new.size, place * angle), pitch.nodes[new].T).T)
-        cells.append(own[pitch.cells if with_tooth else pitch.cells[: pitch.body_bricks]])
-        numbers.append(own)
-    held = [own[pitch.body[:, :, 0].ravel()] for own in numbers]
+        cells.append(node_numbers[pitch.cells if with_tooth else pitch.cells[: pitch.body_bricks]])
+        numbers.append(node_numbers)
+    fixed_nodes = [node_numbers[pitch.body[:, :, 0].ravel()] for node_numbers in numbers]
     if not closed:
-        held += [numbers[0][start], numbers[-1][end]]
+        fixed_nodes += [numbers[0][start], numbers[-1][end]]
     return ToothedSector(
         pitch,
         np.concatenate(nodes),
         np.concatenate(cells),
-        np.unique(np.concatenate(held)),
+        np.unique(np.concatenate(fixed_nodes)),
         np.stack(numbers if closed else numbers[1:-1]),
         angle * np.arange(inner),
     )
@@ -193,8 +193,8 @@ def end_relief(material: Material, *, slant: float = 0.0, oblique: float = 0.0, 
     nodes = np.stack([across, along + leaning[0] * deep + leaning[1] * across, deep], axis=-1)
     index = np.arange(across.size).reshape(across.shape)
     windows = np.lib.stride_tricks.sliding_window_view(index, (3, 3, 3))[::2, ::2, ::2]
-    held = np.unique(np.concatenate([index[0], index[-1], index[:, -1], index[:, :, -1]], axis=None))
-    body = elastic_body(nodes.reshape(-1, 3), windows.reshape(-1, 3, 3, 3), held, material)
+    fixed_nodes = np.unique(np.concatenate([index[0], index[-1], index[:, -1], index[:, :, -1]], axis=None))
+    body = elastic_body(nodes.reshape(-1, 3), windows.reshape(-1, 3, 3, 3), fixed_nodes, material)
     loads = np.zeros((across.size, 3))
     x, w = np.polynomial.legendre.leggauss(FACE_GAUSS_POINTS)
     shape = quadratic(x)[0]

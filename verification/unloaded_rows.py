@@ -27,7 +27,7 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     both = methods_compared(pair.state.cycle.geometry, CONVENTIONAL_POSITIONS)
     error, away = point_differences(both)
     count, missed = int(both.inside.sum()), int((~both.contact.converged).sum())
-    found = f"five equations, {count} points inside both flanks"
+    compared = f"five equations, {count} points inside both flanks"
     unsolved = VerificationRow(
         "conventional analysis",
         f"rotations of a tooth pair without a solution, of {both.contact.converged.size}",
@@ -44,9 +44,9 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     return [
         unsolved,
         VerificationRow(
-            "transmission error of a tooth pair", found, 1e6 * greatest(error[inside]), ERROR_LIMIT, "urad"
+            "transmission error of a tooth pair", compared, 1e6 * greatest(error[inside]), ERROR_LIMIT, "urad"
         ),
-        VerificationRow("path of contact", found, 1e3 * greatest(away[inside]), 1e3 * PATH_LIMIT * width, "um"),
+        VerificationRow("path of contact", compared, 1e3 * greatest(away[inside]), 1e3 * PATH_LIMIT * width, "um"),
         _curvature_row(both),
         *_line_rows(both),
     ]
@@ -64,12 +64,12 @@ def _curvature_row(both: BothMethods) -> VerificationRow:
     # A line may come in pieces: the one that touches first is the tooth pair's.
     order = np.argsort(-closest.separation_angle[lines, least], kind="stable")
     pairs = np.unique(mesh.pair)
-    own = np.full((pairs.size, mesh.rotations.size), np.nan)
+    curvature = np.full((pairs.size, mesh.rotations.size), np.nan)
     row = np.searchsorted(pairs, mesh.pair)
-    own[row[order], mesh.position[order]] = closest.curvature[lines, least][order]
+    curvature[row[order], mesh.position[order]] = closest.curvature[lines, least][order]
     exact = both.relative.across_line[inside]
     compared = f"from the roll angle against both members' curvatures, {inside.sum()} points"
-    difference = 100.0 * greatest(own.ravel()[inside] / exact - 1.0)
+    difference = 100.0 * greatest(curvature.ravel()[inside] / exact - 1.0)
     return VerificationRow("relative curvature across the line", compared, difference, CURVATURE_LIMIT, "%")
 
 
@@ -100,8 +100,8 @@ def smallest_gap_rows(pair: VerifiedPair) -> list[VerificationRow]:
     zero = cycle.geometry.ease_off.attrs["first_contact_rad"]
     smallest, _ = smallest_envelope(cycle.geometry, rotations[::step])
     exact = 1e6 * (smallest.closing_angle - zero)
-    own = cycle.unloaded()["transmission_error_envelope"].values[::step]
-    difference = own - exact
+    envelope = cycle.unloaded()["transmission_error_envelope"].values[::step]
+    difference = envelope - exact
     on_edge = int(np.count_nonzero(smallest.edge != ""))
     compared = f"smallest gap of the bounded flanks, {exact.size} mesh positions, {on_edge} at an edge"
     return [VerificationRow("unloaded transmission error", compared, greatest(difference), ERROR_LIMIT, "urad")]

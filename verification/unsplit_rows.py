@@ -93,13 +93,13 @@ def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], Flank
     splines = contact.pair.flanks.splines
     rotation, share, load, unsettled = [], [], [], []
     for torque in range(contact.pair.torques.size):
-        here = {k: one for (number, k), one in solutions.items() if number == torque}
-        found = loaded.isel(torque=torque, mesh_position=list(here))
-        rotation += [100.0 * d for d in rotation_differences(found, list(here.values()))]
-        share += [100.0 * d for d in share_differences(found, list(here.values()))]
-        load.append(100.0 * line_load_difference(found, list(here.values()), splines))
-        stretch = strip_width(found)
-        theirs = {k: stretch_load(one, stretch) for k, one in here.items()}
+        contacts = {k: one for (number, k), one in solutions.items() if number == torque}
+        analysis = loaded.isel(torque=torque, mesh_position=list(contacts))
+        rotation += [100.0 * d for d in rotation_differences(analysis, list(contacts.values()))]
+        share += [100.0 * d for d in share_differences(analysis, list(contacts.values()))]
+        load.append(100.0 * line_load_difference(analysis, list(contacts.values()), splines))
+        stretch = strip_width(analysis)
+        theirs = {k: stretch_load(one, stretch) for k, one in contacts.items()}
         most = max(theirs, key=lambda k: theirs[k])
         coarse = stretch_load(contact.coarser.solved(torque, most), stretch)
         unsettled.append(100.0 * abs(coarse / theirs[most] - 1.0) if theirs[most] else np.nan)
@@ -111,18 +111,18 @@ def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], Flank
 
 def rotation_differences(loaded: xr.Dataset, solutions: list[FlankContact]) -> list[float]:
     """Relative differences of the transmission error (mesh_position) of an analysis at one torque."""
-    own = loaded["transmission_error"].values
-    return [float(1e-6 * own[k] / one.rotation - 1.0) for k, one in enumerate(solutions)]
+    errors = loaded["transmission_error"].values
+    return [float(1e-6 * errors[k] / one.rotation - 1.0) for k, one in enumerate(solutions)]
 
 
 def share_differences(loaded: xr.Dataset, solutions: list[FlankContact]) -> list[float]:
     """Differences of the load shares of all tooth pairs that carry in either."""
-    found = []
+    differences = []
     for k, one in enumerate(solutions):
-        own = dict(zip(loaded["pair"].values.tolist(), loaded["load_share"].values[k].tolist(), strict=True))
+        shares = dict(zip(loaded["pair"].values.tolist(), loaded["load_share"].values[k].tolist(), strict=True))
         theirs = dict(zip(one.pairs, one.load_share.tolist(), strict=True))
-        found += [own.get(pair, 0.0) - theirs.get(pair, 0.0) for pair in own.keys() | theirs.keys()]
-    return found
+        differences += [shares.get(pair, 0.0) - theirs.get(pair, 0.0) for pair in shares.keys() | theirs.keys()]
+    return differences
 
 
 def strip_width(loaded: xr.Dataset) -> float:
@@ -132,14 +132,14 @@ def strip_width(loaded: xr.Dataset) -> float:
 
 def line_load_difference(loaded: xr.Dataset, solutions: list[FlankContact], splines: FlankSplines) -> float:
     """Relative difference of the greatest line load over the mesh positions, both over the ``strip_width``."""
-    stretch, own = strip_width(loaded), [0.0]
+    stretch, loads = strip_width(loaded), [0.0]
     for k, one in enumerate(solutions):
-        here = loaded.isel(mesh_position=k)
+        segments = loaded.isel(mesh_position=k)
         for pair, direction in zip(one.pairs, line_directions(one), strict=True):
-            chosen = (here["tooth"].values == pair) & (here["force"].values > 0.0)
-            length, force = (here[name].values[chosen] for name in ("length", "force"))
-            points = np.stack([here[name].values[chosen] for name in ("lengthwise", "profile")])
+            chosen = (segments["tooth"].values == pair) & (segments["force"].values > 0.0)
+            length, force = (segments[name].values[chosen] for name in ("length", "force"))
+            points = np.stack([segments[name].values[chosen] for name in ("lengthwise", "profile")])
             place = np.einsum("x,xn->n", direction, splines("position", points))
-            own.append(greatest_stretch_load(place, length, force, stretch))
+            loads.append(greatest_stretch_load(place, length, force, stretch))
     theirs = max((stretch_load(one, stretch) for one in solutions), default=0.0)
-    return max(own) / theirs - 1.0 if theirs else np.nan
+    return max(loads) / theirs - 1.0 if theirs else np.nan

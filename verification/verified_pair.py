@@ -49,13 +49,13 @@ class VerifiedPair:
         if case.supports is not None:
             deflected = in_assembly_under_load(CaseInMesh.of(case, flank=flank, misalignment=given), load)
             case, given = deflected.case, deflected.misalignment
-        found = {misalignment_at(given, torque, flank) for torque in load.tolist()}
-        if len(found) > 1:
+        misalignments = {misalignment_at(given, torque, flank) for torque in load.tolist()}
+        if len(misalignments) > 1:
             raise InputError(
                 f"torques = {', '.join(f'{torque:g}' for torque in load)}: must be one where the misalignment depends "
                 "on the torque: every torque has its own assembly to verify"
             )
-        return cls(case, flank, found.pop(), load)
+        return cls(case, flank, misalignments.pop(), load)
 
     @cached_property
     def state(self) -> CaseInMesh:
