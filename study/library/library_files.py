@@ -57,7 +57,7 @@ def tied_separations(problem: ContactProblem, step: float) -> ContactProblem:
 
 
 def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
-    """The problem at the torque at which the next segment enters or leaves contact: F = Y = 0 there.
+    """Torque at which the next segment enters or leaves contact: F = Y = 0 there.
 
     Not below the problem's own. As long as the same segments touch, forces, gaps and rotation are linear in the torque.
     """
