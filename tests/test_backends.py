@@ -6,6 +6,8 @@ import concurrent.futures
 import math
 import multiprocessing
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -298,3 +300,14 @@ def test_process_that_was_forked_uses_what_it_inherits() -> None:
         context = multiprocessing.get_context("fork")
         with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
             assert list(pool.map(rotation_by_cvxpy, cycle, timeout=3600.0)) == here
+
+
+def test_solvers_that_are_not_behind_qpsolvers_run_without_it() -> None:
+    code = (
+        "import sys; sys.modules['qpsolvers'] = None\n"
+        "from easeoff.contact import ContactProblem, solve\n"
+        "problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))\n"
+        "print([solve(problem, name).status.name for name in ('native', 'lemke', 'cvxpy')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{['CERTIFIED'] * 3}\n"

@@ -61,7 +61,7 @@ def _load(solver: str, adapter: str = "") -> Any:
     """Load the package of a solver and the module of its adapter, if it has one."""
     try:
         with foreign_code(IMPORT_TIME_LIMIT, silent=True):
-            for package in filter(None, ("qpsolvers", SOLVERS[solver].package)):
+            for package in filter(None, ("qpsolvers" if SOLVERS[solver].report else "", SOLVERS[solver].package)):
                 importlib.import_module(package)
             return importlib.import_module(adapter, __package__) if adapter else None
     except ForeignCodeError as error:
