@@ -13,8 +13,8 @@ from ..core.attributes import labelled
 from ..core.checks import instance
 from .coefficient import CoefficientModel
 from .contact_temperature import HottestContacts
-from .film_thickness import with_least_film
 from .kolivand_formula import FLAGS, LossShares
+from .least_film import with_least_film
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
 from .lubricants.lubricant import lubricant

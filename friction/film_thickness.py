@@ -6,8 +6,6 @@
 >>> print(f"{FILMS['pan_hamrock'](1e-11, 5000.0, 1.3e-4):.2e}")
 1.58e-05
 
-Least film thickness of a mesh cycle, and where it is.
-
 Thermal factors: by how much the heat of the sheared inlet lowers rolling traction and film thickness.
 
 >>> from easeoff.friction import FILM_FACTORS, THERMAL_FACTORS
@@ -23,10 +21,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.attributes import labelled
 from ..core.checks import one_of
 
 Array = NDArray[Any]
@@ -51,35 +47,6 @@ FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
 def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
     """Film formula by name; an unknown one is refused."""
     return FILMS[one_of("film", name, FILMS)]
-
-
-def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
-    """The group ``/friction`` with the least film over the mesh cycle, if its fields over the segments were kept."""
-    if "film_thickness" not in friction:
-        return friction
-    film = friction["film_thickness"].transpose("mesh_position", "segment", "torque", ...)
-    flat = np.where(np.isfinite(film.values), film.values, np.inf).reshape(-1, *film.shape[2:])
-    least = np.argmin(flat, axis=0)
-    known = np.isfinite(flat.min(axis=0))
-    position, segment = np.unravel_index(least, film.shape[:2])
-    dims = film.dims[2:]
-    torque = np.arange(film.sizes["torque"]).reshape(-1, *(1,) * (least.ndim - 1))
-    table = loaded[["lengthwise", "profile"]].transpose("torque", "mesh_position", "segment")
-    points = {f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")}
-    numbers = {
-        "min_film_thickness": flat.min(axis=0),
-        "min_film_position": loaded["mesh_position"].values[position],
-        **points,
-    }
-    conditions = friction["efficiency"]
-    # Without feedback the film is the same at every roughness.
-    missing = len(conditions.dims) - len(dims)
-    variables = {}
-    for name, value in numbers.items():
-        known_value = np.where(known, value, np.nan)
-        spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
-        variables[name] = (conditions.dims, spread.copy())
-    return labelled(friction.assign(variables))
 
 
 class DimensionlessGroups(Protocol):

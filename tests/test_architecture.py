@@ -126,6 +126,10 @@ def test_names_imported_on_first_use_are_there(name: str) -> None:
             ["numpy", "scipy", "xarray", "matplotlib", "pydantic", "cvxpy", "qpsolvers", "netCDF4"],
         ),
         (
+            "from easeoff.study.cli import main; main(['cases'], standalone_mode=False)",
+            ["xarray", "pandas", "scipy", "netCDF4"],
+        ),
+        (
             "import easeoff; easeoff.plot.pressure; from easeoff import plot; assert plot is easeoff.plot",
             ["matplotlib"],
         ),
