@@ -11,7 +11,6 @@ import math
 import warnings
 from collections.abc import Mapping
 from importlib import import_module
-from operator import attrgetter
 from time import perf_counter
 from typing import Any
 
@@ -47,25 +46,27 @@ def solve_scaled(name: str, problem: ScaledProblem, settings: Mapping[str, Any])
     entry = SOLVERS[name]
     report = entry.report or Report()
     refuse_unknown(name, settings)
+    attempts = [settings]
+    if entry.second_attempt and not entry.second_attempt.keys() & settings:
+        attempts.append({**settings, **entry.second_attempt})
     start = perf_counter()
-    solution = run_qpsolvers(name, problem, settings)
-    met = None if solution.found else limit_met(name, settings, perf_counter() - start)
-    message = ""
-    if not solution.found and met is None and entry.second_attempt and not entry.second_attempt.keys() & settings:
-        message = f"with {', '.join(entry.second_attempt)}"
-        solution = run_qpsolvers(name, problem, {**settings, **entry.second_attempt})
+    for given in attempts:
+        solution = run_qpsolvers(name, problem, given)
         met = None if solution.found else limit_met(name, settings, perf_counter() - start)
-    info = solution.extras.get(report.place, solution.extras)
+        if solution.found or met is not None:
+            break
+    message = "" if given is settings else f"with {', '.join(entry.second_attempt)}"
     if report.status:
-        message = str(_entry(info, report.status)).rpartition(".")[2]
-    end = _entry(info, report.end) if report.end else message
+        message = str(_reported(solution, report, report.status)).rpartition(".")[2]
+    end = _reported(solution, report, report.end) if report.end else message
     suspicion = report.ends.get(end, report.other_end) if report.ends or report.other_end else met
-    iterations = np.ravel(_entry(info, report.iterations))[0] if report.iterations else -1
+    iterations = np.ravel(_reported(solution, report, report.iterations))[0] if report.iterations else -1
     return read_answer(solution, iterations=int(iterations), message=message, suspicion=suspicion)
 
 
-def _entry(info: Any, name: str) -> Any:
+def _reported(solution: Any, report: Report, name: str) -> Any:
     """Value that a backend reports by a name; None where it does not."""
+    info = solution.extras.get(report.place, solution.extras)
     return info.get(name) if isinstance(info, Mapping) else getattr(info, name, None)
 
 
@@ -98,8 +99,7 @@ def call_times(name: str, solution: Any, call: float) -> CallTimes:
     """Times of a call [s]: as the backend reports them, or else as qpsolvers measured them."""
     report = SOLVERS[name].report
     if report is not None and report.solve_time:
-        info = solution.extras.get(report.place, solution.extras)
-        values = [_entry(info, key) if key else None for key in (report.set_up_time, report.solve_time)]
+        values = [key and _reported(solution, report, key) for key in (report.set_up_time, report.solve_time)]
         setup, solve = (report.unit * float(value) if value else math.nan for value in values)
         if solve > 0.0:
             return CallTimes(call, setup, solve, "solver")
@@ -169,14 +169,14 @@ def read_answer(
 def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
     """Refuse misspelt settings, which some backends ignore in silence."""
     entry = SOLVERS[name]
-    if not entry.known:
+    if not (entry.known or entry.known_of):
         return
     package = import_module(entry.package)
-    known = {"form", "initvals"}
-    for word in entry.known:
-        kind, made, attribute = word.partition("()")
-        owner = getattr(package, kind)() if made else None
-        known |= set(dir(attrgetter(attribute[1:])(owner) if attribute else owner)) if made else {word}
+    known = {"form", "initvals", *entry.known}
+    for path in entry.known_of:
+        kind, _, part = path.partition(".")
+        settings_object = getattr(package, kind)()
+        known |= set(dir(getattr(settings_object, part) if part else settings_object))
     for key in settings:
         if key not in known:
             hint = limit_hint(name, [key])

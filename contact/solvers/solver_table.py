@@ -34,7 +34,7 @@ class Report:
     place: str = ""  # among the extras; empty for the extras themselves
     status: str = ""
     iterations: str = ""
-    #: Without an answer; with none a limit that was met counts.
+    #: Meanings of ends without an answer; where there are none a limit that was met counts.
     ends: Mapping[str | int, Status] = field(default_factory=dict)
     end: str = ""  # name of what ends go by, if not the status
     other_end: Status | None = None  # meaning of every other end without an answer
@@ -65,8 +65,9 @@ class SolverSettings:
     step_setting: str = ""
     warm_start: bool = False  # uses the forces of a neighbouring problem
     report: Report | None = None
-    #: Of a backend that ignores others in silence: names, or objects with them such as "Settings()".
-    known: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()  # settings there are, of a backend that ignores others in silence
+    #: Classes of its package whose instances have further ones as attributes, or such an object: "Settings.sip".
+    known_of: tuple[str, ...] = ()
     second_attempt: Mapping[str, Any] = field(default_factory=dict)  # where it finds nothing
 
 
@@ -209,7 +210,8 @@ SOLVERS: dict[str, SolverSettings] = {
             set_up_time="setup_time",
             solve_time="solve_time",
         ),
-        known=("backend", "DenseSolver().settings"),
+        known=("backend",),
+        known_of=("DenseSolver.settings",),
     ),
     "proxqp": SolverSettings(
         "proxsuite",
@@ -260,7 +262,7 @@ SOLVERS: dict[str, SolverSettings] = {
         time_setting="time_limit",
         step_setting="qp_iteration_limit",
         report=Report(),
-        known=("HighsOptions()",),
+        known_of=("HighsOptions",),
     ),
     "scs": SolverSettings(
         "scs",
@@ -318,7 +320,8 @@ SOLVERS: dict[str, SolverSettings] = {
                 "ITERATION_LIMIT": Status.NOT_CONVERGED,
             },
         ),
-        known=("eps_abs", "eps_rel", "time_limit", "Settings()", "Settings().sip"),
+        known=("eps_abs", "eps_rel", "time_limit"),
+        known_of=("Settings", "Settings.sip"),
     ),
     "pyqpmad": SolverSettings(
         "pyqpmad",
@@ -331,7 +334,7 @@ SOLVERS: dict[str, SolverSettings] = {
         settings={"tolerance": 1e-14, "max_iter": 10_000},
         step_setting="max_iter",
         tolerance_settings=("tolerance",),
-        known=("SolverParameters()",),
+        known_of=("SolverParameters",),
     ),
     "qpalm": SolverSettings(
         "qpalm",
@@ -361,7 +364,7 @@ SOLVERS: dict[str, SolverSettings] = {
             set_up_time="setup_time",
             solve_time="solve_time",
         ),
-        known=("Settings()",),
+        known_of=("Settings",),
     ),
     "quadprog": SolverSettings(
         "quadprog",
