@@ -213,14 +213,7 @@ def held_point_slopes(
     slopes = np.zeros((4, *rotation.shape, len(settings)))
 
     def stand(pair: GearPair) -> Array:
-        there = known.motion(pair)
-
-        def both(surface: GeneratingSurface, p: Array) -> Array:
-            return np.concatenate(surface.evaluate(p)[:2])
-
-        points = on_parts(pair.pinion.loaded.flank_parts, pinion_part, pinion_parameters, both)
-        position, _ = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
-        x, y, z = position - pair.assembly.gear_origin.reshape(3, 1)
+        points, (x, y, z), _, _ = _from_gear(known, pair, pinion_parameters, pinion_part, rotation)
         fractions = section.fractions(points[2], np.hypot(points[0], points[1]))
         return np.stack([z, np.hypot(x, y), *fractions])
 
@@ -242,23 +235,28 @@ def _of_pinion(
     known: KnownPair, pairs: Sequence[GearPair], step: float, parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> Array:
     motion = known.exact.motion
-
-    def from_gear(pair: GearPair) -> tuple[Array, Array, float]:
-        """Points seen from the gear, which an error may move along its axis, their normals, and the zero's rotation."""
-        there = known.motion(pair)
-
-        def both(surface: GeneratingSurface, p: Array) -> Array:
-            return np.concatenate(surface.evaluate(p)[:2])
-
-        points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
-        turned = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
-        return turned[0] - pair.assembly.gear_origin.reshape(3, 1), turned[1], there.center
-
-    position, normal, _ = from_gear(known.geometry.pair)
-    places, _, centers = zip(*(from_gear(pair) for pair in pairs), strict=True)
+    _, position, normal, _ = _from_gear(known, known.geometry.pair, parameters, part, rotation)
+    _, places, _, centers = zip(*(_from_gear(known, pair, parameters, part, rotation) for pair in pairs), strict=True)
     moment = position[0] * normal[1] - position[1] * normal[0]
     turned = rate([np.asarray(center) for center in centers], step) / motion.assembly.ratio
     return np.asarray(motion.pinion_sense * dot(rate(places, step), normal) / moment + turned)
+
+
+def _from_gear(
+    known: KnownPair, pair: GearPair, parameters: Array, part: NDArray[np.int8], rotation: Array
+) -> tuple[Array, Array, Array, float]:
+    """Points and normals of the pinion (6, n), and seen from the gear (3, n) each; rotation of the zero.
+
+    An error may move the gear along its axis.
+    """
+    there = known.motion(pair)
+
+    def both(surface: GeneratingSurface, p: Array) -> Array:
+        return np.concatenate(surface.evaluate(p)[:2])
+
+    points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
+    position, normal = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
+    return points, position - pair.assembly.gear_origin.reshape(3, 1), normal, there.center
 
 
 def _positions(surface: GeneratingSurface, part: NDArray[np.int8], parameters: Array) -> Array:

@@ -21,10 +21,9 @@ from ...core.attributes import labelled, ordered
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
+from ..result_layout import GRID, PATTERN
 
 HARMONIC_COUNT = 3  # of the transmission error
-GRID = ("lengthwise", "profile")
-PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 UNLOADED = ("contact_ratio", "pinion_peak_to_peak", *PATTERN)
 LIGHT_LOAD = ("torque", "contact_ratio", *PATTERN)
 LOADED = (

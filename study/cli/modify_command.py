@@ -18,16 +18,12 @@ from .shared_options import (
     echo,
     flank_option,
     force_option,
-    misalignment,
+    misalignments,
     next_commands,
     output_option,
     torques,
 )
 from .word_completion import case_names, solver_names
-
-
-def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
-    return [misalignment(ctx, param, text) for text in texts]
 
 
 @click.command(cls=Command)
@@ -46,7 +42,7 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 @click.option(
     "--misalignment",
     "misalignments",
-    callback=_misalignments,
+    callback=misalignments,
     multiple=True,
     metavar=MISALIGNMENT,
     help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "

@@ -17,7 +17,7 @@ from .shared_options import (
     allow_outside_option,
     echo,
     force_option,
-    misalignment,
+    misalignments,
     next_commands,
     number_list,
     output_option,
@@ -28,10 +28,6 @@ from .word_completion import case_names
 
 SPREAD = re.compile(r"(E|P|G|Sigma)\s*~\s*(.+)")
 RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
-
-
-def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
-    return [misalignment(ctx, param, text) for text in texts]
 
 
 def _spread(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
@@ -120,7 +116,7 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
 @click.option(
     "--misalignment",
     "misalignments",
-    callback=_misalignments,
+    callback=misalignments,
     multiple=True,
     metavar="E=..,P=..,G=..,Sigma=..",
     help="Further assembly in mm, Sigma in degrees, that counts as much as the case's own. May be repeated.",

@@ -258,6 +258,13 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
     return Misalignment(offset, pinion_axial, gear_axial, math.radians(shaft_angle))
 
 
+def misalignments(
+    ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]
+) -> list[Misalignment | Deflections | None]:
+    """Assembly errors of an option that is given several times, see ``misalignment``."""
+    return [misalignment(ctx, param, text) for text in texts]
+
+
 def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
     """Files of deviations by member."""
     values: dict[str, str] = {}

@@ -14,5 +14,5 @@ def __getattr__(name: str) -> Any:
         from importlib import import_module
 
         # A floor above: what is written of a comparison stands with the other reports.
-        return import_module("easeoff.study").write_comparison
+        return import_module("..", __name__).write_comparison
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

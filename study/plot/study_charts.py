@@ -1,4 +1,6 @@
-"""Charts of a sweep: maps, curves, shift of the contact pattern, histograms and tornado.
+"""Charts of studies: sweeps, misalignment over the torque, fronts, wear and load cases.
+
+Charts of a sweep: maps, curves, shift of the contact pattern, histograms and tornado.
 
 Misalignment chart: E, P, G and Sigma over the torque, and the centre of the pattern that moves with them.
 
@@ -28,6 +30,7 @@ from numpy.typing import NDArray
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
+from ..result_layout import PATTERN
 from ..summary.deflection_report import misalignment_over_torque
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
@@ -70,7 +73,6 @@ BIN_LIMIT = 40
 UNITS = {"degree": "°", "degC": "°C", "um": "µm", "rpm": "1/min", "1": ""}
 TICK_LIMIT = 7  # swept values that are ticked themselves
 PERCENT = (5.0, 50.0, 95.0)
-PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 
 
 def pictures(dataset: xr.Dataset) -> tuple[str, ...]:

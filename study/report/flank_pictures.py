@@ -29,6 +29,7 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
 from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
+from ..result_layout import GRID
 from ..summary.correction_report import assembly_rows, assembly_title, terms
 from .cycle_charts import chart
 from .packed_array import packed, packed_exactly
@@ -259,7 +260,6 @@ def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, .
     }
 
 
-GRID = ("lengthwise", "profile")
 STEP_COUNT_LIMIT, TORQUE_COUNT_LIMIT = 12, 3  # rows of the table of wear, and columns of it
 
 

@@ -30,7 +30,7 @@ from ...friction.operation import named_models
 from ..plot.page import evenly_chosen
 from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
-from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, faults, require_layout
+from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
 from ..summary.result_summary import head_rows, result_notes
 from ..summary.sweep_report import SIGNS, reasons, totals, vh_rows
 from ..sweep.sweep_file import MARK
@@ -168,7 +168,6 @@ def _require_kind(name: str, kind: str) -> None:
 
 
 Array = NDArray[Any]
-GRID = ("lengthwise", "profile")
 COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
 HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")

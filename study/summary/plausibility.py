@@ -28,6 +28,7 @@ from ...contact.evaluation.pressure_map import LineEnd, max_inner_pressure
 from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...friction.kolivand_formula import TOLD_THINNING
 from ...geometry.pair.gear_pair import MEMBERS
+from ..result_layout import CONDITIONS
 from .supports_report import bearing_loads, towards_heel
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -223,7 +224,6 @@ INPUTS = {
     8192: "pressure-viscosity coefficient",
     16384: "lambda ratio",
 }
-CONDITIONS = ("torque", "speed", "temperature", "roughness")
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.
 TOLD_SHARE = 0.05
 TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet

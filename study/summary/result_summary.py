@@ -17,7 +17,8 @@ from tabulate import tabulate
 from ...contact.evaluation.pressure_map import LineEnd
 from ...contact.solvers import Status
 from ...core.netcdf_file import in_memory
-from ..analysis.key_numbers import PATTERN, deviations, key_numbers, model_name, modification
+from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
+from ..result_layout import PATTERN
 from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque, misalignment_words
 from .plausibility import (
     edge_notes,
