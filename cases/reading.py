@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from ..core.checks import file_path, instance, truth
 from ..core.errors import EaseoffError, InputError, printable, suggestion
-from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text
+from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text, require_regular, status_of
 from ..core.toml_text import toml_tables
 from .mistakes import count, mistakes
 from .schema.case_schema import Case, refuse_inches
@@ -72,11 +72,10 @@ class FileKind(Generic[Model]):
         name = os.fsdecode(name_or_path)
         if name in self.names():
             return self.folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
-        if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
-            if os.path.isdir(path):
-                raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
-            if os.path.exists(path):
-                raise InputError(f"{kind} {name!r} is a device or a pipe, not a file: give the name of a file")
+        status = status_of(path)
+        if status is not None:
+            require_regular(status, f"{kind} {name!r}")
+        else:
             for other in KINDS:
                 if name in other.names():
                     raise InputError(f"{name} is {self.others[other.name].format(name)}")

@@ -1,4 +1,6 @@
-"""The exceptions of the package: one tree, so that a caller can catch all of them at once.
+"""Exceptions of the package, and the words of their messages: text made harmless, suggestions, sizes.
+
+The exceptions of the package: one tree, so that a caller can catch all of them at once.
 
 Foreign text in messages and tables: harmless to a terminal, and of bounded length.
 

@@ -1,4 +1,6 @@
-"""A call after the import of another package, which is not imported for it.
+"""Hooks of imports: calls after the import of a package, the fence of a checkout, figures in notebooks.
+
+A call after the import of another package, which is not imported for it.
 
 In a checkout the folder of the package holds tests and docs, too: they cannot be imported from it.
 

@@ -1,4 +1,6 @@
-"""netCDF files: what the header declares is checked before any data are read, and every fault is one message.
+"""netCDF files, read and written.
+
+netCDF files: what the header declares is checked before any data are read, and every fault is one message.
 
 The libraries for netCDF and HDF5 crash on some damaged files; they read in a process of their own.
 

@@ -23,6 +23,7 @@ from .checks import file_path
 from .errors import InputError
 from .file_lock import try_lock
 from .file_name import check_name
+from .regular_file import require_regular, status_of
 
 ACCESS_LIST = "system.posix_acl_access"
 
@@ -209,16 +210,18 @@ def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
 def _check_replaceable(target: Path) -> None:
     """Check that a path can be that of a file, and that a file or link which is there may be replaced."""
     check_name(target)
-    if os.path.isdir(target):
-        raise InputError(f"{target} is a folder: give the name of a file")
-    if os.path.exists(target) and not os.path.isfile(target):
-        raise InputError(f"{target} is a device or a pipe, not a file: give the name of a file")
-    if os.path.exists(target) and not os.access(target, os.W_OK):
-        raise InputError(f"{target} cannot be written: no permission")
-    if os.path.lexists(target) and hasattr(os, "geteuid"):
-        folder, user = os.stat(target.parent), os.geteuid()
-        if folder.st_mode & stat.S_ISVTX and user not in (0, folder.st_uid, os.lstat(target).st_uid):
-            raise InputError(f"{target} cannot be written: it is another user's, and only they can replace it there")
+    status = status_of(target)
+    if status is not None:
+        require_regular(status, str(target))
+        if not os.access(target, os.W_OK):
+            raise InputError(f"{target} cannot be written: no permission")
+    kept_by_another = False
+    with contextlib.suppress(OSError, ValueError):  # nothing to replace, or no longer
+        owner, folder = os.lstat(target).st_uid, os.stat(target.parent)
+        user = os.geteuid() if hasattr(os, "geteuid") else owner
+        kept_by_another = bool(folder.st_mode & stat.S_ISVTX) and user not in (0, folder.st_uid, owner)
+    if kept_by_another:
+        raise InputError(f"{target} cannot be written: it is another user's, and only they can replace it there")
 
 
 def _check_access(folder: Path, target: Path) -> None:

@@ -1,4 +1,6 @@
-"""Environment of the processes that the package starts.
+"""Settings of processes: environment, BLAS threads, freed memory, search for circles of objects.
+
+Environment of the processes that the package starts.
 
 Threads of the linear algebra library.
 

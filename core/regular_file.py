@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import stat
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,15 +28,31 @@ def named(path: str | os.PathLike[str]) -> str:
 def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None:
     """Refuse a path without a file to read: a folder, a pipe, a device, or a file above the limit [byte]."""
     path = file_path("path", path)
-    # The functions of os.path take a name that is too long, or holds a null character, for one that does not exist.
-    if os.path.isdir(path):
-        raise InputError(f"{named(path)} is a folder: give the name of a file")
-    if not os.path.isfile(path):
-        if os.path.exists(path):
-            raise InputError(f"{named(path)} is a device or a pipe, not a file: give the name of a file")
+    status = status_of(path)
+    if status is None:
         raise InputError(f"{named(path)}: there is no such file")
-    if limit is not None and os.path.getsize(path) > limit:
+    require_regular(status, named(path))
+    if limit is not None and status.st_size > limit:
         raise too_large(path, limit)
+
+
+def status_of(path: str | os.PathLike[str]) -> os.stat_result | None:
+    """Status of what stands at a path, taken once: another process may replace or delete it at any time; or None.
+
+    A name that is too long, or holds a null character, is that of nothing.
+    """
+    try:
+        return os.stat(path)
+    except (OSError, ValueError):
+        return None
+
+
+def require_regular(status: os.stat_result, name: str) -> None:
+    """Refuse what is no regular file."""
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError(f"{name} is a folder: give the name of a file")
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(f"{name} is a device or a pipe, not a file: give the name of a file")
 
 
 def leads_outside(folder: str | os.PathLike[str], path: str | os.PathLike[str]) -> bool:

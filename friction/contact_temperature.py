@@ -1,4 +1,6 @@
-"""Flash temperature: rise of the greatest temperature of a line contact over that of the teeth, after Blok.
+"""Temperature of the contact: flash temperature, moving bands of heat, and how the heat divides.
+
+Flash temperature: rise of the greatest temperature of a line contact over that of the teeth, after Blok.
 
 The heat of friction is spread over the contact as the Hertz pressure is. It moves over each flank at the velocity of
 that flank relative to the contact line, and divides so that both flanks have one greatest temperature (H. Blok,

@@ -1,4 +1,6 @@
-"""Least film thickness of a smooth, isothermal line contact, by name.
+"""Film thickness by formulas, and thermal factors of the inlet, by name.
+
+Least film thickness of a smooth, isothermal line contact, by name.
 
 >>> from easeoff.friction import FILMS
 >>> list(FILMS)

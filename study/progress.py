@@ -60,7 +60,6 @@ def _bar(**options: Any) -> Any:
     """A bar of tqdm in a notebook, which is gone at the end, and what the commands show elsewhere."""
     if "ipykernel" in sys.modules:
         return _notebook_bar(**options)
-
     return terminal_bar(**options)
 
 

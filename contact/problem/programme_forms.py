@@ -1,4 +1,6 @@
-"""The contact problem with the modal amplitudes as unknowns of their own: sparse, with a diagonal Hessian.
+"""Equivalent forms of the contact problem: lifted, dual, and as a linear complementarity problem.
+
+The contact problem with the modal amplitudes as unknowns of their own: sparse, with a diagonal Hessian.
 
 For C = diag(d) + V V^T and z = V^T F,
 

@@ -1,4 +1,6 @@
-"""Library files: the problems of a part with their labels and reference answers, checked and written.
+"""Files of the library: its problems made, checked and written.
+
+Library files: the problems of a part with their labels and reference answers, checked and written.
 
 Problem changes: degenerate and badly conditioned problems made from real ones.
 

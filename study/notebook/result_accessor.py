@@ -91,7 +91,6 @@ class ResultSummary:
         return self.text
 
     def _repr_html_(self) -> str:
-
         return result_page(self._tree)
 
 

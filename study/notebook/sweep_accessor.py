@@ -77,7 +77,6 @@ class SweepSummary:
         return self.text
 
     def _repr_html_(self) -> str:
-
         return sweep_page(self._dataset)
 
 

@@ -1,4 +1,6 @@
-"""Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction, heat.
+"""Charts of friction: maps of the gear flank, and efficiency over the conditions.
+
+Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction, heat.
 
 Efficiency chart: power loss over the mesh cycle, and efficiency over every varied operating condition.
 """

@@ -1,4 +1,6 @@
-"""Transmission error chart: without load and at every torque, over two mesh cycles.
+"""Charts over the mesh cycle: transmission error, load sharing, pressure and root stress.
+
+Transmission error chart: without load and at every torque, over two mesh cycles.
 
 Load share chart: share of the torque that each tooth pair carries, over two mesh cycles.
 

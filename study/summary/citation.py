@@ -1,4 +1,6 @@
-"""Text and BibTeX of ``easeoff cite``.
+"""Citation of the program and of the sources of a result, as text and BibTeX.
+
+Text and BibTeX of ``easeoff cite``.
 
 A published work as a line of text and as a BibTeX entry, and the works that models of the package are from.
 

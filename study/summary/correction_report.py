@@ -1,4 +1,6 @@
-"""Correction report: global errors, corrective settings and predicted rest of measured flanks, as text.
+"""Reports of corrections, optimal modifications and searches for settings, as text.
+
+Correction report: global errors, corrective settings and predicted rest of measured flanks, as text.
 
 Modification report: terms of the modification, loads before and after, and warnings, as text.
 

@@ -1,4 +1,6 @@
-"""Report of a sweep: its points, percentiles of the main numbers, sensitivities and worst points, as text.
+"""Reports of sweeps, wear and V-H checks, as text.
+
+Report of a sweep: its points, percentiles of the main numbers, sensitivities and worst points, as text.
 
 Wear in words: revolutions and steps, greatest depths, and the transmission error before and after.
 

@@ -1,4 +1,6 @@
-"""Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets.
+"""Parameter study of friction with the film model: its design, its cases and its rows.
+
+Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets.
 
 One case of the parameter study: a combination of conditions, computed with the film model.
 
