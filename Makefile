@@ -41,7 +41,9 @@ check: lint docs
 	$(MAKE) lowest
 
 # The quick tests on the package as it is installed from a wheel that is built from the source distribution: with the
-# lowest versions that pyproject.toml allows, or with the newest.
+# lowest versions that pyproject.toml allows, or with the newest; PYTHON=python3.13 takes another Python. uv finds the
+# lowest: the first from each bound on that has a wheel for that Python; what they require in turn is the newest. Where
+# an old version fails, raise its bound.
 lowest newest: $(READY_FOR_CHECKS)
 	.ci/installed $@ $(WORKERS)
 

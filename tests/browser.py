@@ -1,4 +1,7 @@
-"""Headless Chromium for tests of pages, driven over two pipes by the DevTools protocol; nothing beside it is needed."""
+"""Headless Chromium for tests of pages, driven over two pipes by the DevTools protocol; nothing beside it is needed.
+
+``apt-get install chromium`` installs it; without it these tests are skipped.
+"""
 
 from __future__ import annotations
 

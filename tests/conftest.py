@@ -1,4 +1,13 @@
-"""Shared by the tests: one BLAS thread, a cache of their own, examples drawn alike each time, and a quick suite."""
+"""Shared by the tests: one BLAS thread, a cache of their own, examples drawn alike each time, and a quick suite.
+
+A test that takes more than two seconds is marked ``@pytest.mark.thorough``: ``make test`` leaves it out, ``.ci/run``
+runs every fifth of them, ``make check`` all. Of one with many cases, ``@pytest.mark.quick(3)`` leaves three, spread
+over them, to ``make test``.
+
+Nothing may depend on the clock or on how busy the machine is: no test waits for a time limit, and solvers have as long
+as they need. Pages are tested in Chromium (``browser.py``), the site where ``make docs`` has built it; kernels also as
+the Python that they are written in, with the same bits (``kernels.py``).
+"""
 
 from __future__ import annotations
 

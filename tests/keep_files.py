@@ -3,7 +3,18 @@
 The folder holds an input file of each kind in ``inputs``, and in ``results.tar.xz`` a small result of each kind and
 ``kept.json``, the commands that made the results and what was read from every file. ``test_kept_files.py`` reads,
 shows, plots and runs all of them with the code as it is. A folder is remade until its version is released, and never
-after.
+after; making it takes a minute.
+
+- Every version reads the input files of all versions kept, with the same meaning. A key may be added with a default
+  that means what its absence meant. A key may get another name only if the old one is still read.
+- Every version reads the results of all versions kept. Groups, variables and attributes may be added: readers take them
+  as optional (``OPTIONAL_VARIABLES`` and ``OTHER_VARIABLES`` in ``study/result_layout.py``). Name, unit, sign and
+  dimensions of what is there stay.
+- What has to change all the same raises ``RESULT_SCHEMA_VERSION`` or ``SWEEP_SCHEMA_VERSION``. Readers then convert
+  older layouts, or refuse them with the version that reads them (``core/file_origin.py``), and the test of that version
+  says so. A later layout than the reader knows is refused in the same way.
+- Numbers may change when a model becomes more accurate, with a row in the changelog: what, from, to.
+- Public names and options of commands are removed one minor version after a warning at the earliest.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import importlib.util
 import inspect
@@ -11,22 +10,21 @@ import shlex
 import subprocess
 import sys
 import tomllib
-from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from itertools import chain
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from package_imports import PACKAGE, ROOMS, imports, modules
 from packaging.requirements import Requirement
 
 import easeoff
 from easeoff.core.errors import how_to_install
 
-PACKAGE = Path(easeoff.__file__).parent
 #: Each imports from those before it alone; what is not named comes after all that is.
 ORDER = {
-    "": ("core", "geometry", "contact", "friction", "cases", "study", "verification"),
+    "": ROOMS,
     "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
     "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
     # Studies return labelled data; what shows them stands above, the commands on top.
@@ -41,37 +39,6 @@ VERIFYING = "easeoff.study.cli.verify_command"
 PUBLIC = ("cases", "contact", "friction", "friction.ehl", "friction.ehl.study", "geometry", "geometry.tooth", "study")
 #: Where users come in; adapters of solvers are imported by the names of the solvers.
 ENTRIES = {"easeoff", "easeoff.study.cli", *(f"easeoff.{name}" for name in PUBLIC)}
-
-
-@cache
-def modules() -> dict[str, Path]:
-    """Every module of the package by its full name."""
-    found = {}
-    for path in PACKAGE.rglob("*.py"):
-        parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if parts[0] in (*ORDER[""], "__init__"):
-            found[".".join(("easeoff", *parts)).removesuffix(".__init__")] = path
-    return found
-
-
-@cache
-def imports(name: str) -> frozenset[str]:
-    """Modules of the package that a module imports, wherever and under whatever condition it does so."""
-    path, found = modules()[name], set()
-    package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
-    stub = path.with_suffix(".pyi")  # of names that are imported on first use
-    text = path.read_text(encoding="utf-8") + (stub.read_text(encoding="utf-8") if stub.is_file() else "")
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            above = package[: len(package) + 1 - node.level] if node.level else []
-            base = ".".join([*above, *([node.module] if node.module else [])])
-            within = {f"{base}.{alias.name}" for alias in node.names} & modules().keys()
-            found |= within if len(within) == len(node.names) else {base, *within}
-        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "kernel":
-            found |= {".".join(package) + str(arg.value) for arg in node.args[:1] if isinstance(arg, ast.Constant)}
-    return frozenset(found & modules().keys()) - {name}
 
 
 def entry(name: str, within: str) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import json
 import pkgutil
 import re
 import shlex
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 from browser import Browser, chromium
 from click.testing import CliRunner
+from PIL import Image
 from runs import SMALL
 
 import easeoff
@@ -263,6 +265,7 @@ def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
     """If not: run docs/make result_reference."""
     reference = importlib.import_module("make_result_reference")
     page, tree = text("results"), reference.coarse_analysis()
+    assert set(tree.children) == importlib.import_module("make_overview").groups_in_the_flow()
     assert page == reference.updated(page, tree)
     assert reference.result_tables(tree) in page
 
@@ -280,6 +283,14 @@ def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
                 assert listed[name][0] == ", ".join(dimensions)
                 assert listed[name][1] == getattr(variable, "units", "1")
             assert all(f"`{name}`" in page for name in group.ncattrs())
+
+
+def test_pictures_of_flow_and_imports_show_what_is_there() -> None:
+    """If not: run docs/make overview."""
+    overview = importlib.import_module("make_overview")
+    for path, shown in ((overview.FLOW, overview.shown_flow()), (overview.IMPORTS, overview.shown_imports())):
+        with Image.open(path) as picture:
+            assert json.loads(picture.info["Description"]) == json.loads(json.dumps(shown)), path.name
 
 
 def test_numbers_beside_the_dissertation_are_those_of_the_program() -> None:

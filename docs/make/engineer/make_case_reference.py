@@ -1,6 +1,8 @@
 """Write the tables of keys in ``case_file.md`` and ``design_file.md`` from the schemas that check these files.
 
 ``python docs/make case_reference`` updates the pages; with ``--print`` it only prints the tables.
+
+After a change of the schema of cases or designs.
 """
 
 from __future__ import annotations

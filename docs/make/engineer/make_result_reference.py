@@ -3,6 +3,8 @@
 The summary is that of a shipped case, the tables are from a coarse analysis of one.
 
 ``python docs/make result_reference`` updates the page; with ``--print`` it only prints the tables.
+
+After a change of a result's variables or of what ``easeoff show`` prints.
 """
 
 from __future__ import annotations

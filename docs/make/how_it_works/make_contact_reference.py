@@ -2,6 +2,8 @@
 
 ``python docs/make contact_reference [solve] [convergence] [tables] [figure]``: all of them if none is named.
 ``solve`` writes tests/data/contact_reference, which takes some minutes a pair once the responses of the teeth are kept.
+
+After a change of flanks, teeth or elastic bodies; takes half an hour.
 """
 
 from __future__ import annotations

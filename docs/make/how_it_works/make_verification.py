@@ -2,6 +2,8 @@
 
 ``python docs/make verification --without-split`` solves the contact without the split anew as well, which takes some
 minutes a case; else its rows stay as they are in the page.
+
+After a change of numbers or limits; takes a quarter of an hour.
 """
 
 from __future__ import annotations

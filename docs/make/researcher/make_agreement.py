@@ -2,6 +2,8 @@
 
 Every installed solver, unpolished and at the settings of the table of solvers, on random and degenerate problems and on
 those of two gears: how far its multipliers are from rotation and gaps of the native solver.
+
+After a change of solvers or of their settings; takes a minute.
 """
 
 from __future__ import annotations

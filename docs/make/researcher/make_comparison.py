@@ -3,6 +3,8 @@
 ``python docs/make comparison FOLDER`` makes the small and the medium part of the library and the comparison in a
 folder, from which it resumes, and updates the pages: some ten minutes on two cores. With ``--page`` it only updates
 them from the comparison in the folder.
+
+After a change of solvers or of their settings.
 """
 
 from __future__ import annotations

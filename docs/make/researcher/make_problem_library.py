@@ -3,6 +3,8 @@
 ``python docs/make problem_library`` updates the page; with ``--print`` it only prints the tables; with ``--answers``
 it first makes every problem and proves its reference answer anew, which takes minutes and belongs to a new version of
 the library; with ``--new-answers`` it proves those that are missing.
+
+After a change of the library, or of the model behind it, with ``--answers``; raise ``LIBRARY_VERSION`` first.
 """
 
 from __future__ import annotations
