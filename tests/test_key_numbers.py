@@ -684,7 +684,7 @@ def at_greatest(place: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
 
 
 def recomputed() -> dict[str, dict[str, xr.DataArray]]:
-    """By group what the words of results.md make of other variables there."""
+    """By group what the words of result_variables.md make of other variables there."""
     tree = stored()
     loaded, friction, ease_off, supports = (tree[name] for name in ("loaded", "friction", "ease_off", "supports"))
     unloaded, ratio = tree["unloaded"], ease_off.attrs["ratio"]

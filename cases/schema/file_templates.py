@@ -47,7 +47,7 @@ MEANINGS = {
         "follow from the root line by the closed form",
         "",
     ),
-    "method": ("how the pinion is cut, see [methods](#methods-of-the-pinion)", ""),
+    "method": ("how the pinion is cut, see [methods](design_file.md#methods-of-the-pinion)", ""),
     "follow_root": (
         "closest fit: whether the tips of the pinion's blades shall run along its root cone; other methods always do",
         "",

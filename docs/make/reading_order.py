@@ -38,8 +38,11 @@ READING_ORDER = {
         "Reference": [
             "reference/commands",
             "reference/case_file",
+            "reference/case_file_keys",
             "reference/design_file",
+            "reference/design_file_keys",
             "reference/results",
+            "reference/result_variables",
             "reference/exchange",
             "reference/cad",
         ],
@@ -54,6 +57,7 @@ READING_ORDER = {
     "how_it_works/index": {
         "": ["method", "conventions", "glossary", "validation", "verification", "bibliography"],
         "Research notes": [
+            "notes/pair_design",
             "notes/elastic_teeth",
             "notes/unloaded_contact",
             "notes/elastic_supports",

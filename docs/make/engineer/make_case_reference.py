@@ -1,4 +1,4 @@
-"""Write the tables of keys in ``case_file.md`` and ``design_file.md`` from the schemas that check these files.
+"""Write the tables of keys of case and design files from the schemas that check these files.
 
 ``python docs/make case_reference`` updates the pages; with ``--print`` it only prints the tables.
 
@@ -7,13 +7,13 @@ After a change of the schema of cases or designs.
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Iterator
 
 from alike_rows import in_few_rows
 from annotated_types import MinLen
 from folders import REFERENCE
+from generated_part import with_generated
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -32,30 +32,22 @@ from easeoff.cases.schema.supports_table import (
     SupportsTable,
 )
 
-PAGE = REFERENCE / "case_file.md"
-DESIGN_PAGE = REFERENCE / "design_file.md"
+PAGE, DESIGN_PAGE = REFERENCE / "case_file_keys.md", REFERENCE / "design_file_keys.md"
 
 
 def updated(page: str) -> str:
     """The page with its generated part, between two comments, made anew."""
-    begin, end = "<!-- begin generated: case keys -->", "<!-- end generated: case keys -->"
-    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{case_tables()}\n\n{end}", page, flags=re.DOTALL)
+    return with_generated(page, "case keys", case_tables())
 
 
 def updated_design(page: str) -> str:
     """The page of design files with its generated part made anew."""
-    begin, end = "<!-- begin generated: design keys -->", "<!-- end generated: design keys -->"
-    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{design_tables()}\n\n{end}", page, flags=re.DOTALL)
-
-
-def linked(tables: str) -> str:
-    """Tables whose links to guides lead there: descriptions of keys name the page alone."""
-    return re.sub(r"\]\((finite_elements|supports)\.md", r"](../guides/\1.md", tables)
+    return with_generated(page, "design keys", design_tables())
 
 
 def case_tables() -> str:
     """The tables of a case file and of all its sub-tables, as Markdown."""
-    return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections()))
+    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections())
 
 
 def design_tables() -> str:
@@ -68,7 +60,7 @@ def design_tables() -> str:
         ("### `[cutter_steps]`", design_model.CutterStepsTable),
         ("### `[resolution]`", design_model.ResolutionTable),
     )
-    return linked("\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own))
+    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own)
 
 
 def sections() -> Iterator[tuple[str, type[BaseModel]]]:

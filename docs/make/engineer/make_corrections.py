@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from dissertation_figures import save_small
 from folders import GUIDES, IMAGES
+from generated_part import with_generated
 
 from easeoff import plot
 from easeoff.verification import CorrectionLoop, correction_loop
@@ -16,7 +16,6 @@ PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"
 DRAWN = "hobbed, completing, Formate"
 NOISE = 0.5  # [um]
-BEGIN, END = "<!-- begin generated: closed loops -->", "<!-- end generated: closed loops -->"
 
 
 def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
@@ -30,7 +29,7 @@ def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
 def updated(page: str) -> str:
     """The page with its table made anew."""
     table = "\n".join(rows(loops(), loops(NOISE)))
-    return re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{table}\n\n{END}", page, flags=re.DOTALL)
+    return with_generated(page, "closed loops", table)
 
 
 def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> Iterator[str]:

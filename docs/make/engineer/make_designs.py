@@ -18,6 +18,7 @@ from click.testing import CliRunner
 from design_picture import draw
 from dissertation_figures import save_small
 from folders import DESIGNS, IMAGES
+from generated_part import with_generated
 
 import easeoff
 from easeoff.study.analysis.key_numbers import key_numbers
@@ -137,9 +138,7 @@ def _telling(rows: xr.Dataset) -> Iterator[int]:
 def updated(page: str, blocks: Mapping[str, str]) -> str:
     """A page with its generated blocks made anew."""
     for name, made in blocks.items():
-        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-        text = f"{begin}\n\n{made}\n\n{end}"
-        page = re.sub(f"{begin}.*{end}", lambda _, text=text: text, page, flags=re.DOTALL)  # type: ignore[misc]
+        page = with_generated(page, name, made)
     return page
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import xarray as xr
 from dissertation_figures import save_small, title
 from dissertation_method import by_its_method
 from folders import GUIDES, IMAGES, NOTES
+from generated_part import with_generated
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -162,10 +162,7 @@ def main() -> None:
 
 def write_table(path: Path, name: str, made: str) -> None:
     """Put the table of a case between the comments of a page that name it."""
-    begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-    page = path.read_text(encoding="utf-8")
-    page = re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{made}\n\n{end}", page, flags=re.DOTALL)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(with_generated(path.read_text(encoding="utf-8"), name, made), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Write what is computed in ``results.md``: a summary of ``easeoff show``, and the tables of variables.
+"""Write the summary of ``easeoff show`` in ``results.md``, and the tables of variables in ``result_variables.md``.
 
 The summary is that of a shipped case, the tables are from a coarse analysis of one.
 
-``python docs/make result_reference`` updates the page; with ``--print`` it only prints the tables.
+``python docs/make result_reference`` updates the pages; with ``--print`` it only prints the tables.
 
 After a change of a result's variables or of what ``easeoff show`` prints.
 """
@@ -16,6 +16,7 @@ from collections.abc import Hashable, Mapping
 import xarray as xr
 from alike_rows import in_few_rows
 from folders import REFERENCE
+from generated_part import with_generated
 
 import easeoff
 from easeoff.cases import gear_pair
@@ -23,7 +24,7 @@ from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
 from easeoff.geometry import GlobalErrors, deviation_from_formula
 from easeoff.study.summary.result_summary import result_summary
 
-PAGE = REFERENCE / "results.md"
+PAGE, VARIABLES_PAGE = REFERENCE / "results.md", REFERENCE / "result_variables.md"
 CHOSEN = ("setting", "setting_units", "objective", "quantity_limit")  # texts that depend on what was asked for
 CERTIFICATE = "[certificate](../../researcher/contact_problems.md#what-the-certificate-proves)"
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
@@ -129,21 +130,14 @@ def summary() -> str:
     return "\n".join(["```text", *lines, "```"])
 
 
-def updated(page: str, tree: xr.DataTree) -> str:
-    """The page with its generated parts, each between two comments, made anew."""
-    for name, made in (("summary", summary()), ("variables", result_tables(tree))):
-        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-        page = re.sub(f"{begin}.*{end}", f"{begin}\n\n{made}\n\n{end}".replace("\\", r"\\"), page, flags=re.DOTALL)
-    return page
-
-
 def main() -> None:
-    """Print the tables or update the page."""
+    """Print the tables or update the pages."""
     tree = coarse_analysis()
     if "--print" in sys.argv[1:]:
         print(result_tables(tree))
         return
-    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8"), tree), encoding="utf-8")
+    for page, name, made in ((PAGE, "summary", summary()), (VARIABLES_PAGE, "variables", result_tables(tree))):
+        page.write_text(with_generated(page.read_text(encoding="utf-8"), name, made), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,13 +10,13 @@ After a change of solvers or of their settings.
 from __future__ import annotations
 
 import json
-import re
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from folders import IMAGES, NOTES, RESEARCHER
+from generated_part import with_generated
 from PIL import Image
 
 from easeoff.study.compare import compare, write_comparison
@@ -126,9 +126,7 @@ TABLES = {
 def updated(page: str, table: Any) -> str:
     """A page with its generated parts, each between two comments, made anew."""
     for name, made in TABLES.items():
-        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-        text = f"{begin}\n\n{made(table)}\n\n{end}"
-        page = re.sub(f"{begin}.*{end}", lambda _, text=text: text, page, flags=re.DOTALL)  # type: ignore[misc]
+        page = with_generated(page, name, made(table))
     return page
 
 

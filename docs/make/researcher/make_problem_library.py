@@ -10,12 +10,12 @@ After a change of the library, or of the model behind it, with ``--answers``; ra
 from __future__ import annotations
 
 import math
-import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
 from folders import RESEARCHER
+from generated_part import with_generated
 
 import easeoff.study.library
 from easeoff.study.library import ReferenceAnswer, entries, generate, reference_answers
@@ -98,9 +98,7 @@ TABLES = {
 def updated(page: str) -> str:
     """The page with its generated parts, each between two comments, made anew."""
     for name, table in TABLES.items():
-        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-        text = f"{begin}\n\n{table()}\n\n{end}"
-        page = re.sub(f"{begin}.*{end}", lambda _, text=text: text, page, flags=re.DOTALL)  # type: ignore[misc]
+        page = with_generated(page, name, table())
     return page
 
 
