@@ -285,6 +285,10 @@ def test_result_reference_is_what_an_analysis_makes(tmp_path: Path) -> None:
             assert all(f"`{name}`" in page for name in group.ncattrs())
 
 
+def test_way_in_is_read_in_a_few_minutes() -> None:
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split()) < 1200
+
+
 def test_pictures_of_flow_and_imports_show_what_is_there() -> None:
     """If not: run docs/make overview."""
     overview = importlib.import_module("make_overview")
