@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ....core.checks import instances, shown
 from ....core.errors import InputError, memory_in_words
@@ -71,18 +71,28 @@ def require_answers(problems: Sequence[ContactProblem], answers: Sequence[Answer
             raise InputError(f"answer {i} = {shown(answer.force)}: must have the forces of {problem.size} segments")
 
 
+def reference_numbers(answer: Answer) -> dict[str, Any]:
+    """Numbers of a reference solution by name, as files have them."""
+    return {name: getattr(answer, name.removeprefix("reference_")) for name in ATTRIBUTES}
+
+
+def padded(values: Sequence[ArrayLike | None], *lengths: int) -> Array:
+    """Arrays, some of them missing, as one array with a row each, padded with NaN to the same lengths."""
+    whole = np.full((len(values), *lengths), np.nan)
+    for row, one in enumerate(values):
+        if one is not None:
+            whole[(row, *map(slice, np.shape(one)))] = one
+    return whole
+
+
 def reference_variables(answers: Sequence[Answer], width: int) -> dict[str, xr.DataArray]:
     """Return the variables of a file with problems of at most `width` segments, padded with NaN."""
-    force, gap = np.full((len(answers), width), np.nan), np.full((len(answers), width), np.nan)
-    for i, answer in enumerate(answers):
-        force[i, : answer.force.size], gap[i, : answer.gap.size] = answer.force, answer.gap
-    values: dict[str, tuple[tuple[str, ...], Array]] = {
-        "reference_force": (("problem", "segment"), force),
-        "reference_gap": (("problem", "segment"), gap),
-        "reference_rotation": (("problem",), np.array([a.rotation for a in answers])),
-        "reference_elastic_rotation": (("problem",), np.array([a.elastic_rotation for a in answers])),
-    }
-    return {name: xr.DataArray(array, dims=dims, attrs=ATTRIBUTES[name]) for name, (dims, array) in values.items()}
+    numbers, variables = [reference_numbers(answer) for answer in answers], {}
+    for name, attributes in ATTRIBUTES.items():
+        segments = {"segment": width} if name in ("reference_force", "reference_gap") else {}
+        values = padded([one[name] for one in numbers], *segments.values())
+        variables[name] = xr.DataArray(values, dims=("problem", *segments), attrs=attributes)
+    return variables
 
 
 def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProblem]) -> list[Answer] | None:

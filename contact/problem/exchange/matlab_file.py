@@ -22,8 +22,8 @@ from ....core.forked_process import ProcessEndedError, in_forked_process
 from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, named, require_file
-from ..contact_problem import ATTRIBUTES, ContactProblem
-from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, require_answers, stored_reference
+from ..contact_problem import ATTRIBUTES, ContactProblem, problem_numbers, problem_of_numbers
+from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, reference_numbers, require_answers, stored_reference
 from .problem_file import ProblemSet
 
 VARIABLE = "problem"
@@ -95,21 +95,9 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
 
 def _fields(problems: ProblemSet, i: int) -> dict[str, Any]:
     """Fields of one problem; vectors as columns."""
-    problem, answer = problems.problems[i], problems.answer(i)
-    fields: dict[str, Any] = {
-        "separation": problem.separation[:, np.newaxis],
-        "lever_arm": problem.lever_arm[:, np.newaxis],
-        "torque": problem.torque,
-    }
-    if isinstance(problem.compliance, tuple):
-        fields["compliance_diagonal"] = problem.compliance[0][:, np.newaxis]
-        fields["compliance_factor"] = problem.compliance[1]
-    else:
-        fields["compliance"] = problem.dense_compliance
-    if answer is not None:
-        fields["reference_force"], fields["reference_gap"] = answer.force[:, np.newaxis], answer.gap[:, np.newaxis]
-        fields["reference_rotation"] = answer.rotation
-        fields["reference_elastic_rotation"] = answer.elastic_rotation
+    answer = problems.answer(i)
+    numbers = problem_numbers(problems.problems[i]) | ({} if answer is None else reference_numbers(answer))
+    fields = {name: np.reshape(values, (-1, 1)) if np.ndim(values) == 1 else values for name, values in numbers.items()}
     for name, value in problems.label(i).items():
         fields[name] = str(value) if np.asarray(value).dtype.kind in "OUST" else value
     return fields
@@ -122,17 +110,18 @@ def _problem(element: Mapping[str, Any], i: int) -> ContactProblem:
     separation, lever_arm, torque = (_numbers(element[name], name) for name in ("separation", "lever_arm", "torque"))
     if torque.size != 1:
         raise InputError(f"problem {i}: torque = array of shape {torque.shape}: must be one number")
-    compliance: Any
+    numbers: dict[str, Any]
+    numbers = {"separation": separation.ravel(), "lever_arm": lever_arm.ravel(), "torque": float(torque.ravel()[0])}
     if np.size(element.get("compliance", ())):
-        compliance = _numbers(element["compliance"], "compliance")
+        numbers["compliance"] = _numbers(element["compliance"], "compliance")
     elif np.size(element.get("compliance_diagonal", ())) and "compliance_factor" in element:
         factor = _numbers(element["compliance_factor"], "compliance_factor")
-        factor = factor.reshape(separation.size, 0) if factor.size == 0 else factor
-        compliance = (_numbers(element["compliance_diagonal"], "compliance_diagonal").ravel(), factor)
+        numbers["compliance_factor"] = factor.reshape(separation.size, 0) if factor.size == 0 else factor
+        numbers["compliance_diagonal"] = _numbers(element["compliance_diagonal"], "compliance_diagonal").ravel()
     else:
         raise InputError(f"problem {i}: incomplete, without compliance, or compliance_diagonal and compliance_factor")
     try:
-        return ContactProblem(separation.ravel(), lever_arm.ravel(), float(torque.ravel()[0]), compliance)
+        return problem_of_numbers(numbers)
     except InputError as error:
         raise InputError(f"problem {i}: {error}") from error
 

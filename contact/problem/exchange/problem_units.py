@@ -7,15 +7,13 @@ problem can be had back to the bit.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..contact_problem import ContactProblem
-
-Array = NDArray[np.float64]
+from ..contact_problem import ContactProblem, problem_numbers
 
 
 @dataclass(frozen=True)
@@ -42,39 +40,27 @@ class ProblemUnits:
         scale = problem.scaling
         exponent = math.frexp(scale.compliance)[1] - 1
         units = cls(scale.force, math.ldexp(1.0, exponent - exponent % 2), scale.lever_arm)
-        given = problem_data(problem)
+        numbers = problem_numbers(problem)
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            back = units.restored(*units.changed(*given))
-            exact = all(np.array_equal(a, b) for a, b in zip(_flat(back), _flat(given), strict=True))
+            back = units.restored(units.changed(numbers))
+            exact = all(np.array_equal(back[name], values) for name, values in numbers.items())
         return units if exact else cls()
 
-    def changed(self, separation: Array, lever_arm: Array, torque: float, compliance: Any) -> tuple[Any, ...]:
-        """Return the data of a problem in these units."""
-        return (
-            separation / self.gap, lever_arm / self.lever_arm, torque / self.lever_arm / self.force,
-            _scaled(compliance, 1.0 / self.compliance),
-        )  # fmt: skip
+    def changed(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the numbers of a problem, see `problem_numbers`, in these units."""
+        return {name: values / self._of[name] for name, values in numbers.items()}
 
-    def restored(self, separation: Array, lever_arm: Array, torque: float, compliance: Any) -> tuple[Any, ...]:
-        """Return data in these units in mm and N."""
-        return (
-            separation * self.gap, lever_arm * self.lever_arm, torque * self.lever_arm * self.force,
-            _scaled(compliance, self.compliance),
-        )  # fmt: skip
+    def restored(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return numbers in these units in mm and N."""
+        return {name: values * self._of[name] for name, values in numbers.items()}
 
-
-def problem_data(problem: ContactProblem) -> tuple[Array, Array, float, Any]:
-    """Return separation, lever arm, torque and compliance as it was given."""
-    compliance = problem.compliance if isinstance(problem.compliance, tuple) else problem.dense_compliance
-    return problem.separation, problem.lever_arm, problem.torque, compliance
-
-
-def _scaled(compliance: Any, factor: float) -> Any:
-    """A compliance, matrix or pair, times a power of four."""
-    if isinstance(compliance, tuple):
-        return compliance[0] * factor, compliance[1] * math.sqrt(factor)
-    return compliance * factor
-
-
-def _flat(data: tuple[Any, ...]) -> list[Any]:
-    return [*data[:3], *(data[3] if isinstance(data[3], tuple) else data[3:])]
+    @property
+    def _of(self) -> dict[str, float]:
+        return {
+            "separation": self.gap,
+            "lever_arm": self.lever_arm,
+            "torque": self.lever_arm * self.force,
+            "compliance": self.compliance,
+            "compliance_diagonal": self.compliance,
+            "compliance_factor": math.sqrt(self.compliance),
+        }

@@ -57,9 +57,9 @@ from ....core.errors import InputError
 from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, require_file
-from ..contact_problem import ContactProblem
+from ..contact_problem import ContactProblem, number_names, problem_numbers, problem_of_numbers
 from ..programme_forms import dual_qp, lifted_qp
-from .problem_units import ProblemUnits, problem_data
+from .problem_units import ProblemUnits
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -114,7 +114,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     """
     arrays = read_arrays(path)
     try:
-        return ContactProblem(*(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays)))
+        return problem_of_numbers(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except KeyError as error:
@@ -134,32 +134,20 @@ def _programme(problem: ContactProblem, form: str) -> Any:
 
 
 def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
-    arrays: dict[str, Any] = {
-        "contact_separation": problem.separation,
-        "contact_lever_arm": problem.lever_arm,
-        "contact_torque": problem.torque,
+    return {
         "scale_force": problem.scaling.force,
         "scale_rotation": problem.scaling.rotation,
         "first_contact_rotation": problem.first_contact_rotation,
+        **{f"contact_{name}": values for name, values in problem_numbers(problem).items()},
     }
-    if isinstance(problem.compliance, tuple):
-        arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"] = problem.compliance
-    else:
-        arrays["contact_compliance"] = problem.dense_compliance
-    return arrays
 
 
-def _own_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
-    compliance: Any
-    if "contact_compliance_factor" in arrays:
-        compliance = (arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"])
-    else:
-        compliance = arrays["contact_compliance"]
-    return arrays["contact_separation"], arrays["contact_lever_arm"], arrays["contact_torque"], compliance
+def _own_data(arrays: Arrays) -> dict[str, Any]:
+    return {name: arrays[f"contact_{name}"] for name in number_names("contact_compliance_factor" in arrays)}
 
 
-def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
-    """Separation, lever arm, torque and compliance from P, q, A and b; qpsolvers stores a missing one as an object."""
+def _foreign_data(arrays: Arrays) -> dict[str, Any]:
+    """Numbers of a problem from P, q, A and b; qpsolvers stores a missing one as an object."""
     matrix, linear = arrays["P"], arrays["q"]
     row, right = arrays.get("A"), arrays.get("b")
     if row is None or right is None:
@@ -172,7 +160,7 @@ def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
         raise InputError(f"lb = {shown(lower)}: must be zero, the lower bounds of the normal forces")
     if arrays.get("G") is not None or (upper is not None and not (_is_numeric(upper) and np.all(upper == np.inf))):
         raise InputError("G, ub: must be left out, a contact problem has no inequalities and no upper bounds")
-    return linear, row[0], right[0], matrix
+    return {"separation": linear, "lever_arm": row[0], "torque": right[0], "compliance": matrix}
 
 
 def _is_numeric(array: NDArray[Any]) -> bool:
@@ -363,17 +351,16 @@ def read_qps(path: str | os.PathLike[str]) -> ContactProblem:
     try:
         with faults_in_words(path, "a QPS file"), open(path, encoding="utf-8") as file:
             programme = qps_programme(file)
-        return ContactProblem(*_units(programme).restored(*_contact_data(programme)))
+        return problem_of_numbers(_units(programme).restored(_contact_data(programme)))
     except InputError as error:
         raise InputError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
 
 
 def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
     units = ProblemUnits.of(problem)
-    separation, arm, torque, compliance = units.changed(*problem_data(problem))
-    if form == "dense" and problem.is_structured:
-        compliance = problem.dense_compliance / units.compliance
-    size = problem.size
+    numbers, size = units.changed(problem_numbers(problem)), problem.size
+    lifted = problem.is_structured and form != "dense"
+    separation, arm, torque = numbers["separation"], numbers["lever_arm"], numbers["torque"]
     yield "* Contact problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0. Written by easeoff.\n"
     yield "* Columns: F1.. forces; Z1.. amplitudes z = V'F, if C = diag(d) + V V'.\n"
     yield f"*{UNIT}force [N] = {units.force!r}\n"
@@ -383,7 +370,7 @@ def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
     yield f"* respect to T, times {units.rotation!r}.\n"
     yield f"* Problem: {_word(name)}\n"
     yield f"NAME {_word(name)}\nROWS\n N ENERGY\n E BALANCE\n"
-    factor = compliance[1] if isinstance(compliance, tuple) else np.zeros((size, 0))
+    factor = numbers["compliance_factor"] if lifted else np.zeros((size, 0))
     modes = factor.shape[1]
     yield from (f" E M{k + 1}\n" for k in range(modes))
     yield "COLUMNS\n"
@@ -399,19 +386,20 @@ def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
         yield "BOUNDS\n"
         yield from (f" FR BND Z{k + 1}\n" for k in range(modes))
     yield "QUADOBJ\n"
-    if isinstance(compliance, tuple):
-        diagonal = compliance[0]
+    if lifted:
+        diagonal = numbers["compliance_diagonal"]
         yield from (f" F{i + 1} F{i + 1} {float(diagonal[i])!r}\n" for i in np.flatnonzero(diagonal))
         yield from (f" Z{k + 1} Z{k + 1} 1.0\n" for k in range(modes))
     else:
+        compliance = problem.dense_compliance / units.compliance
         for j in range(size):
             below = j + np.flatnonzero(compliance[j:, j])
             yield from (f" F{j + 1} F{i + 1} {float(compliance[i, j])!r}\n" for i in below)
     yield "ENDATA\n"
 
 
-def _contact_data(programme: QpsProgramme) -> tuple[Array, Array, float, Any]:
-    """Separation, lever arm, torque and compliance, in the units of the file."""
+def _contact_data(programme: QpsProgramme) -> dict[str, Any]:
+    """Numbers of the contact problem by name, in the units of the file."""
     columns = list(programme.linear)
     free = [c for c in columns if programme.lower.get(c, 0.0) == -math.inf]
     for column in columns:
@@ -432,22 +420,20 @@ def _contact_data(programme: QpsProgramme) -> tuple[Array, Array, float, Any]:
     for column, value in rows.pop(balance).items():
         arm[force[column]] = value
     separation = np.array([programme.linear[c] for c in force])
-    torque = programme.right.get(balance, 0.0)
-    if not free:
-        return separation, arm, torque, _dense(programme, force)
-    return separation, arm, torque, _structured(programme, force, amplitude, rows)
+    rigid = {"separation": separation, "lever_arm": arm, "torque": programme.right.get(balance, 0.0)}
+    return rigid | (_structured(programme, force, amplitude, rows) if free else _dense(programme, force))
 
 
-def _dense(programme: QpsProgramme, force: dict[str, int]) -> Array:
+def _dense(programme: QpsProgramme, force: dict[str, int]) -> dict[str, Array]:
     matrix = np.zeros((len(force), len(force)))
     for (a, b), value in programme.quadratic.items():
         matrix[force[a], force[b]] = matrix[force[b], force[a]] = value
-    return matrix
+    return {"compliance": matrix}
 
 
 def _structured(
     programme: QpsProgramme, force: dict[str, int], amplitude: dict[str, int], rows: dict[str, dict[str, float]]
-) -> tuple[Array, Array]:
+) -> dict[str, Array]:
     diagonal, weight = np.zeros(len(force)), np.zeros(len(amplitude))
     for (a, b), value in programme.quadratic.items():
         if a != b:
@@ -476,7 +462,7 @@ def _structured(
         for column, value in entries.items():
             if column in force:
                 factor[force[column], mode] = scale * value
-    return diagonal, factor
+    return {"compliance_diagonal": diagonal, "compliance_factor": factor}
 
 
 def _units(programme: QpsProgramme) -> ProblemUnits:
