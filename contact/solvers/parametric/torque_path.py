@@ -8,11 +8,12 @@ Table of a path over the torque: its events, and the solutions between which it 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,61 +31,75 @@ from .path_following import PathPiece, follow
 Array = NDArray[np.float64]
 
 
-class PathOverTorque(Protocol):
-    """Common part of paths of linear and of load-dependent contact."""
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class PathOverTorque(ABC):
+    """Ends, events and status of a path, in the direction of travel; of linear or of load-dependent contact."""
+
+    start: float
+    end: float
+    torque: Array
+    segment: NDArray[np.int64]
+    enters: NDArray[np.bool_]
+    status: Status
+    message: str
 
     @property
-    def torque(self) -> Array:
-        """Torque of every event (e) [N mm]."""
+    def certified(self) -> bool:
+        """True if the path was followed from start to end, and all of it is proved."""
+        return self.status is Status.CERTIFIED
 
     @property
-    def segment(self) -> NDArray[np.int64]:
-        """Segment that enters or leaves there (e)."""
-
-    @property
-    def enters(self) -> NDArray[np.bool_]:
-        """True where the segment enters, else it leaves (e)."""
-
-    @property
-    def status(self) -> Status:
-        """Status of the path: followed to its end or not."""
-
-    @property
-    def message(self) -> str:
-        """Reason why it was followed no further."""
-
-    @property
+    @abstractmethod
     def covered(self) -> tuple[float, float]:
-        """Least and greatest torque at which it is known [N mm]."""
+        """Least and greatest torque at which the path is known [N mm]; NaN if it is at none."""
+
+    def _torque_on(self, torque: float) -> float:
+        """Check that the path is known at a torque [N mm]."""
+        given = float(array("torque", torque, "N mm", ndim=0))
+        low, high = self.covered
+        if not low <= given <= high:
+            reason = f"; {self.message}" if self.message else ""
+            raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, the known path{reason}")
+        return given
+
+    def _table(self, size: int, torque: Array, solutions: Sequence[ContactSolution], **attributes: Any) -> xr.Dataset:
+        """Events, and solutions at the breakpoints (b) [N mm], as a Dataset with units."""
+        per_segment = ("breakpoint", "segment")
+        data: Mapping[str, Any] = {
+            "event_torque": ("event", self.torque),
+            "event_segment": ("event", self.segment),
+            "event_enters": ("event", self.enters.astype(np.int8)),
+            "path_torque": ("breakpoint", torque),
+            "path_rotation": ("breakpoint", np.array([one.rotation for one in solutions])),
+            "path_force": (per_segment, np.array([one.force for one in solutions]).reshape(-1, size)),
+            "path_gap": (per_segment, np.array([one.gap for one in solutions]).reshape(-1, size)),
+            "worst_residual": ("breakpoint", np.array([one.certificate.worst for one in solutions])),
+        }
+        status = {"status": self.status.name.lower(), "message": self.message}
+        return labelled(xr.Dataset(data, attrs=status | attributes))
 
 
-def torque_on(path: PathOverTorque, torque: float) -> float:
-    """Check that a path is known at a torque [N mm]."""
-    given = float(array("torque", torque, "N mm", ndim=0))
-    low, high = path.covered
-    if not low <= given <= high:
-        reason = f"; {path.message}" if path.message else ""
-        raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, the known path{reason}")
-    return given
+def path_ends(start: float, end: float) -> tuple[float, float]:
+    """Check the torques between which a path is asked for [N mm]."""
+    first, last = (array(name, value, "N mm", ndim=0, least=0.0) for name, value in (("start", start), ("end", end)))
+    return float(first), float(last)
 
 
-def path_table(
-    path: PathOverTorque, size: int, torque: Array, solutions: Sequence[ContactSolution], **attributes: Any
-) -> xr.Dataset:
-    """Events of a path, and solutions at its breakpoints (b) [N mm], as a Dataset with units."""
-    per_segment = ("breakpoint", "segment")
-    data: Mapping[str, Any] = {
-        "event_torque": ("event", path.torque),
-        "event_segment": ("event", path.segment),
-        "event_enters": ("event", path.enters.astype(np.int8)),
-        "path_torque": ("breakpoint", torque),
-        "path_rotation": ("breakpoint", np.array([one.rotation for one in solutions])),
-        "path_force": (per_segment, np.array([one.force for one in solutions]).reshape(-1, size)),
-        "path_gap": (per_segment, np.array([one.gap for one in solutions]).reshape(-1, size)),
-        "worst_residual": ("breakpoint", np.array([one.certificate.worst for one in solutions])),
+def path_fields(start: float, end: float, changes: Sequence[tuple[float, int, bool]], failure: str) -> dict[str, Any]:
+    """Fields of a `PathOverTorque` of changes (torque, segment, enters) in the order of a rising torque."""
+    if start > end:
+        changes = [(torque, segment, not enters) for torque, segment, enters in reversed(changes)]
+    torque, segment, enters = zip(*changes, strict=True) if changes else ((), (), ())
+    return {
+        "start": start,
+        "end": end,
+        "torque": np.array(torque, dtype=np.float64),
+        "segment": np.array(segment, dtype=np.int64),
+        "enters": np.array(enters, dtype=np.bool_),
+        "status": Status.NOT_CONVERGED if failure else Status.CERTIFIED,
+        "message": failure,
     }
-    status = {"status": path.status.name.lower(), "message": path.message}
-    return labelled(xr.Dataset(data, attrs=status | attributes))
 
 
 METHOD = "torque_path"
@@ -92,7 +107,7 @@ METHOD = "torque_path"
 
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
-class TorquePath:
+class TorquePath(PathOverTorque):
     """Solutions of a contact problem between two torques.
 
     Attributes
@@ -130,20 +145,8 @@ class TorquePath:
     """
 
     problem: ContactProblem
-    start: float
-    end: float
-    torque: Array
-    segment: NDArray[np.int64]
-    enters: NDArray[np.bool_]
-    status: Status
-    message: str
     _pieces: Sequence[PathPiece] = field(repr=False)
     _reached: float = field(repr=False)
-
-    @property
-    def certified(self) -> bool:
-        """True if the whole path is proved."""
-        return self.status is Status.CERTIFIED
 
     @property
     def covered(self) -> tuple[float, float]:
@@ -165,7 +168,7 @@ class TorquePath:
         InputError
             The path is not known at that torque.
         """
-        given = torque_on(self, torque)
+        given = self._torque_on(torque)
         piece = self._pieces[max(bisect_right(self._torques, given) - 1, 0)]
         answer = piece.answer(self.problem, given)
         solution = judged("native", answer, tolerance=EXACT_TOLERANCE, iterations=0, method=METHOD, message=METHOD)
@@ -192,7 +195,7 @@ class TorquePath:
             (breakpoint): between these everything is linear.
         """
         solutions = [self.at(torque) for torque in self.breakpoints]
-        return path_table(self, self.problem.size, self.breakpoints, solutions)
+        return self._table(self.problem.size, self.breakpoints, solutions)
 
     @cached_property
     def _torques(self) -> list[float]:
@@ -232,23 +235,9 @@ def torque_path(problem: ContactProblem, start: float, end: float) -> TorquePath
     [False]
     """
     instance("problem", problem, ContactProblem)
-    first, last = (
-        float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
-    )
+    first, last = path_ends(start, end)
     if not problem.is_positive_semidefinite:
         raise InputError("compliance: must be positive semidefinite")
     path = follow(problem, min(first, last), max(first, last))
-    changes = path.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(path.changes)]
-    torque, segment, enters = (np.array(column) for column in zip(*changes, strict=True)) if changes else ([], [], [])
-    return TorquePath(
-        problem,
-        first,
-        last,
-        np.asarray(torque, dtype=np.float64),
-        np.asarray(segment, dtype=np.int64),
-        np.asarray(enters, dtype=np.bool_),
-        Status.NOT_CONVERGED if path.failure else Status.CERTIFIED,
-        path.failure,
-        tuple(path.pieces),
-        path.reached,
-    )
+    fields = path_fields(first, last, path.changes, path.failure)
+    return TorquePath(**fields, problem=problem, _pieces=tuple(path.pieces), _reached=path.reached)
