@@ -10,7 +10,7 @@ from solver_choice import NEARLY_SINGULAR, dense
 from easeoff import InputError
 from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath, solve, torque_path
 from easeoff.contact.solvers import touching_system
-from easeoff.contact.solvers.parametric import modal_touching, path_following, touching_form
+from easeoff.contact.solvers.parametric import path_following, touching_form
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
 from easeoff.verification import problems
@@ -161,7 +161,7 @@ def test_events_are_passed_by_updates(form: str, monkeypatch: pytest.MonkeyPatch
     """The matrices are made from the beginning once in many events."""
     monkeypatch.setattr(touching_form, "DENSE_FIRST_SIZE", 0)
     made = []
-    for owner, name in ((touching_system.DenseTouching, "_make"), (modal_touching.ModalTouching, "_sum")):
+    for owner, name in ((touching_system.DenseTouching, "_make"), (touching_form.ModalTouching, "_sum")):
         plain = getattr(owner, name)
 
         def counting(*arguments: object, plain: object = plain) -> object:

@@ -284,8 +284,6 @@ def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
 
 #: Local compliance over the whole below which the shared modes are looked at.
 SMALL_LOCAL_FRACTION = 1e-3
-#: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
-#: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
 
 
 @frozen_arrays

@@ -220,8 +220,7 @@ class ContactProblem:
 
     def whole_rotation(self, elastic_rotation: float) -> float:
         """Return the rotation theta [rad] of a rotation beyond first contact [rad], rounded."""
-        contact = self.first_contact
-        return contact.rotation + (contact.remainder + elastic_rotation)
+        return self.first_contact.whole_rotation(elastic_rotation)
 
     def elastic_rotation(self, rotation: float) -> float:
         """Return the rotation beyond first contact [rad] of a rotation theta [rad]."""
@@ -231,13 +230,9 @@ class ContactProblem:
     @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
-        contact = self.first_contact
         # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(
-                contact.separation, self.lever_arm, self.torque, self.compliance_matrix,
-                contact.rotation, contact.remainder,
-            )  # fmt: skip
+            return Scaling.of(self)
 
     def scaled(self, *, clip: bool = True) -> ScaledProblem:
         """Return the problem in scaled numbers, see `scaling`.

@@ -35,10 +35,13 @@ from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
+from .first_contact import FirstContact
 from .modal_basis import ModalBasis, SharedModes
 
 if TYPE_CHECKING:
     import qpsolvers
+
+    from .contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
 
@@ -203,24 +206,17 @@ class Scaling:
     force: float
     compliance: float
     lever_arm: float
-    first_contact_rotation: float  # [rad]; scaled rotations count from here
-    first_contact_remainder: float
+    first_contact: FirstContact  # scaled rotations count from here
     estimated_active: NDArray[np.bool_]  # in contact on the Winkler bed (n)
     separation_limit: Array  # (n) [mm], above it provably open; infinite where there is no proof
     certainly_open: NDArray[np.bool_]
 
     @classmethod
-    def of(
-        cls,
-        separation: Array,
-        lever_arm: Array,
-        torque: float,
-        compliance: ComplianceMatrix,
-        rotation: float,
-        remainder: float,
-    ) -> Scaling:
-        """Scales of a problem, O(n) beyond two products with C; S (n) [mm] from first contact at the rotation [rad]."""
-        size, arm, diagonal = lever_arm.size, lever_arm, compliance.diagonal
+    def of(cls, problem: ContactProblem) -> Scaling:
+        """Scales of a problem, O(n) beyond two products with C."""
+        separation, arm, torque = problem.separation_at_first_contact, problem.lever_arm, problem.torque
+        compliance, size = problem.compliance_matrix, problem.size
+        diagonal = compliance.diagonal
         positive = arm > 0.0
         estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), positive, torque)
         active = estimate > 0.0
@@ -245,8 +241,7 @@ class Scaling:
             power_of_two(force),
             unit,
             power_of_two(float(np.abs(arm).sum()) / size),
-            rotation,
-            remainder,
+            problem.first_contact,
             active,
             limit,
             separation > limit,
@@ -285,8 +280,7 @@ class Scaling:
 
     def unscale(self, force: Array, rotation: float) -> tuple[Array, float]:
         """Return forces [N] and rotation [rad] from their scaled values."""
-        beyond = self.first_contact_remainder + self.unscale_elastic_rotation(rotation)
-        return self.unscale_force(force), self.first_contact_rotation + beyond
+        return self.unscale_force(force), self.first_contact.whole_rotation(self.unscale_elastic_rotation(rotation))
 
     def unscale_force(self, force: Array) -> Array:
         """Return forces [N]; what rounding left on segments that are certainly open is removed."""

@@ -43,14 +43,6 @@ def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> S
     return ScaledAnswer(*answer, "modal")
 
 
-def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return primal_dual_active_set(problem, active, budget=budget)
-
-
-def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return primal_active_set(problem, active, budget=budget)
-
-
 def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near: ScaledAnswer | None) -> Answers:
     """Answers of the primal active set whose segments in contact are solved for anew.
 
@@ -62,24 +54,17 @@ def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near:
     further = np.array(problem.compliance)
     further[np.diag_indices(further.shape[0])] *= 1.0 + DIAGONAL_SHARE
     other = replace(problem, given_compliance=further)
-    near = primal_dual_active_set(other, active, budget=budget) or primal_active_set(other, active, budget=budget)
+    near = primal_dual_active_set(other, active, budget) or primal_active_set(other, active, budget)
     if near is not None:
         yield exact_answer(problem, near)
 
 
-#: Methods by name, in the order of the cascade.
-METHODS: dict[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnswer | None]] = {
-    "modal": _modal,
-    "primal_dual_active_set": _primal_dual,
-    "primal_active_set": _primal,
-    "projected_conjugate_gradients": projected_conjugate_gradients,
-}
-#: Methods in words, for messages.
-METHOD_WORDS = {
-    "modal": "Newton's method in the space of the modes",
-    "primal_dual_active_set": "primal-dual active set",
-    "primal_active_set": "primal active set",
-    "projected_conjugate_gradients": "projected conjugate gradients",
+#: Methods by name, in the order of the cascade: in words, for messages, and as a function.
+METHODS: dict[str, tuple[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnswer | None]]] = {
+    "modal": ("Newton's method in the space of the modes", _modal),
+    "primal_dual_active_set": ("primal-dual active set", primal_dual_active_set),
+    "primal_active_set": ("primal active set", primal_active_set),
+    "projected_conjugate_gradients": ("projected conjugate gradients", projected_conjugate_gradients),
 }
 #: By this share more of its diagonal a compliance is so far from singular that rounding seldom matters.
 DIAGONAL_SHARE = 1e-10
@@ -97,7 +82,16 @@ def answers(
     if settings:
         raise InputError(f"settings = {', '.join(sorted(settings))}: must be method, the only one of native")
     one_of("method", method, ("cascade", *METHODS))
-    return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,), budget)
+    for method in _cascade(problem) if method == "cascade" else (method,):
+        if budget is not None and budget.met is not None:
+            return
+        answer = METHODS[method][1](problem, active, budget)
+        if answer is not None:
+            yield method, answer
+        if method == "primal_active_set" and (budget is None or budget.met is None):
+            yield from (
+                (method, candidate) for candidate in _anew(problem, active, budget, answer) if candidate is not None
+            )
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
@@ -107,18 +101,3 @@ def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
     if problem.modal is None:
         return (dense, *others)
     return (modal, dense, *others) if problem.modal.compliance.has_few_modes else (dense, modal, *others)
-
-
-def _answers(
-    problem: ScaledProblem, active: Mask, methods: tuple[str, ...], budget: StepBudget | None
-) -> Iterator[tuple[str, ScaledAnswer]]:
-    for method in methods:
-        if budget is not None and budget.met is not None:
-            return
-        answer = METHODS[method](problem, active, budget)
-        if answer is not None:
-            yield method, answer
-        if method == "primal_active_set" and (budget is None or budget.met is None):
-            yield from (
-                (method, candidate) for candidate in _anew(problem, active, budget, answer) if candidate is not None
-            )

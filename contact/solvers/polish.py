@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from ..problem.certificate import EXACT_TOLERANCE, Answer, unscaled
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
-from .primal_dual_active_set import SolvedSet, answer_of, primal_dual_active_set
+from .primal_dual_active_set import answer_of, primal_dual_active_set
 from .solution import ScaledAnswer
-from .touching_system import ModalProblem, solve_active_set, solve_modal_active_set
+from .touching_system import ActiveSetPoint, ModalProblem, solve_active_set, solve_modal_active_set
 
 #: Exchanges of segments that a polish may make. A poor answer must stay visible as such, not be replaced by a solve
 #: from scratch.
@@ -74,7 +74,7 @@ def exact_answer(problem: ScaledProblem, answer: ScaledAnswer, exchanges: int = 
     Without exchanges negative forces are set to zero: the certificate tells whether they were more than rounding. Its
     iterations are the linear systems solved.
     """
-    solve_set: Callable[[NDArray[np.intp]], SolvedSet | None]
+    solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None]
     modal = ModalProblem.of(problem)
     if modal is None:
         gap = problem.compliance @ answer.force + problem.separation - answer.rotation * problem.lever_arm

@@ -208,7 +208,7 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        f"native, {native.METHOD_WORDS['modal']}, {outcome.iterations} steps: certified",
+        f"native, {native.METHODS['modal'][0]}, {outcome.iterations} steps: certified",
         times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 
@@ -319,7 +319,7 @@ def judged_native(
         iterations=answer.iterations,
         method=method,
     )
-    return replace(solution, message=course(f"native, {native.METHOD_WORDS[method]}", solution))
+    return replace(solution, message=course(f"native, {native.METHODS[method][0]}", solution))
 
 
 def _active(problem: ContactProblem, active: ArrayLike | None, force: ArrayLike | None) -> NDArray[np.bool_] | None:

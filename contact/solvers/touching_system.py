@@ -45,6 +45,7 @@ where few segments touch.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -189,28 +190,45 @@ class ActiveSetPoint:
     rotation: float  # beyond first contact
     gap: Array  # of all segments (n); zero up to rounding on the active
     _problem: ScaledProblem
-    _rows: Array
-    _factor: TouchingFactor
+    _system: _BorderedSystem | TouchingFactor
+    _deflection: Callable[[Array], Array]  # of all segments (n), under forces of the active (a)
+    _refinements: int = 1
+
+    @classmethod
+    def of(
+        cls,
+        problem: ScaledProblem,
+        index: NDArray[np.intp],
+        system: _BorderedSystem | TouchingFactor,
+        deflection: Callable[[Array], Array],
+        refinements: int = 1,
+    ) -> ActiveSetPoint:
+        """Solve the system once."""
+        force, rotation = system.balance(problem.separation[index], problem.torque)
+        point = cls(index, force, rotation, problem.separation, problem, system, deflection, refinements)
+        point._update_gap()
+        return point
 
     @property
     def shifted(self) -> bool:
         """True if the block of the active segments is singular to rounding."""
-        return self._factor.shifted
+        return self._system.shifted
 
     def refine(self) -> None:
-        """Take one step of iterative refinement; several if the block is singular and was shifted.
+        """Take one step of iterative refinement, or several.
 
-        The residual is that of the true system: the shift changes the convergence but leaves no bias.
+        The residual is that of the true system: a shift changes the convergence but leaves no bias.
         """
-        for _ in range(SHIFTED_REFINEMENTS if self.shifted else 1):
-            imbalance = self._problem.torque - float(self._factor.arm @ self.force)
-            correction, turn = self._factor.balance(self.gap[self.index], imbalance)
+        arm = self._problem.lever_arm[self.index]
+        for _ in range(self._refinements):
+            imbalance = self._problem.torque - float(arm @ self.force)
+            correction, turn = self._system.balance(self.gap[self.index], imbalance)
             self.force = self.force + correction
             self.rotation += turn
             self._update_gap()
 
     def _update_gap(self) -> None:
-        self.gap = self.force @ self._rows
+        self.gap = self._deflection(self.force)
         self.gap += self._problem.separation
         self.gap -= self.rotation * self._problem.lever_arm
 
@@ -224,9 +242,8 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
     factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
     if factor is None:
         return None
-    force, rotation = factor.balance(problem.separation[index], problem.torque)
-    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor)
-    point._update_gap()
+    refinements = SHIFTED_REFINEMENTS if factor.shifted else 1
+    point = ActiveSetPoint.of(problem, index, factor, lambda force: force @ rows, refinements)
     if factor.shifted:
         point.refine()
     return point
@@ -435,46 +452,22 @@ class ModalProblem:
 
     def gap(self, force: Array, rotation: float) -> Array:
         """Return C F + S - r theta, (n)."""
-        gap = self.local * force
-        gap += self.modes @ (force @ self.modes)
+        gap = self.deflection(force)
         gap += self.problem.separation
         gap -= rotation * self.problem.lever_arm
         return gap
 
-
-@dataclass(slots=True)
-class ModalActiveSetPoint:
-    """Forces and rotation that close the gaps of an active set; as `ActiveSetPoint`, from the modes."""
-
-    index: NDArray[np.intp]
-    force: Array
-    rotation: float
-    gap: Array
-    _modal: ModalProblem
-    _system: _BorderedSystem | TouchingFactor
-
-    @property
-    def shifted(self) -> bool:
-        """True if the block of the active segments is singular to rounding."""
-        return isinstance(self._system, TouchingFactor) and self._system.shifted
-
-    def refine(self) -> None:
-        """Take one step of iterative refinement."""
-        problem = self._modal.problem
-        left = problem.torque - float(problem.lever_arm[self.index] @ self.force)
-        correction, turn = self._system.balance(self.gap[self.index], left)
-        self.force = self.force + correction
-        self.rotation += turn
-        self._update_gap()
-
-    def _update_gap(self) -> None:
-        force = np.zeros(self.gap.size)
-        force[self.index] = self.force
-        self.gap = self._modal.gap(force, self.rotation)
+    def deflection(self, force: Array) -> Array:
+        """Return C F, (n)."""
+        deflection = self.local * force
+        deflection += self.modes @ (force @ self.modes)
+        return deflection
 
 
 class _BorderedSystem:
     """Factored system of the modal amplitudes, the forces of the segments without local compliance and the rotation."""
+
+    shifted = False
 
     def __init__(self, modal: ModalProblem, index: NDArray[np.intp]) -> None:
         rigid = modal.rigid[index]
@@ -520,7 +513,7 @@ def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFacto
     return TouchingFactor.of(block, modal.problem.lever_arm[index], shift=True)
 
 
-def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ModalActiveSetPoint | None:
+def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
     """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
     None where no factor gives a solution, or the block of segments without local compliance is too large.
@@ -529,7 +522,7 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
         if index.size > SMALL_BLOCK:
             bordered = _BorderedSystem(modal, index)
             point = _refined(modal, index, bordered, REFINEMENTS) if bordered.is_regular else None
-            if _is_solved(point) or index.size > LARGEST_BLOCK:
+            if _is_solved(point, modal.problem.separation) or index.size > LARGEST_BLOCK:
                 return point
         factor = _block_factor(modal, index)
         if factor is None:
@@ -539,19 +532,20 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
 
 def _refined(
     modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | TouchingFactor, refinements: int
-) -> ModalActiveSetPoint | None:
-    problem = modal.problem
-    force, rotation = system.balance(problem.separation[index], problem.torque)
-    point = ModalActiveSetPoint(index, force, rotation, np.empty(modal.local.size), modal, system)
-    point._update_gap()
+) -> ActiveSetPoint | None:
+    def deflection(force: Array) -> Array:
+        whole = np.zeros(modal.local.size)
+        whole[index] = force
+        return modal.deflection(whole)
+
+    point = ActiveSetPoint.of(modal.problem, index, system, deflection)
     for _ in range(refinements):
         point.refine()
     return point if np.isfinite(point.gap).all() else None
 
 
-def _is_solved(point: ModalActiveSetPoint | None) -> bool:
+def _is_solved(point: ActiveSetPoint | None, separation: Array) -> bool:
     if point is None:
         return False
-    separation = point._modal.problem.separation[point.index]
-    level = abs(point.rotation) + float(np.abs(separation).max())
+    level = abs(point.rotation) + float(np.abs(separation[point.index]).max())
     return float(np.abs(point.gap[point.index]).max()) <= RESIDUAL_LIMIT * level

@@ -59,7 +59,6 @@ from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, require_file
 from ..contact_problem import ContactProblem, number_names, problem_numbers, problem_of_numbers
 from ..programme_forms import dual_qp, lifted_qp
-from .problem_units import ProblemUnits
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -165,6 +164,60 @@ def _foreign_data(arrays: Arrays) -> dict[str, Any]:
 
 def _is_numeric(array: NDArray[Any]) -> bool:
     return array.dtype.kind in "biuf"
+
+
+@dataclass(frozen=True)
+class ProblemUnits:
+    """Units of force [N], compliance [mm/N] and lever arm [mm] for the numbers of a problem, powers of two.
+
+    Unlike the scaling for solvers (`scaling`), units change neither the zero of the rotation nor any separation: the
+    problem can be had back to the bit.
+    """
+
+    force: float = 1.0
+    compliance: float = 1.0  # [mm/N], a power of four: its root is the unit of V
+    lever_arm: float = 1.0
+
+    @property
+    def gap(self) -> float:
+        """Of separations and gaps [mm]."""
+        return self.force * self.compliance
+
+    @property
+    def rotation(self) -> float:
+        """Of rotations [rad]."""
+        return self.gap / self.lever_arm
+
+    @classmethod
+    def of(cls, problem: ContactProblem) -> ProblemUnits:
+        """Units in which the numbers of a problem are of order one; mm and N where those would lose a bit."""
+        scale = problem.scaling
+        exponent = math.frexp(scale.compliance)[1] - 1
+        units = cls(scale.force, math.ldexp(1.0, exponent - exponent % 2), scale.lever_arm)
+        numbers = problem_numbers(problem)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            back = units.restored(units.changed(numbers))
+            exact = all(np.array_equal(back[name], values) for name, values in numbers.items())
+        return units if exact else cls()
+
+    def changed(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the numbers of a problem, see `problem_numbers`, in these units."""
+        return {name: values / self._of[name] for name, values in numbers.items()}
+
+    def restored(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return numbers in these units in mm and N."""
+        return {name: values * self._of[name] for name, values in numbers.items()}
+
+    @property
+    def _of(self) -> dict[str, float]:
+        return {
+            "separation": self.gap,
+            "lever_arm": self.lever_arm,
+            "torque": self.lever_arm * self.force,
+            "compliance": self.compliance,
+            "compliance_diagonal": self.compliance,
+            "compliance_factor": math.sqrt(self.compliance),
+        }
 
 
 SECTIONS = ("NAME", "OBJSENSE", "ROWS", "COLUMNS", "RHS", "RANGES", "BOUNDS", "QUADOBJ", "QSECTION", "QMATRIX")
