@@ -232,7 +232,7 @@ class ContactProblem:
         """The load-based scaling of this problem."""
         # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(self)
+            return Scaling.of(self.first_contact, self.lever_arm, self.torque, self.compliance_matrix)
 
     def scaled(self, *, clip: bool = True) -> ScaledProblem:
         """Return the problem in scaled numbers, see `scaling`.

@@ -41,8 +41,6 @@ from .modal_basis import ModalBasis, SharedModes
 if TYPE_CHECKING:
     import qpsolvers
 
-    from .contact_problem import ContactProblem
-
 Array = NDArray[np.float64]
 
 
@@ -212,11 +210,9 @@ class Scaling:
     certainly_open: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, problem: ContactProblem) -> Scaling:
+    def of(cls, first: FirstContact, lever_arm: Array, torque: float, compliance: ComplianceMatrix) -> Scaling:
         """Scales of a problem, O(n) beyond two products with C."""
-        separation, arm, torque = problem.separation_at_first_contact, problem.lever_arm, problem.torque
-        compliance, size = problem.compliance_matrix, problem.size
-        diagonal = compliance.diagonal
+        separation, arm, size, diagonal = first.separation, lever_arm, lever_arm.size, compliance.diagonal
         positive = arm > 0.0
         estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), positive, torque)
         active = estimate > 0.0
@@ -241,7 +237,7 @@ class Scaling:
             power_of_two(force),
             unit,
             power_of_two(float(np.abs(arm).sum()) / size),
-            problem.first_contact,
+            first,
             active,
             limit,
             separation > limit,

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer
-from .solver_limits import StepBudget
+from .solver_limits import UNLIMITED, StepBudget
 from .touching_system import ActiveSetPoint, DenseTouching, TouchingFactor, first_contact_index, solve_active_set
 
 #: Steps without fewer wrong signs before segments move one at a time.
@@ -40,7 +40,7 @@ RELAXED_SIGN_TOLERANCE = 1e-11
 def primal_dual_active_set(
     problem: ScaledProblem,
     active: NDArray[np.bool_],
-    budget: StepBudget | None = None,
+    budget: StepBudget = UNLIMITED,
     *,
     max_iterations: int | None = None,
     solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None] | None = None,
@@ -54,7 +54,7 @@ def primal_dual_active_set(
     fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
-        if budget is not None and not budget.step():
+        if not budget.step():
             return None
         index = np.flatnonzero(active)
         if not problem.lever_arm[index].any():
@@ -114,7 +114,7 @@ Array = NDArray[np.float64]
 def primal_active_set(
     problem: ScaledProblem,
     start: NDArray[np.bool_] | None = None,
-    budget: StepBudget | None = None,
+    budget: StepBudget = UNLIMITED,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 
@@ -127,7 +127,7 @@ def primal_active_set(
     refused = np.zeros(size, dtype=np.bool_)
     newest, stalled = -1, 0
     for iteration in range(1, 20 + 5 * size + 1):
-        if budget is not None and not budget.step():
+        if not budget.step():
             return None
         wanted = system.forces(closing, torque)
         active = system.active

@@ -47,7 +47,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,35 +68,6 @@ class TouchingAnswer(NamedTuple):
     def column(self, number: int) -> tuple[Array, float, Array]:
         """Force (n), rotation and gap (n) of one right-hand side."""
         return self.force[:, number], float(self.rotation[number]), self.gap[:, number]
-
-
-class TouchingSystem(Protocol):
-    """The system for a set of touching segments that changes one by one."""
-
-    @property
-    def active(self) -> NDArray[np.bool_]:
-        """The touching segments (n), a copy."""
-        ...
-
-    def enter(self, segment: int) -> bool:
-        """Add a segment; return False, and change nothing, where the forces would then not be unique."""
-        ...
-
-    def leave(self, segment: int) -> bool:
-        """Remove a segment; return False, and change nothing, where the rest cannot carry a torque by itself."""
-        ...
-
-    def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
-        ...
-
-    def yielding(self) -> Array:
-        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A."""
-        ...
-
-    def columns(self, segments: NDArray[np.intp]) -> Array:
-        """Return columns of C (n, q)."""
-        ...
 
 
 #: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
@@ -260,9 +231,10 @@ MAX_UPDATES = 100
 
 
 class DenseTouching:
-    """A `TouchingSystem` of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm].
+    """The system for a set of touching segments that changes one by one.
 
-    Touching segments whose forces would not be unique are left out.
+    Of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm]; touching segments whose forces would not be
+    unique are left out.
     """
 
     def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
@@ -281,13 +253,13 @@ class DenseTouching:
 
     @property
     def active(self) -> NDArray[np.bool_]:
-        """See `TouchingSystem`."""
+        """The touching segments (n), a copy."""
         mask = np.zeros(self._arm.size, dtype=np.bool_)
         mask[self._index] = True
         return mask
 
     def enter(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """Add a segment; return False, and change nothing, where the forces would then not be unique."""
         if not self._index.size:
             return self._make(np.array([segment], dtype=np.intp))
         side = np.append(self._arm[segment], self._compliance[self._index, segment])
@@ -314,7 +286,7 @@ class DenseTouching:
         return result
 
     def leave(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """Remove a segment; return False, and change nothing, where the rest cannot carry a torque by itself."""
         place = int(np.flatnonzero(self._index == segment)[0])
         column = self._inverse[:, place + 1]
         pivot = float(column[place + 1])
@@ -336,7 +308,7 @@ class DenseTouching:
         return result
 
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """See `TouchingSystem`."""
+        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
         index, arm = self._index, self._arm[self._index]
         solution = self._apply(np.vstack([torque, closing[index]]))
         force, rotation = np.zeros(closing.shape), -solution[0]
@@ -354,7 +326,10 @@ class DenseTouching:
         return np.asarray(self._compliance @ force - self._arm[:, None] * rotation - closing)
 
     def yielding(self) -> Array:
-        """See `TouchingSystem`; C_AA must not be singular."""
+        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A.
+
+        C_AA must not be singular.
+        """
         rows = self._compliance[self._index]
         if self._factor is not None:
             forces = self._factor.solve(rows)
@@ -366,7 +341,7 @@ class DenseTouching:
         return np.asarray(result)
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
-        """See `TouchingSystem`."""
+        """Return columns of C (n, q)."""
         return self._compliance[:, segments]
 
     @property
@@ -449,13 +424,6 @@ class ModalProblem:
         small = modal.diagonal.size <= SMALL_PROBLEM
         modes = math.sqrt(modal.weight) * modal.factor if small else modal.basis.factor
         return cls(problem, modal.diagonal, modes, rigid)
-
-    def gap(self, force: Array, rotation: float) -> Array:
-        """Return C F + S - r theta, (n)."""
-        gap = self.deflection(force)
-        gap += self.problem.separation
-        gap -= rotation * self.problem.lever_arm
-        return gap
 
     def deflection(self, force: Array) -> Array:
         """Return C F, (n)."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
-from ..touching_system import DenseTouching, TouchingAnswer, TouchingFactor, TouchingSystem
+from ..touching_system import DenseTouching, TouchingAnswer, TouchingFactor
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ MAX_UPDATES = 64
 
 
 class ModalTouching:
-    """A `touching_system.TouchingSystem` of local compliance d (n) [mm/N], positive, and modes."""
+    """The system of `DenseTouching` for a local compliance d (n) [mm/N], positive, and modes."""
 
     def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> None:
         self._local, self._arm = local, lever_arm
@@ -49,19 +49,19 @@ class ModalTouching:
 
     @property
     def active(self) -> NDArray[np.bool_]:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         return self._active.copy()
 
     def enter(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         return self._change(segment, True)
 
     def leave(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         return self._change(segment, False)
 
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         count = torque.size
         wide = np.zeros((self._arm.size + 1, count))
         wide[:-1] = closing
@@ -83,7 +83,7 @@ class ModalTouching:
         return TouchingAnswer(force[:-1], rotation, gap[:-1])
 
     def yielding(self) -> Array:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         modes = self._rows[..., : self._rank]
         compliance = np.zeros(self._arm.size + 1)
         compliance[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
@@ -93,7 +93,7 @@ class ModalTouching:
         return np.where(self._active, 0.0, self._local + compliance[:-1])
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
-        """See `TouchingSystem`."""
+        """See `DenseTouching`."""
         wide = np.zeros((self._arm.size + 1, segments.size))
         for number, segment in enumerate(segments):
             block = self._block[segment]
@@ -178,6 +178,8 @@ class ModalTouching:
         self._pivot -= float(turned @ self._turned)
 
 
+#: The system for a set of touching segments that changes one by one, in either form.
+TouchingSystem = DenseTouching | ModalTouching
 #: Number of segments up to which the dense form is as fast as the modes.
 DENSE_FIRST_SIZE = 300
 #: Padding the blocks to one size may cost this many times the memory of the factor.
