@@ -40,26 +40,17 @@ Array = NDArray[np.float64]
 FORMAT = "easeoff contact problem"
 FORMAT_VERSION = 1
 
-#: Units and meaning of every variable of a stored problem.
-ATTRIBUTES: dict[str, dict[str, str]] = {
-    "separation": {"units": "mm", "long_name": "normal gap of the unloaded segments at zero rotation"},
-    "lever_arm": {"units": "mm", "long_name": "lever arm of the contact normal about the gear axis"},
-    "torque": {"units": "N mm", "long_name": "torque about the gear axis"},
-    "compliance": {"units": "mm/N", "long_name": "normal deflection of a segment by a unit force on another"},
-    "compliance_diagonal": {"units": "mm/N", "long_name": "diagonal part d of the compliance diag(d) + V V^T"},
-    "compliance_factor": {"units": "(mm/N)^0.5", "long_name": "factor V of the compliance diag(d) + V V^T"},
+#: Dimensions, units and meaning of every variable of a stored problem.
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "separation": (("segment",), "mm", "normal gap of the unloaded segments at zero rotation"),
+    "lever_arm": (("segment",), "mm", "lever arm of the contact normal about the gear axis"),
+    "torque": ((), "N mm", "torque about the gear axis"),
+    "compliance": (("segment", "segment_other"), "mm/N", "normal deflection of a segment by a unit force on another"),
+    "compliance_diagonal": (("segment",), "mm/N", "diagonal part d of the compliance diag(d) + V V^T"),
+    "compliance_factor": (("segment", "mode"), "(mm/N)^0.5", "factor V of the compliance diag(d) + V V^T"),
 }
-
-
-#: Dimensions of every variable of a stored problem.
-DIMENSIONS: dict[str, tuple[str, ...]] = {
-    "separation": ("segment",),
-    "lever_arm": ("segment",),
-    "torque": (),
-    "compliance": ("segment", "segment_other"),
-    "compliance_diagonal": ("segment",),
-    "compliance_factor": ("segment", "mode"),
-}
+DIMENSIONS = {name: dimensions for name, (dimensions, *_) in VARIABLES.items()}
+ATTRIBUTES = {name: {"units": units, "long_name": meaning} for name, (_, units, meaning) in VARIABLES.items()}
 
 
 def number_names(structured: bool) -> tuple[str, ...]:

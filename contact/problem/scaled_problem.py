@@ -45,16 +45,28 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledModes:
-    """The compliance diag(d) + V V^T in another unit [mm/N], a power of two; formed only when asked for."""
+class _InUnit:
+    """A compliance in another unit [mm/N], a power of two."""
 
-    compliance: ModalCompliance
+    compliance: ModalCompliance | OperatorCompliance
     unit: float
 
     @property
     def dense(self) -> Array:
-        """C, (n, n)."""
+        """C, (n, n); `InputError` where only its products are known."""
         return self.compliance.dense * (1.0 / self.unit)
+
+    @property
+    def whole_diagonal(self) -> Array:
+        """Diagonal of C, (n)."""
+        return self.compliance.diagonal * (1.0 / self.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledModes(_InUnit):
+    """The compliance diag(d) + V V^T in another unit [mm/N], a power of two; formed only when asked for."""
+
+    compliance: ModalCompliance
 
     @cached_property
     def diagonal(self) -> Array:
@@ -81,11 +93,6 @@ class ScaledModes:
         return math.ldexp(1.0, (math.frexp(self.unit)[1] - 1) // 2)
 
     @property
-    def whole_diagonal(self) -> Array:
-        """Diagonal of C, (n)."""
-        return self.compliance.diagonal * (1.0 / self.unit)
-
-    @property
     def mode_count(self) -> int:
         """Columns of V."""
         return int(self.compliance.factor.shape[1])
@@ -99,21 +106,10 @@ class ScaledModes:
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledOperator:
+class ScaledOperator(_InUnit):
     """A compliance known by its products alone, in another unit [mm/N], a power of two."""
 
     compliance: OperatorCompliance
-    unit: float
-
-    @property
-    def dense(self) -> Array:
-        """Refused, see `OperatorCompliance.dense`."""
-        return self.compliance.dense
-
-    @property
-    def whole_diagonal(self) -> Array:
-        """Diagonal of C, (n)."""
-        return self.compliance.diagonal * (1.0 / self.unit)
 
     def deflection(self, force: Array) -> Array:
         """C F, (n)."""

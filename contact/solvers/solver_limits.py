@@ -44,11 +44,6 @@ class Limits:
             whole("max_iterations", self.max_iterations, 1)
 
     @property
-    def none(self) -> bool:
-        """True if nothing is limited."""
-        return self == Limits()
-
-    @property
     def exact_tolerance(self) -> float:
         """Certificate that an answer made on its active set must reach."""
         return EXACT_TOLERANCE if self.tolerance is None else min(self.tolerance, EXACT_TOLERANCE)
@@ -62,7 +57,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
     entry = SOLVERS[name]
     keywords, limit_keywords = dict(entry.settings), {}
     foreign = name == "cvxpy" and str(settings.get("backend", "clarabel")).lower() != "clarabel"
-    if foreign and not limits.none:
+    if foreign and limits != Limits():
         raise InputError(
             f"backend = {settings['backend']!r}: must be clarabel with tolerance, time_limit or max_iterations; give "
             "limits in the words of that solver"

@@ -356,9 +356,13 @@ SOLVERS: dict[str, SolverSettings] = {
         report=Report(
             status="infostring",
             iterations="iter",
-            ends=dict.fromkeys((1, 11), Status.INFEASIBLE)
-            | dict.fromkeys((2, 12), Status.UNBOUNDED)
-            | {-1: Status.NOT_CONVERGED},
+            ends={
+                1: Status.INFEASIBLE,
+                2: Status.UNBOUNDED,
+                11: Status.INFEASIBLE,
+                12: Status.UNBOUNDED,
+                -1: Status.NOT_CONVERGED,
+            },
             end="exitFlag",
         ),
     ),

@@ -63,7 +63,7 @@ from ..contact_problem import (
     problem_of_numbers,
 )
 from .fclib_file import (
-    ATTRIBUTES as REFERENCE_ATTRIBUTES,
+    VARIABLES as REFERENCE_VARIABLES,
     padded,
     reference_arrays,
     reference_variables,
@@ -280,11 +280,7 @@ def joined(sets: Sequence[ProblemSet]) -> ProblemSet:
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
 
-_OWN_NAMES = (
-    frozenset(ATTRIBUTES)
-    | frozenset(REFERENCE_ATTRIBUTES)
-    | {"size", "structured", "mode_count", "problem", "segment", "segment_other", "mode"}
-)
+_OWN_NAMES = {*DIMENSIONS, *REFERENCE_VARIABLES, "problem", "segment", "segment_other", "mode"}
 
 
 def write_problems(
@@ -441,7 +437,7 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
     ends = {"segment": int(data["size"][i]), "mode": int(data["mode_count"][i]) if structured else 0}
     ends["segment_other"] = ends["segment"]
     names = number_names(structured)
-    numbers = {name: data[name][i, *(slice(ends[along]) for along in PROBLEM_DIMENSIONS[name])] for name in names}
+    numbers = {name: data[name][i][tuple(slice(ends[along]) for along in PROBLEM_DIMENSIONS[name])] for name in names}
     try:
         return problem_of_numbers(numbers)
     except InputError as error:

@@ -245,7 +245,7 @@ class QpsProgramme:
 
 def qps_programme(lines: Iterable[str]) -> QpsProgramme:
     """Programme of the lines of a QPS file; refuses maximisation, ranges and integers."""
-    programme, section, both, ended = QpsProgramme(), "", False, False
+    programme, section = QpsProgramme(), ""
     for number, line in enumerate(lines, start=1):
         if line.startswith("*"):
             programme.comments.append(line[1:].strip())
@@ -254,10 +254,9 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
         if not words:
             continue
         if not line[0].isspace():
-            section, both = words[0].upper(), words[0].upper() == "QMATRIX"
-            ended = section == "ENDATA"
-            if ended:
-                break
+            section = words[0].upper()
+            if section == "ENDATA":
+                return programme
             if section not in SECTIONS:
                 raise InputError(f"line {number} = {shown(line)}: must be one of the sections {', '.join(SECTIONS)}")
             if section == "NAME":
@@ -266,37 +265,29 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
                 continue
             words = words[1:]
         try:
-            _take(programme, section, words, both)
+            _take(programme, section, words)
         except InputError as error:
             raise InputError(f"line {number}: {error}") from error
         except (ValueError, KeyError, IndexError) as error:
             said = shown(" ".join(words))
             raise InputError(f"line {number} = {said}: must be a line of the section {section}") from error
-    if not ended:
-        raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
-    return programme
+    raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
 
 
-def _take(programme: QpsProgramme, section: str, words: list[str], both: bool) -> None:
+def _take(programme: QpsProgramme, section: str, words: list[str]) -> None:
     """Add a line of a section to a programme."""
     if section == "OBJSENSE":
         if words and words[0].upper() not in ("MIN", "MINIMIZE", "MINIMISE"):
             raise InputError(f"OBJSENSE = {shown(words[0])}: must be MIN")
-    elif section == "ROWS":
-        _add_row(programme, words)
-    elif section == "COLUMNS":
-        _add_column(programme, words)
+    elif section == "RANGES":
+        raise InputError("RANGES: must be left out, a row is an equality or an inequality")
     elif section == "RHS":
         for row, value in _pairs(words[len(words) % 2 :]):
             programme.right[_known(row, {programme.objective, *programme.row_types})] = value
-    elif section == "RANGES":
-        raise InputError("RANGES: must be left out, a row is an equality or an inequality")
-    elif section == "BOUNDS":
-        _add_bound(programme, words)
     elif section in ("QUADOBJ", "QSECTION", "QMATRIX"):
-        _add_quadratic(programme, words, both)
+        _add_quadratic(programme, words, both=section == "QMATRIX")
     else:
-        raise ValueError(section)
+        {"ROWS": _add_row, "COLUMNS": _add_column, "BOUNDS": _add_bound}[section](programme, words)
 
 
 def _add_row(programme: QpsProgramme, words: list[str]) -> None:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,7 @@ from ....core.errors import InputError
 from ...problem.certificate import Answer
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.contact_problem import ContactProblem
+from ..touching_system import TouchingAnswer
 from .touching_form import TouchingSystem, touching_system
 from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
 
@@ -191,14 +192,6 @@ Mask = NDArray[np.bool_]
 CONSISTENCY_TOLERANCE = 1e-9
 
 
-class Changes(NamedTuple):
-    """Derivatives in several directions: forces (n, q) [N], rotations (q) [rad] and gaps (n, q) [mm]."""
-
-    force: Array
-    rotation: Array
-    gap: Array
-
-
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
@@ -297,7 +290,7 @@ class Sensitivity:
 
     def forward_all(
         self, *, torque: ArrayLike, separation: ArrayLike, lever_arm: ArrayLike, bent: ArrayLike
-    ) -> Changes:
+    ) -> TouchingAnswer:
         """Return the derivatives in many directions at once (q), with one system for all.
 
         Parameters
@@ -311,8 +304,9 @@ class Sensitivity:
 
         Returns
         -------
-        Changes
-            NaN where the solution has a kink, or forces that are not unique: `forward` has its one-sided derivatives.
+        TouchingAnswer
+            Derivatives of forces (n, q) [N], rotations (q) [rad] and gaps (n, q) [mm]; NaN where the solution has a
+            kink, or forces that are not unique: `forward` has its one-sided derivatives.
 
         Raises
         ------
@@ -338,9 +332,9 @@ class Sensitivity:
                 raise InputError(f"{name} = array of shape {given_arrays[-1].shape}: must have the shape {wanted}")
         gap, arm, bending = given_arrays
         if self.status is not Differentiability.DIFFERENTIABLE:
-            return Changes(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
+            return TouchingAnswer(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
         closing = self.rotation * arm - gap - bending
-        return Changes(*self._smooth.solve(closing, turn - self.force @ arm))
+        return self._smooth.solve(closing, turn - self.force @ arm)
 
     def adjoint(
         self,
