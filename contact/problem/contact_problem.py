@@ -114,13 +114,7 @@ class ContactProblem:
     torque: float
     compliance_matrix: ComplianceMatrix
 
-    def __init__(
-        self,
-        separation: ArrayLike,
-        lever_arm: ArrayLike,
-        torque: float,
-        compliance: Any,
-    ) -> None:
+    def __init__(self, separation: ArrayLike, lever_arm: ArrayLike, torque: float, compliance: Any) -> None:
         gap = array("separation", separation, "mm", ndim=1, fewest=1, frozen=True)
         arm = array("lever_arm", lever_arm, "mm", ndim=1, size=gap.size, frozen=True)
         if arm.max() <= 0.0:

@@ -210,7 +210,7 @@ class Scaling:
         """Scales of a problem, O(n) beyond two products with C."""
         separation, arm, size, diagonal = first.separation, lever_arm, lever_arm.size, compliance.diagonal
         positive = arm > 0.0
-        estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), positive, torque)
+        estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), torque)
         active = estimate > 0.0
         active_count = max(int(np.count_nonzero(active)), 1)
 
@@ -300,15 +300,9 @@ def _winkler_stiffness(compliance: ComplianceMatrix) -> Array:
     return 1.0 / np.maximum(spring_compliance, 1e-12 * largest) if largest > 0.0 else np.ones(spring_compliance.size)
 
 
-def _winkler_force(
-    separation: Array,
-    lever_arm: Array,
-    stiffness: Array,
-    positive: NDArray[np.bool_],
-    torque: float,
-) -> Array:
+def _winkler_force(separation: Array, lever_arm: Array, stiffness: Array, torque: float) -> Array:
     """Forces on a bed of uncoupled springs that balance the torque [N], (n): exact, by sorting the first contacts."""
-    index = np.flatnonzero(positive)
+    index = np.flatnonzero(lever_arm > 0.0)
     arm = lever_arm[index]
     contact_rotation = separation[index] / arm
     order = np.argsort(contact_rotation, kind="stable")

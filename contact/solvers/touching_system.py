@@ -152,38 +152,24 @@ def _shifted(block: Array) -> Array | None:
     return None
 
 
-@dataclass(slots=True)
 class ActiveSetPoint:
     """Forces of any sign (a) and rotation that close the gaps of an active set, in scaled numbers."""
 
-    index: NDArray[np.intp]
-    force: Array
-    rotation: float  # beyond first contact
-    gap: Array  # of all segments (n); zero up to rounding on the active
-    _problem: ScaledProblem
-    _system: _BorderedSystem | TouchingFactor
-    _deflection: Callable[[Array], Array]  # of all segments (n), under forces of the active (a)
-    _refinements: int = 1
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         problem: ScaledProblem,
         index: NDArray[np.intp],
         system: _BorderedSystem | TouchingFactor,
         deflection: Callable[[Array], Array],
         refinements: int = 1,
-    ) -> ActiveSetPoint:
-        """Solve the system once."""
-        force, rotation = system.balance(problem.separation[index], problem.torque)
-        point = cls(index, force, rotation, problem.separation, problem, system, deflection, refinements)
-        point._update_gap()
-        return point
-
-    @property
-    def shifted(self) -> bool:
-        """True if the block of the active segments is singular to rounding."""
-        return self._system.shifted
+    ) -> None:
+        """Solve the system once; ``deflection`` (n) is that of all segments under forces of the active ones (a)."""
+        self.index = index
+        self.force, self.rotation = system.balance(problem.separation[index], problem.torque)  # beyond first contact
+        #: Whether the block of the active segments is singular to rounding.
+        self.shifted = system.shifted
+        self._problem, self._system, self._deflection, self._refinements = problem, system, deflection, refinements
+        self._update_gap()
 
     def refine(self) -> None:
         """Take one step of iterative refinement, or several.
@@ -199,6 +185,7 @@ class ActiveSetPoint:
             self._update_gap()
 
     def _update_gap(self) -> None:
+        """Gaps of all segments (n); zero up to rounding on the active."""
         self.gap = self._deflection(self.force)
         self.gap += self._problem.separation
         self.gap -= self.rotation * self._problem.lever_arm
@@ -214,7 +201,7 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
     if factor is None:
         return None
     refinements = SHIFTED_REFINEMENTS if factor.shifted else 1
-    point = ActiveSetPoint.of(problem, index, factor, lambda force: force @ rows, refinements)
+    point = ActiveSetPoint(problem, index, factor, lambda force: force @ rows, refinements)
     if factor.shifted:
         point.refine()
     return point
@@ -506,7 +493,7 @@ def _refined(
         whole[index] = force
         return modal.deflection(whole)
 
-    point = ActiveSetPoint.of(modal.problem, index, system, deflection)
+    point = ActiveSetPoint(modal.problem, index, system, deflection)
     for _ in range(refinements):
         point.refine()
     return point if np.isfinite(point.gap).all() else None
