@@ -251,12 +251,7 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
     missed = scaled.has_matrix and not solution.certified
     if missed and not ended and is_unbounded(problem):
         return replace(solution, status=Status.UNBOUNDED, message=f"{solution.message}; {NO_MINIMUM}")
-    if (
-        (declared or SOLVERS[name]).definite
-        and scaled.has_matrix
-        and not solution.certified
-        and not _is_definite(scaled.compliance)
-    ):
+    if missed and (declared or SOLVERS[name]).definite and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
     return solution
