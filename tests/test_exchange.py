@@ -17,7 +17,7 @@ from runs import text_file
 from easeoff import InputError
 from easeoff.contact import ContactProblem, ProblemSet, export_problems, read_problems, write_problems
 from easeoff.contact.problem.exchange.problem_file import joined, read_labels, set_checksum
-from easeoff.contact.problem.exchange.problem_units import ProblemUnits
+from easeoff.contact.problem.exchange.programme_file import ProblemUnits
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 

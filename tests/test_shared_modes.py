@@ -35,8 +35,7 @@ from easeoff.contact.problem.complementary_pivoting import lemke
 from easeoff.contact.problem.exchange.programme_file import read_qps, write_npz, write_qps
 from easeoff.contact.problem.modal_basis import basis_of_blocks, modal_basis
 from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
-from easeoff.contact.solvers.parametric.modal_touching import ModalTouching
-from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
+from easeoff.contact.solvers.parametric.touching_form import ModalTouching, touching_stiffness
 from easeoff.contact.solvers.touching_system import DenseTouching
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from solver_choice import NEARLY_SINGULAR, dense
 from easeoff import InputError
 from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath, solve, torque_path
 from easeoff.contact.solvers import touching_system
-from easeoff.contact.solvers.parametric import modal_touching, path_following, touching_form
+from easeoff.contact.solvers.parametric import torque_path as following, touching_form
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
 from easeoff.verification import problems
@@ -161,7 +161,7 @@ def test_events_are_passed_by_updates(form: str, monkeypatch: pytest.MonkeyPatch
     """The matrices are made from the beginning once in many events."""
     monkeypatch.setattr(touching_form, "DENSE_FIRST_SIZE", 0)
     made = []
-    for owner, name in ((touching_system.DenseTouching, "_make"), (modal_touching.ModalTouching, "_sum")):
+    for owner, name in ((touching_system.DenseTouching, "_make"), (touching_form.ModalTouching, "_sum")):
         plain = getattr(owner, name)
 
         def counting(*arguments: object, plain: object = plain) -> object:
@@ -179,7 +179,7 @@ def test_path_that_cannot_be_followed_ends_with_a_reason(monkeypatch: pytest.Mon
     """What was followed is right, and nothing is said of the rest."""
     problem = next(problems("realistic", 1, seed=1))
     whole = torque_path(problem, 0.0, 5e5)
-    monkeypatch.setattr(path_following, "MAX_EVENTS_PER_SEGMENT", 10.0 / problem.size)
+    monkeypatch.setattr(following, "MAX_EVENTS_PER_SEGMENT", 10.0 / problem.size)
     path = torque_path(problem, 0.0, 5e5)
     assert path.status is Status.NOT_CONVERGED
     assert "events" in path.message
@@ -196,11 +196,11 @@ def test_set_is_sought_beyond_an_event_that_leaves_it_open(step: float, monkeypa
     problem = next(problems("realistic", 1, seed=1))
     whole = torque_path(problem, 1e5, 5e5)
 
-    def sought(problem: ContactProblem, point: path_following._Point, _: object, step: float) -> object:
-        return path_following._sought(problem, point.torque + step, point.torque + step)
+    def sought(problem: ContactProblem, point: following._Point, _: object, step: float) -> object:
+        return following._sought(problem, point.torque + step, point.torque + step)
 
-    monkeypatch.setattr(path_following, "_beyond", sought)
-    monkeypatch.setattr(path_following, "STEPS_BEYOND", (step,))
+    monkeypatch.setattr(following, "_beyond", sought)
+    monkeypatch.setattr(following, "STEPS_BEYOND", (step,))
     path = torque_path(problem, 1e5, 5e5)
     assert path.certified == (step < 1e-6)
     assert path.certified or "cannot be told" in path.message
@@ -215,7 +215,7 @@ def test_path_begins_without_a_torque_where_the_start_has_no_solution(monkeypatc
     def failing(given: ContactProblem) -> ContactSolution:
         return no_solution(given.size, Status.SOLVER_FAILED, "native") if given.torque == 1e5 else solve(given)
 
-    monkeypatch.setattr(path_following, "solve", failing)
+    monkeypatch.setattr(following, "solve", failing)
     path = torque_path(problem, 1e5, 5e5)
     assert path.certified
     assert path.covered == (1e5, 5e5)

@@ -25,14 +25,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.checks import array, frozen_arrays, instance, number
+from ...core.checks import frozen_arrays, instance, number
 from ...core.errors import InputError
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import certify
 from ..problem.contact_problem import ContactProblem
-from ..solvers import ContactSolution, Status
+from ..solvers import ContactSolution
 from ..solvers.parametric.sensitivity import DEGENERACY_TOLERANCE, Sensitivity, tangent_answer_sensitivity
-from ..solvers.parametric.torque_path import path_table, torque_on
+from ..solvers.parametric.torque_path import PathOverTorque, path_ends, path_fields
 from .line_contact_law import solve_line_contacts
 from .line_contact_solution import LineContact, solve_on_bending
 
@@ -298,7 +298,7 @@ TORQUE_TOLERANCE = 1e-9
 
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
-class LineContactPath:
+class LineContactPath(PathOverTorque):
     """Solutions of a contact problem with load-dependent line contact between two torques.
 
     Attributes
@@ -342,20 +342,8 @@ class LineContactPath:
 
     bending: ContactProblem
     line_contact: LineContact
-    start: float
-    end: float
     tolerance: float
-    torque: Array
-    segment: NDArray[np.int64]
-    enters: NDArray[np.bool_]
-    status: Status
-    message: str
     _nodes: Sequence[PathNode] = field(repr=False)
-
-    @property
-    def certified(self) -> bool:
-        """True if the path was followed from start to end."""
-        return self.status is Status.CERTIFIED
 
     @property
     def covered(self) -> tuple[float, float]:
@@ -375,7 +363,7 @@ class LineContactPath:
         InputError
             The path was not followed to that torque.
         """
-        given = torque_on(self, torque)
+        given = self._torque_on(torque)
         below = self._nodes[bisect_right([node.torque for node in self._nodes], given) - 1]
         if below.torque == given:
             return below.solution
@@ -395,7 +383,7 @@ class LineContactPath:
         nodes = self._nodes if self.start <= self.end else self._nodes[::-1]
         torque = np.array([node.torque for node in nodes])
         solutions = [node.solution for node in nodes]
-        return path_table(self, self.bending.size, torque, solutions, event_tolerance=self.tolerance)
+        return self._table(self.bending.size, torque, solutions, event_tolerance=self.tolerance)
 
 
 def line_contact_path(
@@ -450,23 +438,13 @@ def line_contact_path(
     """
     instance("bending", bending, ContactProblem)
     instance("line_contact", line_contact, LineContact)
-    first, last = (
-        float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
-    )
+    first, last = path_ends(start, end)
     number("tolerance", tolerance, least=1e-12, most=0.1)
     path = continue_path(bending, line_contact, min(first, last), max(first, last), tolerance)
-    changes = path.changes if first <= last else [(t, i, not enters) for t, i, enters in reversed(path.changes)]
-    torque, segment, enters = (np.array(column) for column in zip(*changes, strict=True)) if changes else ([], [], [])
     return LineContactPath(
-        bending,
-        line_contact,
-        first,
-        last,
-        tolerance,
-        np.asarray(torque, dtype=np.float64),
-        np.asarray(segment, dtype=np.int64),
-        np.asarray(enters, dtype=np.bool_),
-        Status.NOT_CONVERGED if path.failure else Status.CERTIFIED,
-        path.failure,
-        tuple(path.nodes),
+        **path_fields(first, last, path.changes, path.failure),
+        bending=bending,
+        line_contact=line_contact,
+        tolerance=tolerance,
+        _nodes=tuple(path.nodes),
     )

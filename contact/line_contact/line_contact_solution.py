@@ -74,7 +74,7 @@ class NativeStep:
         limits = Limits(**{name: settings[name] for name in names})
         self._scaling, self._bending = linear.scaling, bending
         self._settings = {name: value for name, value in settings.items() if name not in names}
-        self._budget = None if limits.none else StepBudget(limits)
+        self._budget = StepBudget(limits)
         self.tolerance = limits.exact_tolerance
         self.method = self.reason = ""
 
@@ -86,8 +86,7 @@ class NativeStep:
         for method, answer in answers(problem, active, self._settings, self._budget):
             self.method = method
             return answer.force * self._scaling.force, self._scaling.unscale_elastic_rotation(answer.rotation)
-        met = None if self._budget is None else self._budget.met
-        return Status.NOT_CONVERGED if met is None else met
+        return self._budget.met or Status.NOT_CONVERGED
 
 
 class BackendStep:

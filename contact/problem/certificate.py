@@ -345,14 +345,7 @@ def certify(
     if elastic_rotation is not None:
         array("elastic_rotation", elastic_rotation, "rad", ndim=0, anything=True)
     force = array("force", force, "N", anything=True)
-    if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
-        return NO_CERTIFICATE
-    with np.errstate(over="ignore", invalid="ignore"):
-        deflection = problem.deflection(force)
-        if elastic_rotation is None:
-            elastic_rotation = resolved_rotation(problem, force, rotation, deflection)
-        gap = deflection + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
-    return violations(problem, force, elastic_rotation, deflection, gap)
+    return of_whole_rotation(problem, force, rotation, elastic_rotation).certificate
 
 
 def resolved_rotation(problem: ContactProblem, force: Array, rotation: float, deflection: Array) -> float:
@@ -478,13 +471,16 @@ def with_certificate(problem: ContactProblem, force: Array, elastic_rotation: fl
     return _answer(problem, force, problem.whole_rotation(elastic_rotation), elastic_rotation)
 
 
-def of_whole_rotation(problem: ContactProblem, force: Array, rotation: float) -> Answer:
+def of_whole_rotation(
+    problem: ContactProblem, force: Array, rotation: float, elastic_rotation: float | None = None
+) -> Answer:
     """Return forces [N] of any shape and a rotation from zero [rad] with the proof, if there is one; see `certify`."""
     force = np.asarray(force, dtype=np.float64)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
         return Answer(force, rotation, no_answer(problem.size).gap, math.nan, NO_CERTIFICATE)
-    with np.errstate(over="ignore", invalid="ignore"):
-        elastic_rotation = resolved_rotation(problem, force, rotation, problem.deflection(force))
+    if elastic_rotation is None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            elastic_rotation = resolved_rotation(problem, force, rotation, problem.deflection(force))
     return _answer(problem, force, rotation, elastic_rotation)
 
 

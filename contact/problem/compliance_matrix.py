@@ -101,6 +101,10 @@ def formed(name: str, given: Any, unit: str) -> Any:
     return given.toarray() if sparse else given.matmat(np.eye(given.shape[1]))
 
 
+def _diagonal(given: Any, size: int) -> Array:
+    return array("compliance diagonal", given, "mm/N", ndim=1, size=size, least=0.0, frozen=True)
+
+
 def factor_of(given: Any, size: int) -> Array:
     """Factor V (n, k) [(mm/N)^0.5]; a single mode may be given as (n)."""
     whole = formed("compliance factor", given, "(mm/N)^0.5")
@@ -171,10 +175,7 @@ class OperatorCompliance:
                 "the imaginary part is zero, return the real part of the product and give dtype=float"
             )
         if self.known_diagonal is not None:
-            diagonal = array(
-                "compliance diagonal", self.known_diagonal, "mm/N", ndim=1, size=shape[0], least=0.0, frozen=True
-            )
-            object.__setattr__(self, "known_diagonal", diagonal)
+            object.__setattr__(self, "known_diagonal", _diagonal(self.known_diagonal, shape[0]))
         self._require_symmetry()
 
     @property
@@ -222,7 +223,7 @@ class OperatorCompliance:
                 "compliance diagonal: must be given with a LinearOperator, for scaling and certificate: "
                 "OperatorCompliance(operator, diagonal)"
             )
-        return array("compliance diagonal", method(), "mm/N", ndim=1, size=self.size, least=0.0, frozen=True)
+        return _diagonal(method(), self.size)
 
     @cached_property
     def is_positive_semidefinite(self) -> bool:
@@ -284,8 +285,6 @@ def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
 
 #: Local compliance over the whole below which the shared modes are looked at.
 SMALL_LOCAL_FRACTION = 1e-3
-#: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
-#: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
 
 
 @frozen_arrays
@@ -421,7 +420,7 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
         given = diagonal_of(given[0], size), given[1]
     modal = isinstance(given, tuple | list) and len(given) == 2 and isinstance(given[1], ModalBasis)
     if modal or is_pair(given, size):
-        diagonal = array("compliance diagonal", given[0], "mm/N", ndim=1, size=size, least=0.0, frozen=True)
+        diagonal = _diagonal(given[0], size)
         if not modal:
             return ModalCompliance(diagonal, BendingFactor(factor_of(given[1], size)))
         if given[1].size != size:

@@ -16,6 +16,7 @@ A contact problem as an xarray Dataset, with units; and the table of units and m
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array, frozen_arrays
 from ...core.errors import InputError
-from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance, compliance_matrix
+from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .first_contact import FirstContact, first_contact
 from .modal_basis import ModalBasis
 from .scaled_problem import ScaledProblem, Scaling
@@ -39,51 +40,35 @@ Array = NDArray[np.float64]
 FORMAT = "easeoff contact problem"
 FORMAT_VERSION = 1
 
-#: Units and meaning of every variable of a stored problem.
-ATTRIBUTES: dict[str, dict[str, str]] = {
-    "separation": {"units": "mm", "long_name": "normal gap of the unloaded segments at zero rotation"},
-    "lever_arm": {"units": "mm", "long_name": "lever arm of the contact normal about the gear axis"},
-    "torque": {"units": "N mm", "long_name": "torque about the gear axis"},
-    "compliance": {"units": "mm/N", "long_name": "normal deflection of a segment by a unit force on another"},
-    "compliance_diagonal": {"units": "mm/N", "long_name": "diagonal part d of the compliance diag(d) + V V^T"},
-    "compliance_factor": {"units": "(mm/N)^0.5", "long_name": "factor V of the compliance diag(d) + V V^T"},
+#: Dimensions, units and meaning of every variable of a stored problem.
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "separation": (("segment",), "mm", "normal gap of the unloaded segments at zero rotation"),
+    "lever_arm": (("segment",), "mm", "lever arm of the contact normal about the gear axis"),
+    "torque": ((), "N mm", "torque about the gear axis"),
+    "compliance": (("segment", "segment_other"), "mm/N", "normal deflection of a segment by a unit force on another"),
+    "compliance_diagonal": (("segment",), "mm/N", "diagonal part d of the compliance diag(d) + V V^T"),
+    "compliance_factor": (("segment", "mode"), "(mm/N)^0.5", "factor V of the compliance diag(d) + V V^T"),
 }
+DIMENSIONS = {name: dimensions for name, (dimensions, *_) in VARIABLES.items()}
+ATTRIBUTES = {name: {"units": units, "long_name": meaning} for name, (_, units, meaning) in VARIABLES.items()}
 
 
-def problem_dataset(
-    separation: Array, lever_arm: Array, torque: float, compliance: Array | tuple[Array, Array]
-) -> xr.Dataset:
-    """Return separation, lever_arm (segment), torque, and compliance (segment, segment_other) or its two parts."""
-    variables: dict[str, tuple[tuple[str, ...], Array]] = {
-        "separation": (("segment",), separation),
-        "lever_arm": (("segment",), lever_arm),
-        "torque": ((), np.array(torque)),
-    }
-    if isinstance(compliance, tuple):
-        variables["compliance_diagonal"] = (("segment",), compliance[0])
-        variables["compliance_factor"] = (("segment", "mode"), compliance[1])
-    else:
-        variables["compliance"] = (("segment", "segment_other"), compliance)
-    return xr.Dataset(
-        {name: (dims, values.copy(), ATTRIBUTES[name]) for name, (dims, values) in variables.items()},
-        attrs={"format": FORMAT, "format_version": FORMAT_VERSION},
-    )
+def number_names(structured: bool) -> tuple[str, ...]:
+    """Names of the numbers of a problem in files; its compliance is the pair (d, V), or one matrix."""
+    compliance = ("compliance_diagonal", "compliance_factor") if structured else ("compliance",)
+    return ("separation", "lever_arm", "torque", *compliance)
 
 
-def problem_data(dataset: xr.Dataset) -> tuple[Any, Any, Any, Any]:
-    """Separation, lever arm, torque and compliance from `problem_dataset`."""
-    structured = "compliance" not in dataset and "compliance_factor" in dataset
-    parts = ("compliance_diagonal", "compliance_factor") if structured else ("compliance",)
-    missing = [name for name in ("separation", "lever_arm", "torque", *parts) if name not in dataset]
-    if missing:
-        raise InputError(f"no contact problem in this Dataset: it lacks {', '.join(missing)}")
-    compliance = tuple(dataset[name].to_numpy() for name in parts)
-    return (
-        dataset["separation"].to_numpy(),
-        dataset["lever_arm"].to_numpy(),
-        dataset["torque"].to_numpy(),
-        compliance if structured else compliance[0],
-    )
+def problem_numbers(problem: ContactProblem) -> dict[str, Any]:
+    """Numbers of a problem by name; `InputError` where only products of the compliance are known."""
+    numbers = dict(zip(number_names(problem.is_structured), _given(problem), strict=True))
+    return numbers if problem.is_structured else numbers | {"compliance": problem.dense_compliance}
+
+
+def problem_of_numbers(numbers: Mapping[str, Any]) -> ContactProblem:
+    """Return the problem of numbers by name, see `problem_numbers`."""
+    separation, lever_arm, torque, *parts = (numbers[n] for n in number_names("compliance_factor" in numbers))
+    return ContactProblem(separation, lever_arm, torque, tuple(parts) if len(parts) == 2 else parts[0])
 
 
 @frozen_arrays
@@ -129,13 +114,7 @@ class ContactProblem:
     torque: float
     compliance_matrix: ComplianceMatrix
 
-    def __init__(
-        self,
-        separation: ArrayLike,
-        lever_arm: ArrayLike,
-        torque: float,
-        compliance: Any,
-    ) -> None:
+    def __init__(self, separation: ArrayLike, lever_arm: ArrayLike, torque: float, compliance: Any) -> None:
         gap = array("separation", separation, "mm", ndim=1, fewest=1, frozen=True)
         arm = array("lever_arm", lever_arm, "mm", ndim=1, size=gap.size, frozen=True)
         if arm.max() <= 0.0:
@@ -226,8 +205,7 @@ class ContactProblem:
 
     def whole_rotation(self, elastic_rotation: float) -> float:
         """Return the rotation theta [rad] of a rotation beyond first contact [rad], rounded."""
-        contact = self.first_contact
-        return contact.rotation + (contact.remainder + elastic_rotation)
+        return self.first_contact.whole_rotation(elastic_rotation)
 
     def elastic_rotation(self, rotation: float) -> float:
         """Return the rotation beyond first contact [rad] of a rotation theta [rad]."""
@@ -237,13 +215,9 @@ class ContactProblem:
     @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
-        contact = self.first_contact
         # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(
-                contact.separation, self.lever_arm, self.torque, self.compliance_matrix,
-                contact.rotation, contact.remainder,
-            )  # fmt: skip
+            return Scaling.of(self.first_contact, self.lever_arm, self.torque, self.compliance_matrix)
 
     def scaled(self, *, clip: bool = True) -> ScaledProblem:
         """Return the problem in scaled numbers, see `scaling`.
@@ -324,21 +298,20 @@ class ContactProblem:
 
     def identical(self, other: ContactProblem) -> bool:
         """True if all data of two problems agree to the bit and in form."""
-        if isinstance(self.compliance_matrix, OperatorCompliance):
-            same = self.compliance_matrix is other.compliance_matrix
-        else:
-            same = not isinstance(other.compliance_matrix, OperatorCompliance)
-        return (
-            same
-            and self.torque == other.torque
-            and self.is_structured == other.is_structured
-            and all(np.array_equal(a, b) for a, b in zip(_arrays(self), _arrays(other), strict=True))
+        mine, others = _given(self), _given(other)
+        return len(mine) == len(others) and all(
+            one is another or np.array_equal(one, another) for one, another in zip(mine, others, strict=True)
         )
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        compliance = self.compliance if self.is_structured else self.dense_compliance
-        return problem_dataset(self.separation, self.lever_arm, self.torque, compliance)
+        return xr.Dataset(
+            {
+                name: (DIMENSIONS[name], np.array(values), ATTRIBUTES[name])
+                for name, values in problem_numbers(self).items()
+            },
+            attrs={"format": FORMAT, "format_version": FORMAT_VERSION},
+        )
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:
@@ -349,15 +322,18 @@ class ContactProblem:
         InputError
             The Dataset lacks a variable, or its data are no contact problem.
         """
-        return cls(*problem_data(dataset))
+        names = number_names("compliance" not in dataset and "compliance_factor" in dataset)
+        missing = [name for name in names if name not in dataset]
+        if missing:
+            raise InputError(f"no contact problem in this Dataset: it lacks {', '.join(missing)}")
+        return problem_of_numbers({name: dataset[name].to_numpy() for name in names})
 
 
 def _local(local: ArrayLike, size: int) -> Array:
     return array("local compliance", local, "mm/N", ndim=1, size=size, least=0.0, frozen=True)
 
 
-def _arrays(problem: ContactProblem) -> tuple[Array, ...]:
-    if isinstance(problem.compliance_matrix, OperatorCompliance):
-        return problem.separation, problem.lever_arm
-    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
-    return (problem.separation, problem.lever_arm, *parts)
+def _given(problem: ContactProblem) -> tuple[Any, ...]:
+    """Separation, lever arm, torque, and the compliance as given, or its two parts."""
+    parts = problem.compliance if problem.is_structured else (problem.compliance,)
+    return (problem.separation, problem.lever_arm, problem.torque, *parts)

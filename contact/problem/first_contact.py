@@ -41,6 +41,10 @@ class FirstContact:
     error: float  # greatest besides rounding, relative to r S_f / r_f
     signs: bool  # some lever arm is not positive; else no separation is negative
 
+    def whole_rotation(self, elastic_rotation: float) -> float:
+        """Rotation from zero [rad] of a rotation beyond this contact [rad], rounded."""
+        return self.rotation + (self.remainder + elastic_rotation)
+
 
 def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
     """First contact for separations S and lever arms r (n) [mm], some r positive."""

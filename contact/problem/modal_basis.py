@@ -58,16 +58,13 @@ class ModeColumns(NamedTuple):
 
 
 def mode_columns(
-    size: int,
-    blocks: Sequence[tuple[NDArray[np.intp], Array]],
-    shared_columns: Array,
-    mixing: Array,
-    shared_factor: Array,
+    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], border: SharedModes, shared_factor: Array
 ) -> ModeColumns:
     """Arrange modes of n segments: blocks of segments (m) and modes (m, k) [(mm/N)^0.5], and shared modes.
 
     Shared are columns (n, j), mixing (q, j, s) and factor W (n, s), the columns themselves under a mixing of ones.
     """
+    shared_columns, mixing = border.columns, border.mixing
     sums = np.zeros((4 if mixing.shape[2] else 2, size))
     for index, modes in blocks:
         sums[0, index] = np.einsum("ij,ij->i", modes, modes)
@@ -319,7 +316,7 @@ class ModalBasis:
     @cached_property
     def columns(self) -> ModeColumns:
         """The modes as the compiled contact solution reads them."""
-        return mode_columns(self.size, self.blocks, self.border.columns, self.border.mixing, self.shared_factor)
+        return mode_columns(self.size, self.blocks, self.border, self.shared_factor)
 
     @property
     def basis(self) -> ModalBasis:
@@ -369,7 +366,8 @@ class BendingFactor:
         if self.is_shared.any():
             return self.basis.columns
         none = np.zeros((self.factor.shape[0], 0))
-        return mode_columns(none.shape[0], self.compressed, none, np.zeros((len(self.blocks), 0, 0)), none)
+        border = SharedModes(none, np.zeros((len(self.blocks), 0, 0)))
+        return mode_columns(none.shape[0], self.compressed, border, none)
 
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
+from .first_contact import FirstContact
 from .modal_basis import ModalBasis, SharedModes
 
 if TYPE_CHECKING:
@@ -44,16 +45,28 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledModes:
-    """The compliance diag(d) + V V^T in another unit [mm/N], a power of two; formed only when asked for."""
+class _InUnit:
+    """A compliance in another unit [mm/N], a power of two."""
 
-    compliance: ModalCompliance
+    compliance: ModalCompliance | OperatorCompliance
     unit: float
 
     @property
     def dense(self) -> Array:
-        """C, (n, n)."""
+        """C, (n, n); `InputError` where only its products are known."""
         return self.compliance.dense * (1.0 / self.unit)
+
+    @property
+    def whole_diagonal(self) -> Array:
+        """Diagonal of C, (n)."""
+        return self.compliance.diagonal * (1.0 / self.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledModes(_InUnit):
+    """The compliance diag(d) + V V^T in another unit [mm/N], a power of two; formed only when asked for."""
+
+    compliance: ModalCompliance
 
     @cached_property
     def diagonal(self) -> Array:
@@ -80,11 +93,6 @@ class ScaledModes:
         return math.ldexp(1.0, (math.frexp(self.unit)[1] - 1) // 2)
 
     @property
-    def whole_diagonal(self) -> Array:
-        """Diagonal of C, (n)."""
-        return self.compliance.diagonal * (1.0 / self.unit)
-
-    @property
     def mode_count(self) -> int:
         """Columns of V."""
         return int(self.compliance.factor.shape[1])
@@ -98,21 +106,10 @@ class ScaledModes:
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledOperator:
+class ScaledOperator(_InUnit):
     """A compliance known by its products alone, in another unit [mm/N], a power of two."""
 
     compliance: OperatorCompliance
-    unit: float
-
-    @property
-    def dense(self) -> Array:
-        """Refused, see `OperatorCompliance.dense`."""
-        return self.compliance.dense
-
-    @property
-    def whole_diagonal(self) -> Array:
-        """Diagonal of C, (n)."""
-        return self.compliance.diagonal * (1.0 / self.unit)
 
     def deflection(self, force: Array) -> Array:
         """C F, (n)."""
@@ -203,26 +200,17 @@ class Scaling:
     force: float
     compliance: float
     lever_arm: float
-    first_contact_rotation: float  # [rad]; scaled rotations count from here
-    first_contact_remainder: float
+    first_contact: FirstContact  # scaled rotations count from here
     estimated_active: NDArray[np.bool_]  # in contact on the Winkler bed (n)
     separation_limit: Array  # (n) [mm], above it provably open; infinite where there is no proof
     certainly_open: NDArray[np.bool_]
 
     @classmethod
-    def of(
-        cls,
-        separation: Array,
-        lever_arm: Array,
-        torque: float,
-        compliance: ComplianceMatrix,
-        rotation: float,
-        remainder: float,
-    ) -> Scaling:
-        """Scales of a problem, O(n) beyond two products with C; S (n) [mm] from first contact at the rotation [rad]."""
-        size, arm, diagonal = lever_arm.size, lever_arm, compliance.diagonal
+    def of(cls, first: FirstContact, lever_arm: Array, torque: float, compliance: ComplianceMatrix) -> Scaling:
+        """Scales of a problem, O(n) beyond two products with C."""
+        separation, arm, size, diagonal = first.separation, lever_arm, lever_arm.size, compliance.diagonal
         positive = arm > 0.0
-        estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), positive, torque)
+        estimate = _winkler_force(separation, arm, _winkler_stiffness(compliance), torque)
         active = estimate > 0.0
         active_count = max(int(np.count_nonzero(active)), 1)
 
@@ -245,8 +233,7 @@ class Scaling:
             power_of_two(force),
             unit,
             power_of_two(float(np.abs(arm).sum()) / size),
-            rotation,
-            remainder,
+            first,
             active,
             limit,
             separation > limit,
@@ -285,8 +272,7 @@ class Scaling:
 
     def unscale(self, force: Array, rotation: float) -> tuple[Array, float]:
         """Return forces [N] and rotation [rad] from their scaled values."""
-        beyond = self.first_contact_remainder + self.unscale_elastic_rotation(rotation)
-        return self.unscale_force(force), self.first_contact_rotation + beyond
+        return self.unscale_force(force), self.first_contact.whole_rotation(self.unscale_elastic_rotation(rotation))
 
     def unscale_force(self, force: Array) -> Array:
         """Return forces [N]; what rounding left on segments that are certainly open is removed."""
@@ -314,15 +300,9 @@ def _winkler_stiffness(compliance: ComplianceMatrix) -> Array:
     return 1.0 / np.maximum(spring_compliance, 1e-12 * largest) if largest > 0.0 else np.ones(spring_compliance.size)
 
 
-def _winkler_force(
-    separation: Array,
-    lever_arm: Array,
-    stiffness: Array,
-    positive: NDArray[np.bool_],
-    torque: float,
-) -> Array:
+def _winkler_force(separation: Array, lever_arm: Array, stiffness: Array, torque: float) -> Array:
     """Forces on a bed of uncoupled springs that balance the torque [N], (n): exact, by sorting the first contacts."""
-    index = np.flatnonzero(positive)
+    index = np.flatnonzero(lever_arm > 0.0)
     arm = lever_arm[index]
     contact_rotation = separation[index] / arm
     order = np.argsort(contact_rotation, kind="stable")

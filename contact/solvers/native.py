@@ -28,30 +28,22 @@ from .polish import exact_answer
 from .primal_dual_active_set import primal_active_set, primal_dual_active_set
 from .projected_conjugate_gradients import projected_conjugate_gradients
 from .solution import ScaledAnswer
-from .solver_limits import StepBudget
+from .solver_limits import UNLIMITED, StepBudget
 
 Mask = NDArray[np.bool_]
 Answers = Iterator[ScaledAnswer | None]
 
 
-def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    if budget is not None and not budget.step():
+def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget) -> ScaledAnswer | None:
+    if not budget.step():
         return None
     answer = scaled_answer(problem, active)
-    if answer is None or (budget is not None and not all(budget.step() for _ in range(answer[2] - 1))):
+    if answer is None or not all(budget.step() for _ in range(answer[2] - 1)):
         return None
     return ScaledAnswer(*answer, "modal")
 
 
-def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return primal_dual_active_set(problem, active, budget=budget)
-
-
-def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
-    return primal_active_set(problem, active, budget=budget)
-
-
-def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near: ScaledAnswer | None) -> Answers:
+def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget, near: ScaledAnswer | None) -> Answers:
     """Answers of the primal active set whose segments in contact are solved for anew.
 
     Near a singular compliance its updated inverse loses digits; the touching set is then better known of a compliance
@@ -62,42 +54,43 @@ def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget | None, near:
     further = np.array(problem.compliance)
     further[np.diag_indices(further.shape[0])] *= 1.0 + DIAGONAL_SHARE
     other = replace(problem, given_compliance=further)
-    near = primal_dual_active_set(other, active, budget=budget) or primal_active_set(other, active, budget=budget)
+    near = primal_dual_active_set(other, active, budget) or primal_active_set(other, active, budget)
     if near is not None:
         yield exact_answer(problem, near)
 
 
-#: Methods by name, in the order of the cascade.
-METHODS: dict[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnswer | None]] = {
-    "modal": _modal,
-    "primal_dual_active_set": _primal_dual,
-    "primal_active_set": _primal,
-    "projected_conjugate_gradients": projected_conjugate_gradients,
-}
-#: Methods in words, for messages.
-METHOD_WORDS = {
-    "modal": "Newton's method in the space of the modes",
-    "primal_dual_active_set": "primal-dual active set",
-    "primal_active_set": "primal active set",
-    "projected_conjugate_gradients": "projected conjugate gradients",
+#: Methods by name, in the order of the cascade: in words, for messages, and as a function.
+METHODS: dict[str, tuple[str, Callable[[ScaledProblem, Mask, StepBudget], ScaledAnswer | None]]] = {
+    "modal": ("Newton's method in the space of the modes", _modal),
+    "primal_dual_active_set": ("primal-dual active set", primal_dual_active_set),
+    "primal_active_set": ("primal active set", primal_active_set),
+    "projected_conjugate_gradients": ("projected conjugate gradients", projected_conjugate_gradients),
 }
 #: By this share more of its diagonal a compliance is so far from singular that rounding seldom matters.
 DIAGONAL_SHARE = 1e-10
 
 
 def answers(
-    problem: ScaledProblem, active: Mask, settings: dict[str, Any], budget: StepBudget | None = None
+    problem: ScaledProblem, active: Mask, settings: dict[str, Any], budget: StepBudget = UNLIMITED
 ) -> Iterator[tuple[str, ScaledAnswer]]:
     """Yield methods and their answers in turn; the caller stops at the first it accepts.
 
     The setting ``method`` names a single method instead of the cascade; ``active`` (n) are assumed in contact.
     """
     settings = dict(settings)
-    method = settings.pop("method", "cascade")
+    chosen = settings.pop("method", "cascade")
     if settings:
         raise InputError(f"settings = {', '.join(sorted(settings))}: must be method, the only one of native")
-    one_of("method", method, ("cascade", *METHODS))
-    return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,), budget)
+    one_of("method", chosen, ("cascade", *METHODS))
+    for method in _cascade(problem) if chosen == "cascade" else (chosen,):
+        if budget.met is not None:
+            return
+        answer = METHODS[method][1](problem, active, budget)
+        if answer is not None:
+            yield method, answer
+        if method == "primal_active_set" and budget.met is None:
+            for better in filter(None, _anew(problem, active, budget, answer)):
+                yield method, better
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
@@ -107,18 +100,3 @@ def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
     if problem.modal is None:
         return (dense, *others)
     return (modal, dense, *others) if problem.modal.compliance.has_few_modes else (dense, modal, *others)
-
-
-def _answers(
-    problem: ScaledProblem, active: Mask, methods: tuple[str, ...], budget: StepBudget | None
-) -> Iterator[tuple[str, ScaledAnswer]]:
-    for method in methods:
-        if budget is not None and budget.met is not None:
-            return
-        answer = METHODS[method](problem, active, budget)
-        if answer is not None:
-            yield method, answer
-        if method == "primal_active_set" and (budget is None or budget.met is None):
-            yield from (
-                (method, candidate) for candidate in _anew(problem, active, budget, answer) if candidate is not None
-            )

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from ..problem.certificate import EXACT_TOLERANCE, Answer, unscaled
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
-from .primal_dual_active_set import SolvedSet, answer_of, primal_dual_active_set
+from .primal_dual_active_set import answer_of, primal_dual_active_set
 from .solution import ScaledAnswer
-from .touching_system import ModalProblem, solve_active_set, solve_modal_active_set
+from .touching_system import ActiveSetPoint, ModalProblem, solve_active_set, solve_modal_active_set
 
 #: Exchanges of segments that a polish may make. A poor answer must stay visible as such, not be replaced by a solve
 #: from scratch.
@@ -74,14 +74,10 @@ def exact_answer(problem: ScaledProblem, answer: ScaledAnswer, exchanges: int = 
     Without exchanges negative forces are set to zero: the certificate tells whether they were more than rounding. Its
     iterations are the linear systems solved.
     """
-    solve_set: Callable[[NDArray[np.intp]], SolvedSet | None]
     modal = ModalProblem.of(problem)
-    if modal is None:
-        gap = problem.compliance @ answer.force + problem.separation - answer.rotation * problem.lever_arm
-        solve_set = partial(solve_active_set, problem)
-    else:
-        gap = modal.gap(answer.force, answer.rotation)
-        solve_set = partial(solve_modal_active_set, modal)
+    solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None]
+    solve_set = partial(solve_active_set, problem) if modal is None else partial(solve_modal_active_set, modal)
+    gap = problem.deflection(answer.force) + problem.separation - answer.rotation * problem.lever_arm
     active = answer.force > gap
     if exchanges > 0:
         return primal_dual_active_set(problem, active, max_iterations=exchanges + 1, solve_set=solve_set)

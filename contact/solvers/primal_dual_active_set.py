@@ -20,15 +20,14 @@ segments is kept up to date from step to step (`DenseTouching`): O(n a) a step f
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer
-from .solver_limits import StepBudget
-from .touching_system import DenseTouching, TouchingFactor, first_contact_index, solve_active_set
+from .solver_limits import UNLIMITED, StepBudget
+from .touching_system import ActiveSetPoint, DenseTouching, TouchingFactor, first_contact_index, solve_active_set
 
 #: Steps without fewer wrong signs before segments move one at a time.
 MAX_STALLED_STEPS = 4
@@ -38,29 +37,13 @@ SIGN_TOLERANCE = 1e-14
 RELAXED_SIGN_TOLERANCE = 1e-11
 
 
-class SolvedSet(Protocol):
-    """Forces, rotation and gaps of an active set, as `ActiveSetPoint` has them."""
-
-    index: NDArray[np.intp]
-    force: NDArray[np.float64]
-    rotation: float
-    gap: NDArray[np.float64]
-
-    @property
-    def shifted(self) -> bool:
-        """True if the block of the active segments is singular to rounding."""
-
-    def refine(self) -> None:
-        """Take one step of iterative refinement."""
-
-
 def primal_dual_active_set(
     problem: ScaledProblem,
     active: NDArray[np.bool_],
+    budget: StepBudget = UNLIMITED,
     *,
     max_iterations: int | None = None,
-    solve_set: Callable[[NDArray[np.intp]], SolvedSet | None] | None = None,
-    budget: StepBudget | None = None,
+    solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None] | None = None,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set (n); None if it did not end.
 
@@ -71,13 +54,13 @@ def primal_dual_active_set(
     fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
-        if budget is not None and not budget.step():
+        if not budget.step():
             return None
         index = np.flatnonzero(active)
         if not problem.lever_arm[index].any():
             active[first_contact_index(problem)] = True
             index = np.flatnonzero(active)
-        point: SolvedSet | None = solve_active_set(problem, index) if solve_set is None else solve_set(index)
+        point = solve_active_set(problem, index) if solve_set is None else solve_set(index)
         if point is None:
             return None
         wrong = _wrong_signs(problem, point, active, tolerance)
@@ -100,7 +83,7 @@ def primal_dual_active_set(
 
 
 def _wrong_signs(
-    problem: ScaledProblem, point: SolvedSet, active: NDArray[np.bool_], tolerance: float
+    problem: ScaledProblem, point: ActiveSetPoint, active: NDArray[np.bool_], tolerance: float
 ) -> NDArray[np.intp]:
     """Segments that pull or penetrate."""
     force, gap = point.force, point.gap
@@ -112,7 +95,7 @@ def _wrong_signs(
     return np.flatnonzero(wrong)
 
 
-def answer_of(point: SolvedSet, size: int, iterations: int) -> ScaledAnswer:
+def answer_of(point: ActiveSetPoint, size: int, iterations: int) -> ScaledAnswer:
     """Forces of all segments from those of the active set; what is negative there is rounding."""
     force = np.zeros(size)
     force[point.index] = np.maximum(point.force, 0.0)
@@ -131,22 +114,20 @@ Array = NDArray[np.float64]
 def primal_active_set(
     problem: ScaledProblem,
     start: NDArray[np.bool_] | None = None,
-    *,
-    max_iterations: int | None = None,
-    budget: StepBudget | None = None,
+    budget: StepBudget = UNLIMITED,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 
     The start (n) is loaded equally, where lever arms are positive; no load without a torque. Iterations are linear
-    systems, 20 + 5 n at most by default.
+    systems, 20 + 5 n at most.
     """
     size, closing, torque = problem.lever_arm.size, -problem.separation, problem.torque
     root = np.sqrt(problem.compliance.diagonal())
     system, force = _start(problem, start)
     refused = np.zeros(size, dtype=np.bool_)
     newest, stalled = -1, 0
-    for iteration in range(1, (20 + 5 * size if max_iterations is None else max_iterations) + 1):
-        if budget is not None and not budget.step():
+    for iteration in range(1, 20 + 5 * size + 1):
+        if not budget.step():
             return None
         wanted = system.forces(closing, torque)
         active = system.active

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer, Status
-from .solver_limits import StepBudget
+from .solver_limits import UNLIMITED, StepBudget
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -32,7 +32,7 @@ RENEWAL_INTERVAL = 50
 
 
 def projected_conjugate_gradients(
-    problem: ScaledProblem, active: Mask, budget: StepBudget | None = None
+    problem: ScaledProblem, active: Mask, budget: StepBudget = UNLIMITED
 ) -> ScaledAnswer | None:
     """Solve a scaled contact problem by products with its compliance; None without torque."""
     arm, separation, torque = problem.lever_arm, problem.separation, problem.torque
@@ -60,7 +60,7 @@ def projected_conjugate_gradients(
             if _settled(gap, loaded, scale):
                 message, suspicion = "converged", None
                 break
-        if budget is not None and not budget.step():
+        if not budget.step():
             message, suspicion = "ended at a limit", budget.met or Status.NOT_CONVERGED
             break
         free = loaded | (gap < -GAP_TOLERANCE * scale)

@@ -23,7 +23,7 @@ from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
-from .solution import SOLVED, CallTimes, ContactSolution, ScaledAnswer, Status, course, judged, no_solution
+from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_declaration import Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
@@ -167,12 +167,15 @@ def solve(
     plain = name in ("auto", "native") and form == "auto" and not settings and max_iterations is None
     matrix = problem.compliance_matrix
     few = isinstance(matrix, ModalCompliance) and matrix.has_few_modes  # else to find few costs more than the solution
+    force = None if initial_force is None else array("initial_force", initial_force, "N", ndim=1, size=problem.size)
+    active = None if force is None else force > 0.0
+    if initial_active is not None:
+        active = as_mask(initial_active, problem.size)
     if plain and few and (time_limit is None or perf_counter() - start < time_limit):
-        solution = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
+        solution = compiled_solution(problem, active, start)
         if solution is not None and solution.certificate.passes(limits.exact_tolerance):
             return solution if tolerance is None else replace(solution, tolerance=limits.exact_tolerance)
-    force = None if initial_force is None else _given_force(initial_force, problem.size)
-    request = _Request(problem, limits, polish, _active(problem, initial_active, force), force, form, settings, start)
+    request = _Request(problem, limits, polish, active, force, form, settings, start)
     return replace(_solved(request, solver), run_time=perf_counter() - start)
 
 
@@ -190,9 +193,11 @@ class _Request:
     start: float
 
 
-def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start: float) -> ContactSolution | None:
+def compiled_solution(
+    problem: ContactProblem, active: NDArray[np.bool_] | None, start: float
+) -> ContactSolution | None:
     """Certified solution of the compiled modal method, or None; ``start`` is when the call began [s]."""
-    outcome = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
+    outcome = linear_answer(problem, active)
     if outcome is None:
         return None
     certificate = outcome.answer.certificate
@@ -208,7 +213,7 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        f"native, {native.METHOD_WORDS['modal']}, {outcome.iterations} steps: certified",
+        f"native, {native.METHODS['modal'][0]}, {outcome.iterations} steps: certified",
         times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 
@@ -243,10 +248,10 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
     solution = _solve_backend(request, name, declared)
     limited = request.limits.time_limit is not None or request.limits.max_iterations is not None
     ended = limited and solution.status in (Status.TIME_LIMIT, Status.NOT_CONVERGED)
-    if not solution.certified and not ended and scaled.has_matrix and is_unbounded(problem):
+    missed = scaled.has_matrix and not solution.certified
+    if missed and not ended and is_unbounded(problem):
         return replace(solution, status=Status.UNBOUNDED, message=f"{solution.message}; {NO_MINIMUM}")
-    definite = SOLVERS[name].definite if declared is None else declared.definite
-    if definite and scaled.has_matrix and not solution.certified and not _is_definite(scaled.compliance):
+    if missed and (declared or SOLVERS[name]).definite and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
     return solution
@@ -254,7 +259,7 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
 
 def _solve_backend(request: _Request, name: str, declared: Solver | None) -> ContactSolution:
     limits, settings, start = request.limits, request.settings, {}
-    if request.force is not None and (SOLVERS[name].warm_start if declared is None else declared.warm_start):
+    if request.force is not None and (declared or SOLVERS[name]).warm_start:
         start["initvals"] = start_force(request.force, request.problem) / request.problem.scaling.force
     adapter: Adapter | Solver
     if declared is None:
@@ -275,62 +280,43 @@ def _solve_backend(request: _Request, name: str, declared: Solver | None) -> Con
 
 def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
     problem, limits = request.problem, request.limits
-    budget = None if limits.none else StepBudget(limits, request.start)
+    budget = StepBudget(limits, request.start)
     start = problem.scaling.estimated_active if request.active is None else request.active
     best: ContactSolution | None = None
     for method, answer in native.answers(scaled, start, request.settings, budget):
-        solution = judged_native(problem, method, answer, limits.exact_tolerance)
+        solution = judged(
+            "native",
+            unscaled(problem, answer.force, answer.rotation),
+            tolerance=limits.exact_tolerance,
+            suspicion=answer.suspicion,
+            iterations=answer.iterations,
+            method=method,
+        )
+        solution = replace(solution, message=course(f"native, {native.METHODS[method][0]}", solution))
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= min(ROUNDING_LEVEL, limits.exact_tolerance) and best.certified:
             break
     if best is not None and best.certified:
         return best if scaled.has_matrix else replace(best, message=f"{best.message}; {ASSUMED}")
-    met = None if budget is None else budget.met
-    if met is not None:
-        limit = f"time limit of {limits.time_limit:g} s" if met is Status.TIME_LIMIT else "step limit"
-        limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
-        return _no_native_solution(problem, met, f"ended at the {limit}", best)
-    if scaled.has_matrix and is_unbounded(problem):
-        return _no_native_solution(problem, Status.UNBOUNDED, NO_MINIMUM, best)
-    if best is None:
-        return _no_native_solution(problem, Status.NOT_CONVERGED, "no method had an answer", best)
-    return best
-
-
-def _no_native_solution(
-    problem: ContactProblem, status: Status, reason: str, best: ContactSolution | None
-) -> ContactSolution:
-    certificate = NO_CERTIFICATE if best is None else best.certificate
-    message = f"native: {reason}"
-    tolerance = EXACT_TOLERANCE
-    return no_solution(problem.size, status, "native", certificate=certificate, message=message, tolerance=tolerance)
-
-
-def judged_native(
-    problem: ContactProblem, method: str, answer: ScaledAnswer, tolerance: float = EXACT_TOLERANCE
-) -> ContactSolution:
-    """Return the solution of an answer of a method of the native solver; see `judged`."""
-    solution = judged(
+    if budget.met is not None:
+        limit = f"time limit of {limits.time_limit:g} s" if budget.met is Status.TIME_LIMIT else "step limit"
+        limit += f" of {limits.max_iterations}" if budget.met is Status.NOT_CONVERGED else ""
+        status, reason = budget.met, f"ended at the {limit}"
+    elif scaled.has_matrix and is_unbounded(problem):
+        status, reason = Status.UNBOUNDED, NO_MINIMUM
+    elif best is None:
+        status, reason = Status.NOT_CONVERGED, "no method had an answer"
+    else:
+        return best
+    return no_solution(
+        problem.size,
+        status,
         "native",
-        unscaled(problem, answer.force, answer.rotation),
-        tolerance=tolerance,
-        suspicion=answer.suspicion,
-        iterations=answer.iterations,
-        method=method,
+        certificate=NO_CERTIFICATE if best is None else best.certificate,
+        message=f"native: {reason}",
+        tolerance=EXACT_TOLERANCE,
     )
-    return replace(solution, message=course(f"native, {native.METHOD_WORDS[method]}", solution))
-
-
-def _active(problem: ContactProblem, active: ArrayLike | None, force: ArrayLike | None) -> NDArray[np.bool_] | None:
-    """Segments assumed in contact (n): as given, or those that carry the forces of a neighbouring problem."""
-    if active is not None:
-        return as_mask(active, problem.size)
-    return None if force is None else _given_force(force, problem.size) > 0.0
-
-
-def _given_force(force: ArrayLike, size: int) -> NDArray[np.float64]:
-    return array("initial_force", force, "N", ndim=1, size=size)
 
 
 def start_force(force: NDArray[np.float64], problem: ContactProblem) -> NDArray[np.float64]:

@@ -60,20 +60,14 @@ def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> 
         if len(returned) != 2:
             raise _refused(f"it returned {len(returned)} values: must be the unknowns, or these and the rotation")
         returned, rotation = returned
-    if form == "lcp":
-        if rotation is not None:
-            raise _refused("it returned two values: must be z alone for the form lcp, which has the rotation in it")
-        z = _unknowns(returned, problem, form, posed)
-        return ScaledAnswer(*forces_and_rotation(problem, posed.eliminated, z), -1)
-    unknowns = _unknowns(returned, problem, form, posed)
-    force = unknowns[: problem.separation.size].copy()
-    return ScaledAnswer(force, _rotation(rotation, problem, force), -1)
-
-
-def _unknowns(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> Array:
+    if form == "lcp" and rotation is not None:
+        raise _refused("it returned two values: must be z alone for the form lcp, which has the rotation in it")
     size = problem.separation.size
-    sizes = {(size,), (posed.q.size,)} if form == "lifted" else {(size,)}
-    return _numbers(returned, "unknowns", *sizes)
+    unknowns = _numbers(returned, "unknowns", (size,), *([(posed.q.size,)] if form == "lifted" else ()))
+    if form == "lcp":
+        return ScaledAnswer(*forces_and_rotation(problem, posed.eliminated, unknowns), -1)
+    force = unknowns[:size].copy()
+    return ScaledAnswer(force, _rotation(rotation, problem, force), -1)
 
 
 def _of_solution(returned: Any, problem: ScaledProblem, posed: Any) -> ScaledAnswer:
@@ -118,7 +112,7 @@ def _numbers(returned: Any, what: str, *shapes: tuple[int, ...]) -> Array:
     if entries.ndim == 2 and 1 in entries.shape:
         entries = entries.ravel()
     if entries.shape not in shapes:
-        wanted = " or ".join(map(str, sorted(shapes)))
+        wanted = " or ".join(map(str, sorted(set(shapes))))
         raise _refused(f"it returned {what} of the shape {entries.shape}: must have {wanted}")
     numbers = entries.astype(np.float64)
     wrong = np.count_nonzero(~np.isfinite(numbers))

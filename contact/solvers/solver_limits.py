@@ -44,11 +44,6 @@ class Limits:
             whole("max_iterations", self.max_iterations, 1)
 
     @property
-    def none(self) -> bool:
-        """True if nothing is limited."""
-        return self == Limits()
-
-    @property
     def exact_tolerance(self) -> float:
         """Certificate that an answer made on its active set must reach."""
         return EXACT_TOLERANCE if self.tolerance is None else min(self.tolerance, EXACT_TOLERANCE)
@@ -62,7 +57,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
     entry = SOLVERS[name]
     keywords, limit_keywords = dict(entry.settings), {}
     foreign = name == "cvxpy" and str(settings.get("backend", "clarabel")).lower() != "clarabel"
-    if foreign and not limits.none:
+    if foreign and limits != Limits():
         raise InputError(
             f"backend = {settings['backend']!r}: must be clarabel with tolerance, time_limit or max_iterations; give "
             "limits in the words of that solver"
@@ -74,14 +69,13 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
             limit_keywords[key] = min(
                 max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most
             )
-    for word, value, key in (
-        ("time_limit", limits.time_limit, entry.time_setting),
-        ("max_iterations", limits.max_iterations, entry.step_setting),
-    ):
+    for word, setting in (("time_limit", "time_setting"), ("max_iterations", "step_setting")):
+        value, key = getattr(limits, word), getattr(entry, setting)
         if value is None:
             continue
         if not key:
-            raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {_able(word)} have one")
+            able = ", ".join(other for other, facts in SOLVERS.items() if getattr(facts, setting))
+            raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {able} have one")
         limit_keywords[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
     twice = sorted(set(limit_keywords) & set(settings))
     if twice:
@@ -116,11 +110,6 @@ def limit_hint(name: str, given: Collection[str]) -> str:
     return f"; give {' and '.join(hints)}, which every solver takes that has one" if hints else ""
 
 
-def _able(word: str) -> str:
-    key = {"time_limit": "time_setting", "max_iterations": "step_setting"}[word]
-    return ", ".join(name for name, entry in SOLVERS.items() if getattr(entry, key))
-
-
 class StepBudget:
     """Steps and time left to the native solver over all its methods, from a start by `time.perf_counter` [s]."""
 
@@ -140,3 +129,7 @@ class StepBudget:
         elif self._left is not None:
             self._left -= 1
         return self.met is None
+
+
+#: Without limits; it keeps no count.
+UNLIMITED = StepBudget(Limits())

@@ -7,7 +7,7 @@ mean nothing.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..problem.certificate import EXACT_TOLERANCE
@@ -75,6 +75,29 @@ _EXTRA = "easeoff[solvers]"
 _COPYLEFT = "easeoff[copyleft-solvers]"
 _OWN = "BSD-3-Clause"
 
+#: Names of stopping tolerances: the usual ones, of Clarabel, of programs for cones, of PIQP and of HiGHS.
+_EPS = ("eps_abs", "eps_rel")
+_CLARABEL = ("tol_gap_abs", "tol_gap_rel", "tol_feas")
+_CONES = ("abstol", "reltol", "feastol")
+_PIQP = (*_EPS, "eps_duality_gap_abs", "eps_duality_gap_rel")
+_HIGHS = ("primal_feasibility_tolerance", "dual_feasibility_tolerance")
+#: Limit of time in settings, by its usual name.
+_TIME = {"time_limit": TIME_LIMIT}
+#: Report by the usual names.
+_REPORT = Report("info", "status", "iter", set_up_time="setup_time", solve_time="solve_time")
+
+
+def _ends(*, infeasible: str, unbounded: str = "", time: str = "", steps: str = "") -> dict[str | int, Status]:
+    """Meanings of ends by their names, which are empty where a backend has none."""
+    meanings = {
+        infeasible: Status.INFEASIBLE,
+        unbounded: Status.UNBOUNDED,
+        time: Status.TIME_LIMIT,
+        steps: Status.NOT_CONVERGED,
+    }
+    return {name: status for name, status in meanings.items() if name}
+
+
 SOLVERS: dict[str, SolverSettings] = {
     "native": SolverSettings(
         "",
@@ -93,30 +116,16 @@ SOLVERS: dict[str, SolverSettings] = {
         sparse=True,
         tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=150,
-        settings={
-            "tol_gap_abs": 1e-11,
-            "tol_gap_rel": 1e-11,
-            "tol_feas": 1e-11,
-            "tol_ktratio": 1e-9,
-            "max_iter": 200,
-            "time_limit": TIME_LIMIT,
-        },
-        tolerance_settings=(
-            "tol_gap_abs",
-            "tol_gap_rel",
-            "tol_feas",
-        ),
+        settings=dict.fromkeys(_CLARABEL, 1e-11) | {"tol_ktratio": 1e-9, "max_iter": 200} | _TIME,
+        tolerance_settings=_CLARABEL,
         tolerance_power=2,
         time_setting="time_limit",
         step_setting="max_iter",
         report=Report(
             status="status",
-            ends={
-                "PrimalInfeasible": Status.INFEASIBLE,
-                "DualInfeasible": Status.UNBOUNDED,
-                "MaxTime": Status.TIME_LIMIT,
-                "MaxIterations": Status.NOT_CONVERGED,
-            },
+            ends=_ends(
+                infeasible="PrimalInfeasible", unbounded="DualInfeasible", time="MaxTime", steps="MaxIterations"
+            ),
             solve_time="solve_time",
         ),
     ),
@@ -128,33 +137,22 @@ SOLVERS: dict[str, SolverSettings] = {
         sparse=True,
         tolerance=1e-6,
         lifted_from=250,
-        settings={
-            "eps_abs": 1e-10,
-            "eps_rel": 1e-10,
-            "max_iter": 100_000,
-            "polishing": True,
-            "time_limit": TIME_LIMIT,
-        },
-        tolerance_settings=(
-            "eps_abs",
-            "eps_rel",
-        ),
+        settings=dict.fromkeys(_EPS, 1e-10) | {"max_iter": 100_000, "polishing": True} | _TIME,
+        tolerance_settings=_EPS,
         time_setting="time_limit",
         step_setting="max_iter",
         warm_start=True,
-        report=Report(
-            "info",
-            "status",
-            "iter",
+        report=replace(
+            _REPORT,
             ends={
-                "primal infeasible": Status.INFEASIBLE,
-                "dual infeasible": Status.UNBOUNDED,
                 "problem non convex": Status.NOT_POSITIVE_SEMIDEFINITE,
-                "run time limit reached": Status.TIME_LIMIT,
-                "maximum iterations reached": Status.NOT_CONVERGED,
+                **_ends(
+                    infeasible="primal infeasible",
+                    unbounded="dual infeasible",
+                    time="run time limit reached",
+                    steps="maximum iterations reached",
+                ),
             },
-            set_up_time="setup_time",
-            solve_time="solve_time",
         ),
     ),
     "daqp": SolverSettings(
@@ -164,11 +162,8 @@ SOLVERS: dict[str, SolverSettings] = {
         "dual active set, dense",
         tolerance=1e-6,
         largest=LARGEST_DENSE,
-        settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
-        tolerance_settings=(
-            "primal_tol",
-            "dual_tol",
-        ),
+        settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000} | _TIME,
+        tolerance_settings=("primal_tol", "dual_tol"),
         time_setting="time_limit",
         step_setting="iter_limit",
         warm_start=True,
@@ -183,32 +178,17 @@ SOLVERS: dict[str, SolverSettings] = {
         "proximal interior point, dense or sparse",
         tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=250,
-        settings={
-            "eps_abs": 1e-11,
-            "eps_rel": 1e-11,
-            "eps_duality_gap_abs": 1e-11,
-            "eps_duality_gap_rel": 1e-11,
-            "max_iter": 500,
-        },
-        tolerance_settings=(
-            "eps_abs",
-            "eps_rel",
-            "eps_duality_gap_abs",
-            "eps_duality_gap_rel",
-        ),
+        settings=dict.fromkeys(_PIQP, 1e-11) | {"max_iter": 500},
+        tolerance_settings=_PIQP,
         tolerance_power=2,
         step_setting="max_iter",
-        report=Report(
-            "info",
-            "status",
-            "iter",
-            ends={
-                "PIQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE,
-                "PIQP_DUAL_INFEASIBLE": Status.UNBOUNDED,
-                "PIQP_MAX_ITER_REACHED": Status.NOT_CONVERGED,
-            },
-            set_up_time="setup_time",
-            solve_time="solve_time",
+        report=replace(
+            _REPORT,
+            ends=_ends(
+                infeasible="PIQP_PRIMAL_INFEASIBLE",
+                unbounded="PIQP_DUAL_INFEASIBLE",
+                steps="PIQP_MAX_ITER_REACHED",
+            ),
         ),
         known=("backend",),
         known_of=("DenseSolver.settings",),
@@ -224,18 +204,14 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance_settings=("eps_abs",),
         step_setting="max_iter",
         warm_start=True,
-        report=Report(
-            "info",
-            "status",
-            "iter",
-            ends={
-                "PROXQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE,
-                "PROXQP_DUAL_INFEASIBLE": Status.UNBOUNDED,
-                "PROXQP_MAX_ITER_REACHED": Status.NOT_CONVERGED,
-            },
+        report=replace(
+            _REPORT,
+            ends=_ends(
+                infeasible="PROXQP_PRIMAL_INFEASIBLE",
+                unbounded="PROXQP_DUAL_INFEASIBLE",
+                steps="PROXQP_MAX_ITER_REACHED",
+            ),
             unit=1e-6,
-            set_up_time="setup_time",
-            solve_time="solve_time",
         ),
     ),
     "highs": SolverSettings(
@@ -244,20 +220,11 @@ SOLVERS: dict[str, SolverSettings] = {
         "MIT",
         "primal active set, sparse input",
         sparse=True,
-        tolerance=EXACT_TOLERANCE,
         largest=1000,  # 9 s at 2001 segments: on a busy machine it meets its time limit
-        settings={
-            "primal_feasibility_tolerance": 1e-10,
-            "dual_feasibility_tolerance": 1e-10,
-            # By default 1e-7 is added to the diagonal, a bias of the same size in the forces.
-            "qp_regularization_value": 0.0,
-            # It has been seen to cycle for ever.
-            "time_limit": TIME_LIMIT,
-        },
-        tolerance_settings=(
-            "primal_feasibility_tolerance",
-            "dual_feasibility_tolerance",
-        ),
+        # By default 1e-7 is added to the diagonal, a bias of the same size in the forces. The method has been seen to
+        # cycle for ever.
+        settings=dict.fromkeys(_HIGHS, 1e-10) | {"qp_regularization_value": 0.0} | _TIME,
+        tolerance_settings=_HIGHS,
         least_tolerance=1e-10,
         time_setting="time_limit",
         step_setting="qp_iteration_limit",
@@ -272,26 +239,21 @@ SOLVERS: dict[str, SolverSettings] = {
         sparse=True,
         tolerance=1e-7,
         lifted_from=250,
-        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
-        tolerance_settings=(
-            "eps_abs",
-            "eps_rel",
-        ),
+        settings=dict.fromkeys(_EPS, 1e-10) | {"max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
+        tolerance_settings=_EPS,
         time_setting="time_limit_secs",
         step_setting="max_iters",
         warm_start=True,
-        report=Report(
-            status="status",
-            iterations="iter",
-            ends={
-                "infeasible": Status.INFEASIBLE,
-                "unbounded": Status.UNBOUNDED,
-                "solved (inaccurate - reached time_limit_secs)": Status.TIME_LIMIT,
-                "solved (inaccurate - reached max_iters)": Status.NOT_CONVERGED,
-            },
+        report=replace(
+            _REPORT,
+            place="",
+            ends=_ends(
+                infeasible="infeasible",
+                unbounded="unbounded",
+                time="solved (inaccurate - reached time_limit_secs)",
+                steps="solved (inaccurate - reached max_iters)",
+            ),
             unit=1e-3,
-            set_up_time="setup_time",
-            solve_time="solve_time",
         ),
     ),
     "sip": SolverSettings(
@@ -302,11 +264,8 @@ SOLVERS: dict[str, SolverSettings] = {
         sparse=True,
         tolerance=1e-6,
         lifted_from=100,
-        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "time_limit": TIME_LIMIT},
-        tolerance_settings=(
-            "eps_abs",
-            "eps_rel",
-        ),
+        settings=dict.fromkeys(_EPS, 1e-11) | _TIME,
+        tolerance_settings=_EPS,
         time_setting="time_limit",
         step_setting="max_iterations",
         warm_start=True,
@@ -314,11 +273,7 @@ SOLVERS: dict[str, SolverSettings] = {
             "sip_output",
             "exit_status",
             "num_iterations",
-            ends={
-                "LOCALLY_INFEASIBLE": Status.INFEASIBLE,
-                "TIMEOUT": Status.TIME_LIMIT,
-                "ITERATION_LIMIT": Status.NOT_CONVERGED,
-            },
+            ends=_ends(infeasible="LOCALLY_INFEASIBLE", time="TIMEOUT", steps="ITERATION_LIMIT"),
         ),
         known=("eps_abs", "eps_rel", "time_limit"),
         known_of=("Settings", "Settings.sip"),
@@ -344,25 +299,18 @@ SOLVERS: dict[str, SolverSettings] = {
         sparse=True,
         tolerance=1e-7,
         lifted_from=200,
-        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iter": 100_000, "time_limit": TIME_LIMIT},
-        tolerance_settings=(
-            "eps_abs",
-            "eps_rel",
-        ),
+        settings=dict.fromkeys(_EPS, 1e-10) | {"max_iter": 100_000} | _TIME,
+        tolerance_settings=_EPS,
         time_setting="time_limit",
         step_setting="max_iter",
-        report=Report(
-            "info",
-            "status",
-            "iter",
-            ends={
-                "primal infeasible": Status.INFEASIBLE,
-                "dual infeasible": Status.UNBOUNDED,
-                "time limit exceeded": Status.TIME_LIMIT,
-                "maximum iterations reached": Status.NOT_CONVERGED,
-            },
-            set_up_time="setup_time",
-            solve_time="solve_time",
+        report=replace(
+            _REPORT,
+            ends=_ends(
+                infeasible="primal infeasible",
+                unbounded="dual infeasible",
+                time="time limit exceeded",
+                steps="maximum iterations reached",
+            ),
         ),
         known_of=("Settings",),
     ),
@@ -383,18 +331,14 @@ SOLVERS: dict[str, SolverSettings] = {
         "interior point, dense",
         tolerance=INTERIOR_POINT_TOLERANCE,
         largest=LARGEST_DENSE,
-        settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
-        tolerance_settings=(
-            "abstol",
-            "reltol",
-            "feastol",
-        ),
+        settings=dict.fromkeys(_CONES, 1e-11) | {"maxiters": 200},
+        tolerance_settings=_CONES,
         tolerance_power=2,
         step_setting="maxiters",
         warm_start=True,
         # Its only other status is "unknown": the iterations are used up, or a matrix could not be factored.
         report=Report(status="status", iterations="iterations", other_end=Status.NOT_CONVERGED),
-        known=("maxiters", "abstol", "reltol", "feastol", "refinement", "kktreg", "use_correction"),
+        known=("maxiters", *_CONES, "refinement", "kktreg", "use_correction"),
     ),
     "ecos": SolverSettings(
         "ecos",
@@ -404,12 +348,8 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=INTERIOR_POINT_TOLERANCE,
         largest=LARGEST_DENSE,
         definite=True,
-        settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
-        tolerance_settings=(
-            "abstol",
-            "reltol",
-            "feastol",
-        ),
+        settings=dict.fromkeys(_CONES, 1e-12) | {"max_iters": 200},
+        tolerance_settings=_CONES,
         tolerance_power=2,
         step_setting="max_iters",
         # Exit flags; those from 10 on have the same meanings, for an answer that misses the tolerances.
@@ -433,12 +373,8 @@ SOLVERS: dict[str, SolverSettings] = {
         "modelling language, by default with clarabel",
         tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=60,
-        settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
-        tolerance_settings=(
-            "tol_gap_abs",
-            "tol_gap_rel",
-            "tol_feas",
-        ),
+        settings=dict.fromkeys(_CLARABEL, 1e-11),
+        tolerance_settings=_CLARABEL,
         tolerance_power=2,
         time_setting="time_limit",
         step_setting="max_iter",

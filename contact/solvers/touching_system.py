@@ -45,8 +45,9 @@ where few segments touch.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,35 +68,6 @@ class TouchingAnswer(NamedTuple):
     def column(self, number: int) -> tuple[Array, float, Array]:
         """Force (n), rotation and gap (n) of one right-hand side."""
         return self.force[:, number], float(self.rotation[number]), self.gap[:, number]
-
-
-class TouchingSystem(Protocol):
-    """The system for a set of touching segments that changes one by one."""
-
-    @property
-    def active(self) -> NDArray[np.bool_]:
-        """The touching segments (n), a copy."""
-        ...
-
-    def enter(self, segment: int) -> bool:
-        """Add a segment; return False, and change nothing, where the forces would then not be unique."""
-        ...
-
-    def leave(self, segment: int) -> bool:
-        """Remove a segment; return False, and change nothing, where the rest cannot carry a torque by itself."""
-        ...
-
-    def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
-        ...
-
-    def yielding(self) -> Array:
-        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A."""
-        ...
-
-    def columns(self, segments: NDArray[np.intp]) -> Array:
-        """Return columns of C (n, q)."""
-        ...
 
 
 #: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
@@ -180,37 +152,41 @@ def _shifted(block: Array) -> Array | None:
     return None
 
 
-@dataclass(slots=True)
 class ActiveSetPoint:
     """Forces of any sign (a) and rotation that close the gaps of an active set, in scaled numbers."""
 
-    index: NDArray[np.intp]
-    force: Array
-    rotation: float  # beyond first contact
-    gap: Array  # of all segments (n); zero up to rounding on the active
-    _problem: ScaledProblem
-    _rows: Array
-    _factor: TouchingFactor
-
-    @property
-    def shifted(self) -> bool:
-        """True if the block of the active segments is singular to rounding."""
-        return self._factor.shifted
+    def __init__(
+        self,
+        problem: ScaledProblem,
+        index: NDArray[np.intp],
+        system: _BorderedSystem | TouchingFactor,
+        deflection: Callable[[Array], Array],
+        refinements: int = 1,
+    ) -> None:
+        """Solve the system once; ``deflection`` (n) is that of all segments under forces of the active ones (a)."""
+        self.index = index
+        self.force, self.rotation = system.balance(problem.separation[index], problem.torque)  # beyond first contact
+        #: Whether the block of the active segments is singular to rounding.
+        self.shifted = system.shifted
+        self._problem, self._system, self._deflection, self._refinements = problem, system, deflection, refinements
+        self._update_gap()
 
     def refine(self) -> None:
-        """Take one step of iterative refinement; several if the block is singular and was shifted.
+        """Take one step of iterative refinement, or several.
 
-        The residual is that of the true system: the shift changes the convergence but leaves no bias.
+        The residual is that of the true system: a shift changes the convergence but leaves no bias.
         """
-        for _ in range(SHIFTED_REFINEMENTS if self.shifted else 1):
-            imbalance = self._problem.torque - float(self._factor.arm @ self.force)
-            correction, turn = self._factor.balance(self.gap[self.index], imbalance)
+        arm = self._problem.lever_arm[self.index]
+        for _ in range(self._refinements):
+            imbalance = self._problem.torque - float(arm @ self.force)
+            correction, turn = self._system.balance(self.gap[self.index], imbalance)
             self.force = self.force + correction
             self.rotation += turn
             self._update_gap()
 
     def _update_gap(self) -> None:
-        self.gap = self.force @ self._rows
+        """Gaps of all segments (n); zero up to rounding on the active."""
+        self.gap = self._deflection(self.force)
         self.gap += self._problem.separation
         self.gap -= self.rotation * self._problem.lever_arm
 
@@ -224,9 +200,8 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
     factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
     if factor is None:
         return None
-    force, rotation = factor.balance(problem.separation[index], problem.torque)
-    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor)
-    point._update_gap()
+    refinements = SHIFTED_REFINEMENTS if factor.shifted else 1
+    point = ActiveSetPoint(problem, index, factor, lambda force: force @ rows, refinements)
     if factor.shifted:
         point.refine()
     return point
@@ -243,9 +218,10 @@ MAX_UPDATES = 100
 
 
 class DenseTouching:
-    """A `TouchingSystem` of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm].
+    """The system for a set of touching segments that changes one by one.
 
-    Touching segments whose forces would not be unique are left out.
+    Of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm]; touching segments whose forces would not be
+    unique are left out.
     """
 
     def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
@@ -264,13 +240,13 @@ class DenseTouching:
 
     @property
     def active(self) -> NDArray[np.bool_]:
-        """See `TouchingSystem`."""
+        """The touching segments (n), a copy."""
         mask = np.zeros(self._arm.size, dtype=np.bool_)
         mask[self._index] = True
         return mask
 
     def enter(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """Add a segment; return False, and change nothing, where the forces would then not be unique."""
         if not self._index.size:
             return self._make(np.array([segment], dtype=np.intp))
         side = np.append(self._arm[segment], self._compliance[self._index, segment])
@@ -297,7 +273,7 @@ class DenseTouching:
         return result
 
     def leave(self, segment: int) -> bool:
-        """See `TouchingSystem`."""
+        """Remove a segment; return False, and change nothing, where the rest cannot carry a torque by itself."""
         place = int(np.flatnonzero(self._index == segment)[0])
         column = self._inverse[:, place + 1]
         pivot = float(column[place + 1])
@@ -319,7 +295,7 @@ class DenseTouching:
         return result
 
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """See `TouchingSystem`."""
+        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
         index, arm = self._index, self._arm[self._index]
         solution = self._apply(np.vstack([torque, closing[index]]))
         force, rotation = np.zeros(closing.shape), -solution[0]
@@ -337,7 +313,10 @@ class DenseTouching:
         return np.asarray(self._compliance @ force - self._arm[:, None] * rotation - closing)
 
     def yielding(self) -> Array:
-        """See `TouchingSystem`; C_AA must not be singular."""
+        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A.
+
+        C_AA must not be singular.
+        """
         rows = self._compliance[self._index]
         if self._factor is not None:
             forces = self._factor.solve(rows)
@@ -349,7 +328,7 @@ class DenseTouching:
         return np.asarray(result)
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
-        """See `TouchingSystem`."""
+        """Return columns of C (n, q)."""
         return self._compliance[:, segments]
 
     @property
@@ -433,48 +412,17 @@ class ModalProblem:
         modes = math.sqrt(modal.weight) * modal.factor if small else modal.basis.factor
         return cls(problem, modal.diagonal, modes, rigid)
 
-    def gap(self, force: Array, rotation: float) -> Array:
-        """Return C F + S - r theta, (n)."""
-        gap = self.local * force
-        gap += self.modes @ (force @ self.modes)
-        gap += self.problem.separation
-        gap -= rotation * self.problem.lever_arm
-        return gap
-
-
-@dataclass(slots=True)
-class ModalActiveSetPoint:
-    """Forces and rotation that close the gaps of an active set; as `ActiveSetPoint`, from the modes."""
-
-    index: NDArray[np.intp]
-    force: Array
-    rotation: float
-    gap: Array
-    _modal: ModalProblem
-    _system: _BorderedSystem | TouchingFactor
-
-    @property
-    def shifted(self) -> bool:
-        """True if the block of the active segments is singular to rounding."""
-        return isinstance(self._system, TouchingFactor) and self._system.shifted
-
-    def refine(self) -> None:
-        """Take one step of iterative refinement."""
-        problem = self._modal.problem
-        left = problem.torque - float(problem.lever_arm[self.index] @ self.force)
-        correction, turn = self._system.balance(self.gap[self.index], left)
-        self.force = self.force + correction
-        self.rotation += turn
-        self._update_gap()
-
-    def _update_gap(self) -> None:
-        force = np.zeros(self.gap.size)
-        force[self.index] = self.force
-        self.gap = self._modal.gap(force, self.rotation)
+    def deflection(self, force: Array) -> Array:
+        """Return C F, (n)."""
+        deflection = self.local * force
+        deflection += self.modes @ (force @ self.modes)
+        return deflection
 
 
 class _BorderedSystem:
     """Factored system of the modal amplitudes, the forces of the segments without local compliance and the rotation."""
+
+    shifted = False
 
     def __init__(self, modal: ModalProblem, index: NDArray[np.intp]) -> None:
         rigid = modal.rigid[index]
@@ -520,7 +468,7 @@ def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFacto
     return TouchingFactor.of(block, modal.problem.lever_arm[index], shift=True)
 
 
-def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ModalActiveSetPoint | None:
+def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
     """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
     None where no factor gives a solution, or the block of segments without local compliance is too large.
@@ -529,7 +477,7 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
         if index.size > SMALL_BLOCK:
             bordered = _BorderedSystem(modal, index)
             point = _refined(modal, index, bordered, REFINEMENTS) if bordered.is_regular else None
-            if _is_solved(point) or index.size > LARGEST_BLOCK:
+            if _is_solved(point, modal.problem.separation) or index.size > LARGEST_BLOCK:
                 return point
         factor = _block_factor(modal, index)
         if factor is None:
@@ -539,19 +487,20 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
 
 def _refined(
     modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | TouchingFactor, refinements: int
-) -> ModalActiveSetPoint | None:
-    problem = modal.problem
-    force, rotation = system.balance(problem.separation[index], problem.torque)
-    point = ModalActiveSetPoint(index, force, rotation, np.empty(modal.local.size), modal, system)
-    point._update_gap()
+) -> ActiveSetPoint | None:
+    def deflection(force: Array) -> Array:
+        whole = np.zeros(modal.local.size)
+        whole[index] = force
+        return modal.deflection(whole)
+
+    point = ActiveSetPoint(modal.problem, index, system, deflection)
     for _ in range(refinements):
         point.refine()
     return point if np.isfinite(point.gap).all() else None
 
 
-def _is_solved(point: ModalActiveSetPoint | None) -> bool:
+def _is_solved(point: ActiveSetPoint | None, separation: Array) -> bool:
     if point is None:
         return False
-    separation = point._modal.problem.separation[point.index]
-    level = abs(point.rotation) + float(np.abs(separation).max())
+    level = abs(point.rotation) + float(np.abs(separation[point.index]).max())
     return float(np.abs(point.gap[point.index]).max()) <= RESIDUAL_LIMIT * level

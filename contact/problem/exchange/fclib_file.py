@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ....core.checks import instances, shown
 from ....core.errors import InputError, memory_in_words
@@ -48,14 +48,12 @@ from ..contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
 
-ATTRIBUTES: dict[str, dict[str, str]] = {
-    "reference_force": {"units": "N", "long_name": "normal force of the reference solution"},
-    "reference_gap": {"units": "mm", "long_name": "gap of the reference solution"},
-    "reference_rotation": {"units": "rad", "long_name": "rotation of the reference solution"},
-    "reference_elastic_rotation": {
-        "units": "rad",
-        "long_name": "rotation of the reference solution beyond first contact",
-    },
+#: Dimensions, units and meaning of every variable of a reference solution.
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "reference_force": (("segment",), "N", "normal force of the reference solution"),
+    "reference_gap": (("segment",), "mm", "gap of the reference solution"),
+    "reference_rotation": ((), "rad", "rotation of the reference solution"),
+    "reference_elastic_rotation": ((), "rad", "rotation of the reference solution beyond first contact"),
 }
 
 
@@ -71,18 +69,29 @@ def require_answers(problems: Sequence[ContactProblem], answers: Sequence[Answer
             raise InputError(f"answer {i} = {shown(answer.force)}: must have the forces of {problem.size} segments")
 
 
+def reference_numbers(answer: Answer) -> dict[str, Any]:
+    """Numbers of a reference solution by name, as files have them."""
+    return {name: getattr(answer, name.removeprefix("reference_")) for name in VARIABLES}
+
+
+def padded(values: Sequence[ArrayLike | None], *lengths: int) -> Array:
+    """Arrays, some of them missing, as one array with a row each, padded with NaN to the same lengths."""
+    whole = np.full((len(values), *lengths), np.nan)
+    for row, one in enumerate(values):
+        if one is not None:
+            part: tuple[Any, ...] = (row, *map(slice, np.shape(one)))
+            whole[part] = one
+    return whole
+
+
 def reference_variables(answers: Sequence[Answer], width: int) -> dict[str, xr.DataArray]:
     """Return the variables of a file with problems of at most `width` segments, padded with NaN."""
-    force, gap = np.full((len(answers), width), np.nan), np.full((len(answers), width), np.nan)
-    for i, answer in enumerate(answers):
-        force[i, : answer.force.size], gap[i, : answer.gap.size] = answer.force, answer.gap
-    values: dict[str, tuple[tuple[str, ...], Array]] = {
-        "reference_force": (("problem", "segment"), force),
-        "reference_gap": (("problem", "segment"), gap),
-        "reference_rotation": (("problem",), np.array([a.rotation for a in answers])),
-        "reference_elastic_rotation": (("problem",), np.array([a.elastic_rotation for a in answers])),
-    }
-    return {name: xr.DataArray(array, dims=dims, attrs=ATTRIBUTES[name]) for name, (dims, array) in values.items()}
+    numbers, variables = [reference_numbers(answer) for answer in answers], {}
+    for name, (dimensions, units, meaning) in VARIABLES.items():
+        values = padded([one[name] for one in numbers], *(width for _ in dimensions))
+        attributes = {"units": units, "long_name": meaning}
+        variables[name] = xr.DataArray(values, dims=("problem", *dimensions), attrs=attributes)
+    return variables
 
 
 def read_references(path: str | os.PathLike[str], problems: Sequence[ContactProblem]) -> list[Answer] | None:
@@ -131,7 +140,7 @@ def reference_arrays(dataset: xr.Dataset, count: int, widest: int) -> tuple[Arra
     """Forces (problem, segment) [N] and rotations (problem) beyond first contact [rad] of a file, if any."""
     arrays = []
     for name, width in (("reference_force", widest), ("reference_elastic_rotation", 1)):
-        values, units = dataset.get(name), ATTRIBUTES[name]["units"]
+        values, units = dataset.get(name), VARIABLES[name][1]
         if values is None and name == "reference_force":
             return None
         if values is None or values.dtype.kind not in "fiu" or values.size % count or values.size < width * count:
@@ -183,10 +192,8 @@ def write_fclib(
         local = file.create_group("fclib_local")
         _whole(local, "spacedim", DIRECTIONS)
         _write_columns(local.create_group("W"), *_directions(problem), DIRECTIONS * size)
-        lever = np.zeros(DIRECTIONS * size)
-        lever[::DIRECTIONS] = -problem.lever_arm
         normal = np.arange(0, DIRECTIONS * size, DIRECTIONS)
-        _write_columns(local.create_group("V"), np.array([0, size]), normal, lever[normal], DIRECTIONS * size)
+        _write_columns(local.create_group("V"), np.array([0, size]), normal, -problem.lever_arm, DIRECTIONS * size)
         _write_columns(local.create_group("R"), np.array([0, 1]), np.array([0]), np.zeros(1), 1)
         vectors = local.create_group("vectors")
         vectors["q"], vectors["mu"] = _in_directions(problem.separation), np.zeros(size)

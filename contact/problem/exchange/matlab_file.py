@@ -22,12 +22,12 @@ from ....core.forked_process import ProcessEndedError, in_forked_process
 from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, named, require_file
-from ..contact_problem import ATTRIBUTES, ContactProblem
-from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, require_answers, stored_reference
+from ..contact_problem import VARIABLES, ContactProblem, problem_numbers, problem_of_numbers
+from .fclib_file import VARIABLES as REFERENCE_VARIABLES, reference_numbers, require_answers, stored_reference
 from .problem_file import ProblemSet
 
 VARIABLE = "problem"
-FIELDS = (*ATTRIBUTES, *REFERENCE_ATTRIBUTES)
+FIELDS = (*VARIABLES, *REFERENCE_VARIABLES)
 FIELD_LENGTH_LIMIT = 31  # of a field's name in version 5
 
 
@@ -47,7 +47,7 @@ def write_mat(problems: ProblemSet | Sequence[ContactProblem], path: str | os.Pa
                 f"label = {name!r}: must be a name of letters, digits and underscores, {FIELD_LENGTH_LIMIT} at most, "
                 "that the file does not use itself"
             )
-    names = [*ATTRIBUTES, *(REFERENCE_ATTRIBUTES if problems.answers is not None else ()), *problems.labels]
+    names = [*VARIABLES, *(REFERENCE_VARIABLES if problems.answers is not None else ()), *problems.labels]
     array = np.zeros((1, len(problems.problems)), dtype=[(name, object) for name in names])
     for i in range(len(problems.problems)):
         fields = _fields(problems, i)
@@ -84,10 +84,12 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
         elements = [{name: value for name, value in content.items() if not name.startswith("__")}]
     if not elements:
         raise InputError(f"{path}: problem = empty: must hold at least one contact problem")
-    try:
-        problems = [_problem(element, i) for i, element in enumerate(elements)]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+    problems = []
+    for i, element in enumerate(elements):
+        try:
+            problems.append(_problem(element))
+        except InputError as error:
+            raise InputError(f"{path}: problem {i}: {error}") from error
     answers = [stored_reference(p, element) for p, element in zip(problems, elements, strict=True)]
     whole = [answer for answer in answers if answer is not None]
     return ProblemSet(problems, _labels(elements), whole if len(whole) == len(problems) else None)
@@ -95,46 +97,32 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
 
 def _fields(problems: ProblemSet, i: int) -> dict[str, Any]:
     """Fields of one problem; vectors as columns."""
-    problem, answer = problems.problems[i], problems.answer(i)
-    fields: dict[str, Any] = {
-        "separation": problem.separation[:, np.newaxis],
-        "lever_arm": problem.lever_arm[:, np.newaxis],
-        "torque": problem.torque,
-    }
-    if isinstance(problem.compliance, tuple):
-        fields["compliance_diagonal"] = problem.compliance[0][:, np.newaxis]
-        fields["compliance_factor"] = problem.compliance[1]
-    else:
-        fields["compliance"] = problem.dense_compliance
-    if answer is not None:
-        fields["reference_force"], fields["reference_gap"] = answer.force[:, np.newaxis], answer.gap[:, np.newaxis]
-        fields["reference_rotation"] = answer.rotation
-        fields["reference_elastic_rotation"] = answer.elastic_rotation
+    answer = problems.answer(i)
+    numbers = problem_numbers(problems.problems[i]) | ({} if answer is None else reference_numbers(answer))
+    fields = {name: np.reshape(values, (-1, 1)) if np.ndim(values) == 1 else values for name, values in numbers.items()}
     for name, value in problems.label(i).items():
         fields[name] = str(value) if np.asarray(value).dtype.kind in "OUST" else value
     return fields
 
 
-def _problem(element: Mapping[str, Any], i: int) -> ContactProblem:
+def _problem(element: Mapping[str, Any]) -> ContactProblem:
     missing = [name for name in ("separation", "lever_arm", "torque") if not np.size(element.get(name, ()))]
     if missing:
-        raise InputError(f"problem {i}: incomplete, without {', '.join(missing)}")
+        raise InputError(f"incomplete, without {', '.join(missing)}")
     separation, lever_arm, torque = (_numbers(element[name], name) for name in ("separation", "lever_arm", "torque"))
     if torque.size != 1:
-        raise InputError(f"problem {i}: torque = array of shape {torque.shape}: must be one number")
-    compliance: Any
+        raise InputError(f"torque = array of shape {torque.shape}: must be one number")
+    numbers: dict[str, Any]
+    numbers = {"separation": separation.ravel(), "lever_arm": lever_arm.ravel(), "torque": float(torque.ravel()[0])}
     if np.size(element.get("compliance", ())):
-        compliance = _numbers(element["compliance"], "compliance")
+        numbers["compliance"] = _numbers(element["compliance"], "compliance")
     elif np.size(element.get("compliance_diagonal", ())) and "compliance_factor" in element:
         factor = _numbers(element["compliance_factor"], "compliance_factor")
-        factor = factor.reshape(separation.size, 0) if factor.size == 0 else factor
-        compliance = (_numbers(element["compliance_diagonal"], "compliance_diagonal").ravel(), factor)
+        numbers["compliance_factor"] = factor.reshape(separation.size, 0) if factor.size == 0 else factor
+        numbers["compliance_diagonal"] = _numbers(element["compliance_diagonal"], "compliance_diagonal").ravel()
     else:
-        raise InputError(f"problem {i}: incomplete, without compliance, or compliance_diagonal and compliance_factor")
-    try:
-        return ContactProblem(separation.ravel(), lever_arm.ravel(), float(torque.ravel()[0]), compliance)
-    except InputError as error:
-        raise InputError(f"problem {i}: {error}") from error
+        raise InputError("incomplete, without compliance, or compliance_diagonal and compliance_factor")
+    return problem_of_numbers(numbers)
 
 
 def _numbers(value: Any, name: str) -> NDArray[np.float64]:

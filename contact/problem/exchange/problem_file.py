@@ -53,8 +53,22 @@ from ....core.checks import frozen_arrays, instance, shown
 from ....core.errors import InputError
 from ....core.netcdf_file import read_dataset, write_netcdf
 from ..certificate import Answer
-from ..contact_problem import ATTRIBUTES, FORMAT as SINGLE_FORMAT, ContactProblem
-from .fclib_file import ATTRIBUTES as REFERENCE_ATTRIBUTES, reference_arrays, reference_variables, require_answers
+from ..contact_problem import (
+    ATTRIBUTES,
+    DIMENSIONS as PROBLEM_DIMENSIONS,
+    FORMAT as SINGLE_FORMAT,
+    ContactProblem,
+    number_names,
+    problem_numbers,
+    problem_of_numbers,
+)
+from .fclib_file import (
+    VARIABLES as REFERENCE_VARIABLES,
+    padded,
+    reference_arrays,
+    reference_variables,
+    require_answers,
+)
 
 
 def problem_checksum(problem: ContactProblem) -> str:
@@ -70,9 +84,9 @@ def problem_checksum(problem: ContactProblem) -> str:
     'cf7e0c8f'
     """
     instance("problem", problem, ContactProblem)
-    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.dense_compliance,)
+    numbers = problem_numbers(problem)
     digest = hashlib.sha256()
-    for array in (problem.torque, problem.separation, problem.lever_arm, *parts):
+    for array in (numbers.pop("torque"), *numbers.values()):
         digest.update((np.ascontiguousarray(array, dtype="<f8") + 0.0).tobytes())
     return digest.hexdigest()
 
@@ -85,17 +99,9 @@ def set_checksum(names: Sequence[str], problems: Sequence[ContactProblem]) -> st
 
 #: Dimensions of every array of a file, in the order in which they are read.
 DIMENSIONS: dict[str, tuple[str, ...]] = {
-    "torque": ("problem",),
-    "separation": ("problem", "segment"),
-    "lever_arm": ("problem", "segment"),
-    "compliance": ("problem", "segment", "segment_other"),
-    "compliance_diagonal": ("problem", "segment"),
-    "compliance_factor": ("problem", "segment", "mode"),
-    "size": ("problem",),
-    "structured": ("problem",),
-    "mode_count": ("problem",),
+    **{name: ("problem", *dimensions) for name, dimensions in PROBLEM_DIMENSIONS.items()},
+    **dict.fromkeys(("size", "structured", "mode_count"), ("problem",)),
 }
-
 
 #: Value of netCDF where nothing was written to a variable of floating point numbers without its own fill value.
 NETCDF_FILL = 9.969209968386869e36
@@ -274,11 +280,7 @@ def joined(sets: Sequence[ProblemSet]) -> ProblemSet:
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
 
-_OWN_NAMES = (
-    frozenset(ATTRIBUTES)
-    | frozenset(REFERENCE_ATTRIBUTES)
-    | {"size", "structured", "mode_count", "problem", "segment", "segment_other", "mode"}
-)
+_OWN_NAMES = {*DIMENSIONS, *REFERENCE_VARIABLES, "problem", "segment", "segment_other", "mode"}
 
 
 def write_problems(
@@ -392,30 +394,18 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
-    count, widest = len(problems), max(problem.size for problem in problems)
-    modes = [problem.compliance[1].shape[1] if isinstance(problem.compliance, tuple) else 0 for problem in problems]
+    numbers = [problem_numbers(problem) for problem in problems]
+    modes = [one["compliance_factor"].shape[1] if "compliance_factor" in one else 0 for one in numbers]
     structured = np.array([problem.is_structured for problem in problems], dtype=np.int8)
-    data: dict[str, tuple[tuple[str, ...], NDArray[Any]]] = {
-        "separation": (("problem", "segment"), np.full((count, widest), np.nan)),
-        "lever_arm": (("problem", "segment"), np.full((count, widest), np.nan)),
-        "torque": (("problem",), np.array([problem.torque for problem in problems])),
+    widest = max(problem.size for problem in problems)
+    lengths = {"segment": widest, "segment_other": widest, "mode": max(modes)}
+    data = {
+        name: padded([one.get(name) for one in numbers], *(lengths[along] for along in dimensions))
+        for name, dimensions in PROBLEM_DIMENSIONS.items()
+        if any(name in one for one in numbers)
     }
-    if structured.any():
-        data["compliance_diagonal"] = (("problem", "segment"), np.full((count, widest), np.nan))
-        data["compliance_factor"] = (("problem", "segment", "mode"), np.full((count, widest, max(modes)), np.nan))
-    if not structured.all():
-        data["compliance"] = (("problem", "segment", "segment_other"), np.full((count, widest, widest), np.nan))
-    for i, problem in enumerate(problems):
-        n = problem.size
-        data["separation"][1][i, :n] = problem.separation
-        data["lever_arm"][1][i, :n] = problem.lever_arm
-        if isinstance(problem.compliance, tuple):
-            data["compliance_diagonal"][1][i, :n] = problem.compliance[0]
-            data["compliance_factor"][1][i, :n, : modes[i]] = problem.compliance[1]
-        else:
-            data["compliance"][1][i, :n, :n] = problem.dense_compliance
     dataset = xr.Dataset(
-        {name: (dims, values, ATTRIBUTES[name]) for name, (dims, values) in data.items()},
+        {name: (DIMENSIONS[name], values, ATTRIBUTES[name]) for name, values in data.items()},
         attrs={"format": FORMAT, "format_version": FORMAT_VERSION, "Conventions": "CF-1.11"},
     )
     dataset["size"] = ("problem", np.array([p.size for p in problems], dtype=np.int32), _count("number of segments"))
@@ -443,15 +433,13 @@ def _label(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
 
 
 def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
-    n = int(data["size"][i])
-    compliance: Any
-    if data["structured"][i]:
-        factor = data["compliance_factor"][i, :n, : int(data["mode_count"][i])]
-        compliance = (data["compliance_diagonal"][i, :n], factor)
-    else:
-        compliance = data["compliance"][i, :n, :n]
+    structured = bool(data["structured"][i])
+    ends = {"segment": int(data["size"][i]), "mode": int(data["mode_count"][i]) if structured else 0}
+    ends["segment_other"] = ends["segment"]
+    names = number_names(structured)
+    numbers = {name: data[name][i][tuple(slice(ends[along]) for along in PROBLEM_DIMENSIONS[name])] for name in names}
     try:
-        return ContactProblem(data["separation"][i, :n], data["lever_arm"][i, :n], data["torque"][i], compliance)
+        return problem_of_numbers(numbers)
     except InputError as error:
         raise InputError(f"problem {i}: {error}") from error
 

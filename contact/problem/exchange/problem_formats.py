@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from ....core.output_file import check_folder, check_writable
 from ..contact_problem import ContactProblem
 from .fclib_file import read_fclib, read_references, write_fclib
 from .matlab_file import read_mat, write_mat
-from .problem_file import ProblemSet, read_attributes, read_labels, read_problems, write_problems
+from .problem_file import ProblemSet, joined, read_attributes, read_labels, read_problems, write_problems
 from .programme_file import read_npz, read_qps, write_npz, write_qps
 
 
@@ -127,13 +127,7 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
         suffixes = ", ".join(f".{name}" for name, kind in FORMATS.items() if kind.single)
         raise InputError(f"{source}: must hold files with one of the suffixes {suffixes}; it has {contents}")
     read = [FORMATS[kinds[0][1:]].read(file) for file in files]
-    answers = [one.answer(0) for one in read]
-    known = [answer for answer in answers if answer is not None]
-    return ProblemSet(
-        [one.problems[0] for one in read],
-        {"name": np.array([file.stem for file in files])},
-        known if len(known) == len(files) else None,
-    )
+    return replace(joined(read), labels={"name": np.array([file.stem for file in files])})
 
 
 def output_format(output: Path, format: str | None, count: int) -> str:

@@ -57,9 +57,8 @@ from ....core.errors import InputError
 from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, require_file
-from ..contact_problem import ContactProblem
+from ..contact_problem import ContactProblem, number_names, problem_numbers, problem_of_numbers
 from ..programme_forms import dual_qp, lifted_qp
-from .problem_units import ProblemUnits, problem_data
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -114,7 +113,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     """
     arrays = read_arrays(path)
     try:
-        return ContactProblem(*(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays)))
+        return problem_of_numbers(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except KeyError as error:
@@ -134,32 +133,20 @@ def _programme(problem: ContactProblem, form: str) -> Any:
 
 
 def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
-    arrays: dict[str, Any] = {
-        "contact_separation": problem.separation,
-        "contact_lever_arm": problem.lever_arm,
-        "contact_torque": problem.torque,
+    return {
         "scale_force": problem.scaling.force,
         "scale_rotation": problem.scaling.rotation,
         "first_contact_rotation": problem.first_contact_rotation,
+        **{f"contact_{name}": values for name, values in problem_numbers(problem).items()},
     }
-    if isinstance(problem.compliance, tuple):
-        arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"] = problem.compliance
-    else:
-        arrays["contact_compliance"] = problem.dense_compliance
-    return arrays
 
 
-def _own_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
-    compliance: Any
-    if "contact_compliance_factor" in arrays:
-        compliance = (arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"])
-    else:
-        compliance = arrays["contact_compliance"]
-    return arrays["contact_separation"], arrays["contact_lever_arm"], arrays["contact_torque"], compliance
+def _own_data(arrays: Arrays) -> dict[str, Any]:
+    return {name: arrays[f"contact_{name}"] for name in number_names("contact_compliance_factor" in arrays)}
 
 
-def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
-    """Separation, lever arm, torque and compliance from P, q, A and b; qpsolvers stores a missing one as an object."""
+def _foreign_data(arrays: Arrays) -> dict[str, Any]:
+    """Numbers of a problem from P, q, A and b; qpsolvers stores a missing one as an object."""
     matrix, linear = arrays["P"], arrays["q"]
     row, right = arrays.get("A"), arrays.get("b")
     if row is None or right is None:
@@ -172,11 +159,65 @@ def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
         raise InputError(f"lb = {shown(lower)}: must be zero, the lower bounds of the normal forces")
     if arrays.get("G") is not None or (upper is not None and not (_is_numeric(upper) and np.all(upper == np.inf))):
         raise InputError("G, ub: must be left out, a contact problem has no inequalities and no upper bounds")
-    return linear, row[0], right[0], matrix
+    return {"separation": linear, "lever_arm": row[0], "torque": right[0], "compliance": matrix}
 
 
 def _is_numeric(array: NDArray[Any]) -> bool:
     return array.dtype.kind in "biuf"
+
+
+@dataclass(frozen=True)
+class ProblemUnits:
+    """Units of force [N], compliance [mm/N] and lever arm [mm] for the numbers of a problem, powers of two.
+
+    Unlike the scaling for solvers (`scaling`), units change neither the zero of the rotation nor any separation: the
+    problem can be had back to the bit.
+    """
+
+    force: float = 1.0
+    compliance: float = 1.0  # [mm/N], a power of four: its root is the unit of V
+    lever_arm: float = 1.0
+
+    @property
+    def gap(self) -> float:
+        """Of separations and gaps [mm]."""
+        return self.force * self.compliance
+
+    @property
+    def rotation(self) -> float:
+        """Of rotations [rad]."""
+        return self.gap / self.lever_arm
+
+    @classmethod
+    def of(cls, problem: ContactProblem) -> ProblemUnits:
+        """Units in which the numbers of a problem are of order one; mm and N where those would lose a bit."""
+        scale = problem.scaling
+        exponent = math.frexp(scale.compliance)[1] - 1
+        units = cls(scale.force, math.ldexp(1.0, exponent - exponent % 2), scale.lever_arm)
+        numbers = problem_numbers(problem)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            back = units.restored(units.changed(numbers))
+            exact = all(np.array_equal(back[name], values) for name, values in numbers.items())
+        return units if exact else cls()
+
+    def changed(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the numbers of a problem, see `problem_numbers`, in these units."""
+        return {name: values / self._of[name] for name, values in numbers.items()}
+
+    def restored(self, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        """Return numbers in these units in mm and N."""
+        return {name: values * self._of[name] for name, values in numbers.items()}
+
+    @property
+    def _of(self) -> dict[str, float]:
+        return {
+            "separation": self.gap,
+            "lever_arm": self.lever_arm,
+            "torque": self.lever_arm * self.force,
+            "compliance": self.compliance,
+            "compliance_diagonal": self.compliance,
+            "compliance_factor": math.sqrt(self.compliance),
+        }
 
 
 SECTIONS = ("NAME", "OBJSENSE", "ROWS", "COLUMNS", "RHS", "RANGES", "BOUNDS", "QUADOBJ", "QSECTION", "QMATRIX")
@@ -204,7 +245,7 @@ class QpsProgramme:
 
 def qps_programme(lines: Iterable[str]) -> QpsProgramme:
     """Programme of the lines of a QPS file; refuses maximisation, ranges and integers."""
-    programme, section, both, ended = QpsProgramme(), "", False, False
+    programme, section = QpsProgramme(), ""
     for number, line in enumerate(lines, start=1):
         if line.startswith("*"):
             programme.comments.append(line[1:].strip())
@@ -213,10 +254,9 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
         if not words:
             continue
         if not line[0].isspace():
-            section, both = words[0].upper(), words[0].upper() == "QMATRIX"
-            ended = section == "ENDATA"
-            if ended:
-                break
+            section = words[0].upper()
+            if section == "ENDATA":
+                return programme
             if section not in SECTIONS:
                 raise InputError(f"line {number} = {shown(line)}: must be one of the sections {', '.join(SECTIONS)}")
             if section == "NAME":
@@ -225,37 +265,29 @@ def qps_programme(lines: Iterable[str]) -> QpsProgramme:
                 continue
             words = words[1:]
         try:
-            _take(programme, section, words, both)
+            _take(programme, section, words)
         except InputError as error:
             raise InputError(f"line {number}: {error}") from error
         except (ValueError, KeyError, IndexError) as error:
             said = shown(" ".join(words))
             raise InputError(f"line {number} = {said}: must be a line of the section {section}") from error
-    if not ended:
-        raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
-    return programme
+    raise InputError("ends without ENDATA: must be a whole file, this one seems cut off")
 
 
-def _take(programme: QpsProgramme, section: str, words: list[str], both: bool) -> None:
+def _take(programme: QpsProgramme, section: str, words: list[str]) -> None:
     """Add a line of a section to a programme."""
     if section == "OBJSENSE":
         if words and words[0].upper() not in ("MIN", "MINIMIZE", "MINIMISE"):
             raise InputError(f"OBJSENSE = {shown(words[0])}: must be MIN")
-    elif section == "ROWS":
-        _add_row(programme, words)
-    elif section == "COLUMNS":
-        _add_column(programme, words)
+    elif section == "RANGES":
+        raise InputError("RANGES: must be left out, a row is an equality or an inequality")
     elif section == "RHS":
         for row, value in _pairs(words[len(words) % 2 :]):
             programme.right[_known(row, {programme.objective, *programme.row_types})] = value
-    elif section == "RANGES":
-        raise InputError("RANGES: must be left out, a row is an equality or an inequality")
-    elif section == "BOUNDS":
-        _add_bound(programme, words)
     elif section in ("QUADOBJ", "QSECTION", "QMATRIX"):
-        _add_quadratic(programme, words, both)
+        _add_quadratic(programme, words, both=section == "QMATRIX")
     else:
-        raise ValueError(section)
+        {"ROWS": _add_row, "COLUMNS": _add_column, "BOUNDS": _add_bound}[section](programme, words)
 
 
 def _add_row(programme: QpsProgramme, words: list[str]) -> None:
@@ -363,17 +395,16 @@ def read_qps(path: str | os.PathLike[str]) -> ContactProblem:
     try:
         with faults_in_words(path, "a QPS file"), open(path, encoding="utf-8") as file:
             programme = qps_programme(file)
-        return ContactProblem(*_units(programme).restored(*_contact_data(programme)))
+        return problem_of_numbers(_units(programme).restored(_contact_data(programme)))
     except InputError as error:
         raise InputError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
 
 
 def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
     units = ProblemUnits.of(problem)
-    separation, arm, torque, compliance = units.changed(*problem_data(problem))
-    if form == "dense" and problem.is_structured:
-        compliance = problem.dense_compliance / units.compliance
-    size = problem.size
+    numbers, size = units.changed(problem_numbers(problem)), problem.size
+    lifted = problem.is_structured and form != "dense"
+    separation, arm, torque = numbers["separation"], numbers["lever_arm"], numbers["torque"]
     yield "* Contact problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0. Written by easeoff.\n"
     yield "* Columns: F1.. forces; Z1.. amplitudes z = V'F, if C = diag(d) + V V'.\n"
     yield f"*{UNIT}force [N] = {units.force!r}\n"
@@ -383,7 +414,7 @@ def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
     yield f"* respect to T, times {units.rotation!r}.\n"
     yield f"* Problem: {_word(name)}\n"
     yield f"NAME {_word(name)}\nROWS\n N ENERGY\n E BALANCE\n"
-    factor = compliance[1] if isinstance(compliance, tuple) else np.zeros((size, 0))
+    factor = numbers["compliance_factor"] if lifted else np.zeros((size, 0))
     modes = factor.shape[1]
     yield from (f" E M{k + 1}\n" for k in range(modes))
     yield "COLUMNS\n"
@@ -399,19 +430,20 @@ def _lines(problem: ContactProblem, form: str, name: str) -> Iterator[str]:
         yield "BOUNDS\n"
         yield from (f" FR BND Z{k + 1}\n" for k in range(modes))
     yield "QUADOBJ\n"
-    if isinstance(compliance, tuple):
-        diagonal = compliance[0]
+    if lifted:
+        diagonal = numbers["compliance_diagonal"]
         yield from (f" F{i + 1} F{i + 1} {float(diagonal[i])!r}\n" for i in np.flatnonzero(diagonal))
         yield from (f" Z{k + 1} Z{k + 1} 1.0\n" for k in range(modes))
     else:
+        compliance = problem.dense_compliance / units.compliance
         for j in range(size):
             below = j + np.flatnonzero(compliance[j:, j])
             yield from (f" F{j + 1} F{i + 1} {float(compliance[i, j])!r}\n" for i in below)
     yield "ENDATA\n"
 
 
-def _contact_data(programme: QpsProgramme) -> tuple[Array, Array, float, Any]:
-    """Separation, lever arm, torque and compliance, in the units of the file."""
+def _contact_data(programme: QpsProgramme) -> dict[str, Any]:
+    """Numbers of the contact problem by name, in the units of the file."""
     columns = list(programme.linear)
     free = [c for c in columns if programme.lower.get(c, 0.0) == -math.inf]
     for column in columns:
@@ -432,22 +464,20 @@ def _contact_data(programme: QpsProgramme) -> tuple[Array, Array, float, Any]:
     for column, value in rows.pop(balance).items():
         arm[force[column]] = value
     separation = np.array([programme.linear[c] for c in force])
-    torque = programme.right.get(balance, 0.0)
-    if not free:
-        return separation, arm, torque, _dense(programme, force)
-    return separation, arm, torque, _structured(programme, force, amplitude, rows)
+    rigid = {"separation": separation, "lever_arm": arm, "torque": programme.right.get(balance, 0.0)}
+    return rigid | (_structured(programme, force, amplitude, rows) if free else _dense(programme, force))
 
 
-def _dense(programme: QpsProgramme, force: dict[str, int]) -> Array:
+def _dense(programme: QpsProgramme, force: dict[str, int]) -> dict[str, Array]:
     matrix = np.zeros((len(force), len(force)))
     for (a, b), value in programme.quadratic.items():
         matrix[force[a], force[b]] = matrix[force[b], force[a]] = value
-    return matrix
+    return {"compliance": matrix}
 
 
 def _structured(
     programme: QpsProgramme, force: dict[str, int], amplitude: dict[str, int], rows: dict[str, dict[str, float]]
-) -> tuple[Array, Array]:
+) -> dict[str, Array]:
     diagonal, weight = np.zeros(len(force)), np.zeros(len(amplitude))
     for (a, b), value in programme.quadratic.items():
         if a != b:
@@ -476,7 +506,7 @@ def _structured(
         for column, value in entries.items():
             if column in force:
                 factor[force[column], mode] = scale * value
-    return diagonal, factor
+    return {"compliance_diagonal": diagonal, "compliance_factor": factor}
 
 
 def _units(programme: QpsProgramme) -> ProblemUnits:

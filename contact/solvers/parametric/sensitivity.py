@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,8 +31,8 @@ from ....core.errors import InputError
 from ...problem.certificate import Answer
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.contact_problem import ContactProblem
-from ..touching_system import TouchingSystem
-from .touching_form import touching_system
+from ..touching_system import TouchingAnswer
+from .touching_form import TouchingSystem, touching_system
 from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
 
 Array = NDArray[np.float64]
@@ -192,14 +192,6 @@ Mask = NDArray[np.bool_]
 CONSISTENCY_TOLERANCE = 1e-9
 
 
-class Changes(NamedTuple):
-    """Derivatives in several directions: forces (n, q) [N], rotations (q) [rad] and gaps (n, q) [mm]."""
-
-    force: Array
-    rotation: Array
-    gap: Array
-
-
 @frozen_arrays
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
@@ -298,7 +290,7 @@ class Sensitivity:
 
     def forward_all(
         self, *, torque: ArrayLike, separation: ArrayLike, lever_arm: ArrayLike, bent: ArrayLike
-    ) -> Changes:
+    ) -> TouchingAnswer:
         """Return the derivatives in many directions at once (q), with one system for all.
 
         Parameters
@@ -312,8 +304,9 @@ class Sensitivity:
 
         Returns
         -------
-        Changes
-            NaN where the solution has a kink, or forces that are not unique: `forward` has its one-sided derivatives.
+        TouchingAnswer
+            Derivatives of forces (n, q) [N], rotations (q) [rad] and gaps (n, q) [mm]; NaN where the solution has a
+            kink, or forces that are not unique: `forward` has its one-sided derivatives.
 
         Raises
         ------
@@ -332,18 +325,16 @@ class Sensitivity:
         [1.0, 1.0]
         """
         turn = array("torque", torque, "N mm", ndim=1)
-        gap, arm, bending = (
-            array(name, values, "mm", ndim=2)
-            for name, values in (("separation", separation), ("lever_arm", lever_arm), ("bent", bent))
-        )
-        wanted = (self.problem.size, turn.size)
-        for name, values in (("separation", gap), ("lever_arm", arm), ("bent", bending)):
-            if values.shape != wanted:
-                raise InputError(f"{name} = array of shape {values.shape}: must have the shape {wanted}")
+        wanted, given_arrays = (self.problem.size, turn.size), []
+        for name, values in (("separation", separation), ("lever_arm", lever_arm), ("bent", bent)):
+            given_arrays.append(array(name, values, "mm", ndim=2))
+            if given_arrays[-1].shape != wanted:
+                raise InputError(f"{name} = array of shape {given_arrays[-1].shape}: must have the shape {wanted}")
+        gap, arm, bending = given_arrays
         if self.status is not Differentiability.DIFFERENTIABLE:
-            return Changes(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
+            return TouchingAnswer(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
         closing = self.rotation * arm - gap - bending
-        return Changes(*self._smooth.solve(closing, turn - self.force @ arm))
+        return self._smooth.solve(closing, turn - self.force @ arm)
 
     def adjoint(
         self,
@@ -445,7 +436,7 @@ def tangent_answer_sensitivity(
     yielding = float(force.max()) * float(tangent.diagonal.max())
     if scale <= RIGID_FRACTION * yielding:  # what touches is rigid
         scale = yielding or float(np.abs(problem.separation_at_first_contact).max()) or 1.0
-    loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
+    loaded, weak = loaded_and_weak(force, gap, scale, tolerance)
     dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
     loaded, weak = loaded | dependent, weak & ~dependent
     return Sensitivity(problem, force, gap, answer.rotation, loaded, weak, tangent, deflection)

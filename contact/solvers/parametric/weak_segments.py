@@ -20,8 +20,8 @@ from ...problem.complementary_pivoting import lemke
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
 from ...problem.programme_forms import lcp
-from ..touching_system import DEPENDENCE_TOLERANCE, TouchingSystem
-from .touching_form import part_of, touching_system
+from ..touching_system import DEPENDENCE_TOLERANCE
+from .touching_form import TouchingSystem, part_of, touching_system
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -30,13 +30,12 @@ Mask = NDArray[np.bool_]
 SMALLEST_CHANGE = 1e-12
 
 
-def loaded_and_weak(
-    force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float
-) -> tuple[Mask, Mask]:
+def loaded_and_weak(force: Array, gap: Array, gap_scale: float, tolerance: float) -> tuple[Mask, Mask]:
     """Masks (n) of segments that carry load, and of those that neither carry load nor are open.
 
-    Forces and gaps up to the tolerance times their scales [N], [mm] count as none.
+    Forces and gaps up to the tolerance times the greatest force and the scale of gaps [mm] count as none.
     """
+    force_scale = float(force.max())
     none = force <= tolerance * force_scale
     shut = gap <= tolerance * gap_scale
     return np.asarray(~none & (force * gap_scale > gap * force_scale)), np.asarray(none & shut)
@@ -63,10 +62,19 @@ def system_in_direction(
     ``first_contact`` solves the contact problem of the weak segments, where nothing carries load yet.
     """
     segments = np.flatnonzero(weak)
-    if not lever_arm[loaded].any():
-        return _of_first_contact(matrix, lever_arm, segments, closing, torque, first_contact)
-    system = touching_system(matrix, lever_arm, loaded)
-    return _with_weak(system, lever_arm, segments, closing, torque)
+    if lever_arm[loaded].any():
+        return _with_weak(touching_system(matrix, lever_arm, loaded), lever_arm, segments, closing, torque)
+    arm = lever_arm[segments]
+    if torque < 0.0 or not segments.size or not arm.max() > 0.0:
+        return None
+    answer = first_contact(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
+    if answer is None or not answer.certificate.passes():
+        return None
+    active = np.zeros(lever_arm.size, dtype=np.bool_)
+    active[segments] = answer.force > 0.0
+    if not active.any():  # without a torque: the first to touch
+        active[segments[arm > 0.0][np.argmin(answer.gap[arm > 0.0])]] = True
+    return touching_system(matrix, lever_arm, active)
 
 
 def _with_weak(
@@ -109,25 +117,3 @@ def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.int
     gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
     diagonal = columns[segments, np.arange(segments.size)]
     return 0.5 * (gap + gap.T), np.maximum(diagonal, np.abs(diagonal - gap.diagonal()))
-
-
-def _of_first_contact(
-    matrix: ComplianceMatrix,
-    lever_arm: Array,
-    segments: NDArray[np.intp],
-    closing: Array,
-    torque: float,
-    first_contact: Callable[[ContactProblem], Answer | None],
-) -> TouchingSystem | None:
-    """The system where nothing carries load yet: a contact problem of the weak segments."""
-    arm = lever_arm[segments]
-    if torque < 0.0 or not segments.size or not arm.max() > 0.0:
-        return None
-    answer = first_contact(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
-    if answer is None or not answer.certificate.passes():
-        return None
-    active = np.zeros(lever_arm.size, dtype=np.bool_)
-    active[segments] = answer.force > 0.0
-    if not active.any():  # without a torque: the first to touch
-        active[segments[arm > 0.0][np.argmin(answer.gap[arm > 0.0])]] = True
-    return touching_system(matrix, lever_arm, active)
