@@ -37,6 +37,7 @@ from .conversion import designed_blanks, given_pair
 from .mistakes import count, mistakes
 from .schema.case_schema import Blank, Case, usual_name
 from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
+from .schema.schema_table import extra_of
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -263,9 +264,7 @@ def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str
         if inner is not None:
             keys += _keys(inner, f"{prefix}{name}.")
         elif _is_number(field):
-            extra = field.json_schema_extra
-            unit = str(extra["unit"]) if isinstance(extra, dict) else "1"
-            keys.append((f"{prefix}{name}", (unit, usual_name(name))))
+            keys.append((f"{prefix}{name}", (extra_of(field, "unit"), usual_name(name))))
     return keys
 
 

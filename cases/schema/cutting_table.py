@@ -36,11 +36,7 @@ class Cutter(Table):
         lt=1e7,
     )
     blade_reference_height: Number = number(
-        "where a circular profile has the pressure angle, above the tip plane",
-        "mm",
-        default=0.0,
-        gt=-50,
-        lt=100,
+        "where a circular profile has the pressure angle, above the tip plane", "mm", default=0.0, gt=-50, lt=100
     )
     tool_edge_radius: Number = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
     toprem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=50)
@@ -102,28 +98,16 @@ class Machine(Table):
     radial_distance: Number | None = number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
     cradle_angle: Number | None = number("positive for both hands", "deg", default=None, ge=-180, le=180)
     horizontal_distance: Number | None = number(
-        "Formate: cutter centre along the root line",
-        "mm",
-        default=None,
-        gt=-5000,
-        lt=5000,
+        "Formate: cutter centre along the root line", "mm", default=None, gt=-5000, lt=5000
     )
     vertical_distance: Number | None = number(
-        "Formate: cutter centre across the root line",
-        "mm",
-        default=None,
-        gt=-5000,
-        lt=5000,
+        "Formate: cutter centre across the root line", "mm", default=None, gt=-5000, lt=5000
     )
     machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
     work_offset: Number = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
     sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
     machine_center_to_crossing_point: Number = number(
-        "machine centre to back, along the work axis",
-        "mm",
-        default=0.0,
-        gt=-1000,
-        lt=1000,
+        "machine centre to back, along the work axis", "mm", default=0.0, gt=-1000, lt=1000
     )
     cutter_tilt: Number = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
     cutter_swivel: Number = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)

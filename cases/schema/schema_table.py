@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
+from pydantic.fields import FieldInfo
 
 from ...core.errors import InputError
 from ..mistakes import count, mistakes
@@ -37,6 +38,11 @@ class Table(BaseModel, metaclass=_Checked):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
 
+#: Keys that every file has.
+Title = Annotated[str, Field(min_length=1, max_length=200, description="one line for lists and plots")]
+Description = Annotated[str, Field(description="where the numbers come from")]
+
+
 class InputFile(Table):
     """A whole case or design file."""
 
@@ -61,9 +67,21 @@ class InputFile(Table):
         return self._name
 
 
-def number(description: str, unit: str, **limits: Any) -> Any:
-    """A key that holds a number: its meaning, its unit and its limits."""
-    return Field(description=f"{description} [{unit}]", json_schema_extra={"unit": unit}, **limits)
+def key(description: str, *, allowed: str = "", unit: str = "", **options: Any) -> Any:
+    """A key: its meaning, and what it allows where neither its type nor its limits say so."""
+    extra: Any = {name: text for name, text in (("allowed", allowed), ("unit", unit)) if text}
+    return Field(description=description, json_schema_extra=extra, **options)
+
+
+def number(description: str, unit: str, **options: Any) -> Any:
+    """A key that holds numbers: its meaning, its unit and its limits."""
+    return key(f"{description} [{unit}]", unit=unit, **options)
+
+
+def extra_of(field: FieldInfo, name: str) -> str:
+    """What ``key`` was given as ``allowed`` or ``unit``; empty if nothing."""
+    extra = field.json_schema_extra
+    return str(extra.get(name, "")) if isinstance(extra, dict) else ""
 
 
 # A whole number of TOML is a number too; true, false and text are none.

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....cases.deflections import Deflections
+from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
 from ....core.attributes import ordered
 from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
@@ -34,9 +34,6 @@ from .composite import Composite
 from .free_setting import SettingSpace, pair_setting
 from .step_programme import LocalModel
 from .trust_region import Merit
-
-#: Fields of ``Misalignment`` by the names of assembly errors.
-ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
 
 
 def sampled_assemblies(
@@ -55,7 +52,7 @@ def sampled_assemblies(
     if count is None:
         return []
     values = sample_values(chosen, count, seed=seed)
-    return [_with_errors(own, {name: drawn[number] for name, drawn in values.items()}) for number in range(count)]
+    return [with_errors(own, {name: float(drawn[number]) for name, drawn in values.items()}) for number in range(count)]
 
 
 def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
@@ -68,27 +65,19 @@ def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distributio
     ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
     if not ends:
         return []
-    return [_with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+    return [with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
 
 
 def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
     """Distributions by error, parsed; raises InputError if an error is unknown."""
     chosen: dict[str, Distribution] = {}
     for name, one in given.items():
-        if name not in ERROR_FIELDS:
+        if name not in SYMBOLS:
             raise InputError(
-                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
+                f"distribution of {name}: must be of one of {', '.join(SYMBOLS)}{suggestion(name, SYMBOLS)}"
             )
         chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
     return chosen
-
-
-def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment:
-    """The assembly with other errors by name [mm, degree]."""
-    fields = {ERROR_FIELDS[name]: float(value) for name, value in errors.items()}
-    if "shaft_angle" in fields:
-        fields["shaft_angle"] = math.radians(fields["shaft_angle"])
-    return replace(own, **fields)
 
 
 def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:

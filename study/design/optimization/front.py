@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....cases.deflections import assembly_columns
 from ....core.attributes import labelled
 from ....core.errors import InputError
 from ...result_layout import GROUPS
@@ -199,7 +200,7 @@ def search_record(
         "limited_value": ("quantity_limit", after_limited),
         "limit_multiplier": ("quantity_limit", outcome.prices.limits),
         "ratio_by_assembly": (("objective", "assembly"), judgement.by_assembly(outcome.point.read)[0]),
-        **_assembly_errors(workshop.assemblies),
+        **assembly_columns(workshop.assemblies),
         **_programmes(start, steps),
     }
     coords = {
@@ -228,16 +229,6 @@ def search_record(
         "edge_contact": int(start.readings[aim.flanks[0], 0].solved.edge_contact),
     }
     return record
-
-
-def _assembly_errors(assemblies: Sequence[Any]) -> dict[str, Any]:
-    names = {
-        "offset_error": "offset",
-        "pinion_axial_error": "pinion_axial",
-        "gear_axial_error": "gear_axial",
-        "shaft_angle_error": "shaft_angle",
-    }
-    return {name: ("assembly", [getattr(one, field) for one in assemblies]) for name, field in names.items()}
 
 
 def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> dict[str, Any]:
