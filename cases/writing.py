@@ -30,14 +30,25 @@ from ..core.regular_file import TOML_SIZE_LIMIT, read_bytes
 from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.machine import MachineSettings
+from ..geometry.cutting.named_settings import MACHINE_STEPS
 from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from ..geometry.pair.gear_pair import MEMBERS, GearPair
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
-from .conversion import designed_blanks, given_pair
+from .conversion import APEX_SUFFIX, designed_blanks, given_pair
 from .mistakes import count, mistakes
 from .schema.case_schema import Blank, Case, usual_name
-from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
-from .schema.schema_table import extra_of
+from .schema.cutting_table import (
+    ANGULAR_MOTIONS,
+    RELIEFS,
+    ROLL_KEYS,
+    Cutter,
+    FlankSettings,
+    Machine,
+    Motions,
+    blade_field,
+    polynomial_derivatives,
+)
+from .schema.schema_table import Table, extra_of
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -134,19 +145,18 @@ def _degrees(value: float) -> float:
     return _rounded(math.degrees(value))
 
 
+def _written(table: type[Table], values: Mapping[str, float | None]) -> dict[str, Any]:
+    """Values of a table by key as they are written: rounded, those in rad in degrees."""
+    units = {key: extra_of(table.model_fields[key], "unit") for key in values}
+    ways = {key: _degrees if unit == "deg" else _rounded for key, unit in units.items()}
+    return {key: None if value is None else ways[key](value) for key, value in values.items()}
+
+
 def blank_table(member: MemberBlank, clearance: float) -> Blank:
     """Axial section of one member of a designed blank."""
-    return Blank(
-        pitch_angle=_degrees(member.pitch_angle),
-        face_angle=_degrees(member.face_angle),
-        root_angle=_degrees(member.root_angle),
-        pitch_apex_beyond_crossing_point=_rounded(member.pitch_apex),
-        face_apex_beyond_crossing_point=_rounded(member.face_apex),
-        root_apex_beyond_crossing_point=_rounded(member.root_apex),
-        outer_cone_distance=_rounded(member.outer_cone_distance),
-        face_width=_rounded(member.face_width),
-        clearance=_rounded(clearance),
-    )
+    keys = [key for key in Blank.model_fields if key not in ("clearance", "front_angle", "back_angle")]
+    values = {key: getattr(member, key.removesuffix(APEX_SUFFIX)) for key in keys}
+    return Blank(**_written(Blank, {**values, "clearance": clearance}))
 
 
 def with_blanks(case: Case) -> Case:
@@ -203,48 +213,29 @@ def machine_table(settings: MachineSettings) -> Machine:
     """Machine settings in mm and degrees, modified roll and motions as derivatives."""
     if len(settings.modified_roll) > len(ROLL_KEYS):
         raise InputError(f"modified_roll = {settings.modified_roll}: must have at most {len(ROLL_KEYS)} orders")
-    roll = {
-        name: _rounded(coefficient * math.factorial(order))
-        for order, (name, coefficient) in enumerate(zip(ROLL_KEYS, settings.modified_roll, strict=False), start=2)
-    }
+    roll = zip(ROLL_KEYS, polynomial_derivatives(settings.modified_roll, 2), strict=False)
     motions = {}
     for name, coefficients in settings.motions:
         unit = math.degrees(1.0) if name in ANGULAR_MOTIONS else 1.0
-        motions[name] = tuple(_rounded(unit * c * math.factorial(n)) for n, c in enumerate(coefficients, start=1))
-    return Machine(
-        radial_distance=_rounded(settings.radial_distance),
-        cradle_angle=_degrees(math.remainder(settings.cradle_angle, 2.0 * math.pi)),
-        machine_root_angle=_degrees(settings.machine_root_angle),
-        work_offset=_rounded(settings.work_offset),
-        sliding_base=_rounded(settings.sliding_base),
-        machine_center_to_crossing_point=_rounded(settings.machine_center_to_crossing_point),
-        cutter_tilt=_degrees(settings.cutter_tilt),
-        cutter_swivel=_degrees(settings.cutter_swivel),
-        ratio_of_roll=None if settings.ratio_of_roll is None else _rounded(settings.ratio_of_roll),
-        **roll,
-        motions=Motions(**motions),
-    )
+        motions[name] = tuple(map(_rounded, polynomial_derivatives(coefficients, unit=unit)))
+    values = {name: getattr(settings, name) for name in MACHINE_STEPS} | dict(roll)
+    values["cradle_angle"] = math.remainder(settings.cradle_angle, 2.0 * math.pi)
+    return Machine(**_written(Machine, values), motions=Motions(**motions))
 
 
 def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
     """A blade in mm and degrees."""
     reliefs: dict[str, Any] = {}
-    for name, relief in (("toprem", blade.toprem), ("flankrem", blade.flankrem)):
-        if relief is not None:
+    for name in RELIEFS:
+        if (relief := getattr(blade, name)) is not None:
             reliefs[f"{name}_depth"], reliefs[f"{name}_angle"] = _rounded(relief.height), _degrees(relief.angle)
             reliefs[f"{name}_radius"] = relief.radius
-    return Cutter(
-        blade_point_radius=_rounded(blade.point_radius),
-        blade_pressure_angle=_degrees(blade.pressure_angle),
-        number_of_blade_groups=number_of_blade_groups,
-        blade_offset_angle=_degrees(blade.offset_angle),
-        blade_rake_angle=_degrees(blade.rake_angle),
-        blade_hook_angle=_degrees(blade.hook_angle),
-        blade_spheric_radius=blade.spheric_radius,
-        blade_reference_height=0.0 if blade.spheric_radius is None else _rounded(blade.reference_height),
-        tool_edge_radius=_rounded(blade.edge_radius),
-        **reliefs,
-    )
+    keys = [key for key in Cutter.model_fields if blade_field(key) != key]
+    values = _written(Cutter, {key: getattr(blade, blade_field(key)) for key in keys})
+    values["blade_spheric_radius"] = blade.spheric_radius
+    if blade.spheric_radius is None:
+        values["blade_reference_height"] = 0.0
+    return Cutter(**values, number_of_blade_groups=number_of_blade_groups, **reliefs)
 
 
 def numeric_keys() -> dict[str, tuple[str, str]]:

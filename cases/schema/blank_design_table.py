@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 
 from pydantic import model_validator
 
-from .schema_table import Integer, Number, Table, extra_of, key, number
+from .schema_table import Integer, Number, Table, key, number
 
 
 class BlankDesignTable(Table):
@@ -95,8 +95,3 @@ class BlankDesignTable(Table):
         angle = self.pinion_mean_spiral_angle if self.method == 1 else self.gear_mean_spiral_angle
         assert angle is not None  # the validator sees to it
         return angle
-
-    @classmethod
-    def angles(cls) -> frozenset[str]:
-        """Keys that hold degrees."""
-        return frozenset(name for name, field in cls.model_fields.items() if extra_of(field, "unit") == "deg")

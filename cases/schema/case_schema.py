@@ -14,7 +14,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
@@ -30,6 +30,9 @@ from .load_case_table import LoadCases, named_load_cases
 from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
+
+if TYPE_CHECKING:
+    from ...geometry.pair.gear_pair import FlankName
 
 INCH = 25.4  # [mm]
 #: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
@@ -101,6 +104,7 @@ def motion_name(key: str) -> str:
     return MOTION_NAMES.get(key, f"motion of {usual_name(key)}")
 
 
+Side = Literal["concave", "convex"]
 DEFLECTION_ROW_COUNT_LIMIT = 1000
 
 
@@ -388,6 +392,9 @@ def _given_flanks(member: MemberTable) -> list[str]:
     return [side for side in ("concave", "convex") if getattr(member, side) is not None]
 
 
+#: Side of the pinion and of the gear by the flanks in mesh.
+MATING_SIDES: Mapping[FlankName, tuple[Side, Side]] = {"drive": ("concave", "convex"), "coast": ("convex", "concave")}
+
 FlankOfMember = Literal["pinion concave", "pinion convex", "gear concave", "gear convex"]
 
 
@@ -439,6 +446,15 @@ class Case(InputFile):
                     f"{name} = {shown(dict(value))}: must be a table, not a dict; copy it too: case.{change}"
                 )
         return super().model_copy(update=update, deep=deep)
+
+    @property
+    def flanks(self) -> tuple[FlankName, ...]:
+        """Flanks in mesh that both members have."""
+        return tuple(
+            flank
+            for flank, (pinion, gear) in MATING_SIDES.items()
+            if getattr(self.pinion, pinion) is not None and getattr(self.gear, gear) is not None
+        )
 
     def _summary_rows(self) -> list[tuple[str, str]]:
         """The case in a few lines: names and words."""
@@ -516,9 +532,7 @@ class Case(InputFile):
 
     @model_validator(mode="after")
     def _has_a_pair_of_flanks(self) -> Self:
-        drive = self.pinion.concave is not None and self.gear.convex is not None
-        coast = self.pinion.convex is not None and self.gear.concave is not None
-        if not (drive or coast):
+        if not self.flanks:
             raise ValueError(
                 "no flanks to mesh: give [pinion.concave] and [gear.convex] for the drive side, or [pinion.convex] and "
                 "[gear.concave] for the coast side"

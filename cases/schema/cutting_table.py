@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -10,8 +12,24 @@ from .schema_table import Integer, Number, Table, number
 
 #: Keys of the modified roll, from the second derivative of the work rotation on.
 ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
+RELIEFS = ("toprem", "flankrem")
 #: Moving settings that are angles.
 ANGULAR_MOTIONS = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
+
+
+def polynomial(derivatives: Iterable[float], first: int = 1, unit: float = 1.0) -> tuple[float, ...]:
+    """Coefficients of a polynomial from its derivatives at zero, of the order ``first`` and the next, in a unit."""
+    return tuple(unit * value / math.factorial(order) for order, value in enumerate(derivatives, start=first))
+
+
+def polynomial_derivatives(coefficients: Iterable[float], first: int = 1, unit: float = 1.0) -> tuple[float, ...]:
+    """The inverse of ``polynomial``."""
+    return tuple(unit * value * math.factorial(order) for order, value in enumerate(coefficients, start=first))
+
+
+def blade_field(key: str) -> str:
+    """Field of ``Blade`` that is a key of a cutter: the key without its prefix."""
+    return key.removeprefix("blade_").removeprefix("tool_")
 
 
 class Cutter(Table):
@@ -58,7 +76,7 @@ class Cutter(Table):
 
     @model_validator(mode="after")
     def _reliefs_begin_somewhere(self) -> Self:
-        for name in ("toprem", "flankrem"):
+        for name in RELIEFS:
             if getattr(self, f"{name}_depth") is None and (
                 getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
             ):

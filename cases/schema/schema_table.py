@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -82,6 +83,12 @@ def extra_of(field: FieldInfo, name: str) -> str:
     """What ``key`` was given as ``allowed`` or ``unit``; empty if nothing."""
     extra = field.json_schema_extra
     return str(extra.get(name, "")) if isinstance(extra, dict) else ""
+
+
+def in_radians(table: Table) -> dict[str, Any]:
+    """Values of a table by key, those in degrees in rad."""
+    units = {name: extra_of(field, "unit") for name, field in type(table).model_fields.items()}
+    return {name: math.radians(value) if units[name] == "deg" and value is not None else value for name, value in table}
 
 
 # A whole number of TOML is a number too; true, false and text are none.

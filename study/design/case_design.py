@@ -13,9 +13,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.conversion import blank_design, ease_off_target, gear_pair, misalignment, setting_limits, standard_steps
+from ...cases.conversion import (
+    blank_design,
+    case_assembly,
+    ease_off_target,
+    gear_pair,
+    misalignment,
+    setting_limits,
+    standard_steps,
+)
 from ...cases.deflections import misalignment_at
-from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
+from ...cases.schema.case_schema import MATING_SIDES, Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
 from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.checks import instance
@@ -27,7 +35,6 @@ from ...geometry.design.pair_design import (
 )
 from ...geometry.design.synthesis import Synthesis, fit_pinion
 from ...geometry.flanks.flank import solve_flank
-from ...geometry.pair.assembly import Assembly
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import Modification
@@ -74,17 +81,10 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     instance("design", design, Design)
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
     basic_data = blank_design(design.blank_design, teeth, design.pair)
-    assembly = Assembly(
-        *teeth,
-        design.pinion.hand_of_spiral,
-        basic_data.shaft_angle,
-        basic_data.hypoid_offset,
-        misalignment_at(misalignment(design.misalignment), 0.0, "drive"),
-    )
     try:
         designed = design_pair(
             basic_data,
-            assembly,
+            case_assembly(design, misalignment_at(misalignment(design.misalignment), 0.0, "drive")),
             {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
             method=design.pinion.method,
             limits=setting_limits(design.pinion.limits),
@@ -177,7 +177,7 @@ def fit_modification(
     """
     pair = gear_pair(case, flank)
     fit = fit_pinion(pair, _Wanted(pair, modification), free=free)
-    side = "concave" if flank == "drive" else "convex"
+    side, _ = MATING_SIDES[flank]
     settings = flank_settings(fit.surface, case.pinion.number_of_teeth)
     return (
         case.model_copy(

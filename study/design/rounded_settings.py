@@ -10,7 +10,7 @@ import numpy as np
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
-from ...cases.schema.cutting_table import FlankSettings
+from ...cases.schema.cutting_table import FlankSettings, blade_field
 from ...core.checks import array, instance
 from ...core.errors import GeometryError
 from ...geometry.cutting.named_settings import (
@@ -92,12 +92,7 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
     """
     instance("case", case, Case)
     instance("rounded", rounded, Case)
-    pinion, gear = case.pinion, case.gear
-    flanks: dict[FlankName, tuple[FlankSettings | None, ...]] = {
-        "drive": (pinion.concave, gear.convex),
-        "coast": (pinion.convex, gear.concave),
-    }
-    return {side: _change(case, rounded, side) for side, both in flanks.items() if None not in both}
+    return {flank: _change(case, rounded, flank) for flank in case.flanks}
 
 
 def _change(case: Case, rounded: Case, side: FlankName) -> float:
@@ -133,7 +128,7 @@ def _flank(
         for key, values in settings.machine.motions
     }
     machine["motions"] = settings.machine.motions.model_copy(update=motions)
-    cutter = {key: rounded(value, _cutter_name(key)) for key, value in settings.cutter}
+    cutter = {key: rounded(value, blade_field(key)) for key, value in settings.cutter}
     return settings.model_copy(
         update={
             "machine": settings.machine.model_copy(update=machine),
@@ -144,9 +139,4 @@ def _flank(
 
 def step_of_key(resolution: MachineResolution, table: str, key: str) -> float | None:
     """Step of a key of the tables ``machine``, ``motions`` or ``cutter``; ``None`` where it is not rounded."""
-    return step_of(f"{key}_motion_1" if table == "motions" else _cutter_name(key), resolution)
-
-
-def _cutter_name(key: str) -> str:
-    """Name of a key of a cutter without its prefix."""
-    return key.removeprefix("blade_").removeprefix("tool_")
+    return step_of(f"{key}_motion_1" if table == "motions" else blade_field(key), resolution)
