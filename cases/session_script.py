@@ -97,12 +97,7 @@ MENU_KEYWORDS: dict[str, frozenset[str]] = {
     ),
     "CUTTER": frozenset({"TYPE", "RHO"}).union(
         *BLADE_KEYWORDS,
-        (
-            f"{name.upper()}_{what}"
-            for name in RELIEFS
-            for kind in RELIEF_KEYWORDS.values()
-            for what in ("OPTION", *kind)
-        ),
+        (f"{name.upper()}_{word}" for name in RELIEFS for word in {"OPTION"}.union(*RELIEF_KEYWORDS.values())),
     ),
 }
 

@@ -24,7 +24,7 @@ from ...geometry.pair.assembly import Misalignment
 from ..deflections import ERRORS, SYMBOLS, Deflections
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
-from .cutting_table import FlankSettings
+from .cutting_table import ROLL_KEYS, FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
 from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
@@ -58,32 +58,16 @@ USUAL_NAMES: Mapping[str, str] = {
     "cradle_angle": "basic cradle angle",
     "horizontal_distance": "horizontal setting",
     "vertical_distance": "vertical setting",
-    "machine_root_angle": "machine root angle",
     "work_offset": "blank offset",
-    "sliding_base": "sliding base",
     "machine_center_to_crossing_point": "machine centre to back",
     "cutter_tilt": "tilt",
     "cutter_swivel": "swivel",
-    "ratio_of_roll": "ratio of roll",
-    "modified_roll_2c": "modified roll 2C",
-    "modified_roll_6d": "modified roll 6D",
-    "modified_roll_24e": "modified roll 24E",
-    "modified_roll_120f": "modified roll 120F",
-    "modified_roll_720g": "modified roll 720G",
+    **{key: f"modified roll {key.rpartition('_')[2].upper()}" for key in ROLL_KEYS},
     "blade_point_radius": "cutter point radius",
     "blade_pressure_angle": "blade angle",
-    "blade_offset_angle": "blade offset angle",
-    "blade_rake_angle": "blade rake angle",
-    "blade_hook_angle": "blade hook angle",
     "blade_spheric_radius": "profile radius",
     "blade_reference_height": "reference height",
     "tool_edge_radius": "edge radius",
-    "toprem_depth": "toprem depth",
-    "toprem_angle": "toprem angle",
-    "toprem_radius": "toprem radius",
-    "flankrem_depth": "flankrem depth",
-    "flankrem_angle": "flankrem angle",
-    "flankrem_radius": "flankrem radius",
     "number_of_blade_groups": "blade groups",
 }
 #: Names of the motions that have one.

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
@@ -22,6 +23,8 @@ from ...geometry.cutting.named_settings import (
 )
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
+
+Array = NDArray[np.float64]
 
 EFFECT_NODES = (15, 11)
 FLANKS = ("concave", "convex")
@@ -107,8 +110,12 @@ def _change(case: Case, rounded: Case, side: FlankName) -> float:
     if not np.any(known):
         raise GeometryError(f"{side}: with rounded settings pinion and gear do not meet: take a finer resolution")
     lever = before.lever_arm[known]
-    change = (after.angle - before.angle)[known] * lever
-    return float(np.abs(change - lever * float(lever @ change) / float(lever @ lever)).max())
+    return float(np.abs(without_rotation((after.angle - before.angle)[known] * lever, lever)).max())
+
+
+def without_rotation(change: Array, lever_arm: Array) -> Array:
+    """Change of an ease-off (n) less that by the rotation of the gear which leaves the least."""
+    return np.asarray(change - lever_arm * float(lever_arm @ change) / float(lever_arm @ lever_arm))
 
 
 def _flank(

@@ -27,7 +27,7 @@ from ...analysis.contact_analysis import case_torques
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...progress import shows_progress, told
 from ...sweep.axis import Distribution
-from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit, Reference
+from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
 from .analysed_settings import (
     AnalysedSettings,
     Workshop,
@@ -188,10 +188,10 @@ def optimize(
     searching = SettingSearch(
         workshop, readings, steps=steps, tolerance=tolerance, progress=told(progress), stage=stage
     )
-    judgement = Judgement(aim, _references(searching, aim))
+    judgement = Judgement(aim, aim.references(searching.begun(Judgement(aim, ())).read))
     start = searching.begun(judgement)
     if resume is not None:
-        require_same_search(resume, _names(start, aim), front=form == "pareto")
+        require_same_search(resume, start, aim)
     if form == "pareto":
         optima = front(searching, judgement, count, [] if resume is None else front_points(resume))
         chosen = best_of(optima)
@@ -280,24 +280,6 @@ def _assemblies(
     drawn = sampled_assemblies(case_assembly, spread, samples, seed)
     corners = corner_assemblies(case_assembly, spread) if form == "worst" else []
     return [case_assembly, *given, *corners, *drawn], len(drawn)
-
-
-def _references(searching: SettingSearch, aim: Aim) -> list[Reference]:
-    begun = searching.begun(Judgement(aim, ()))
-    return aim.references(begun.read)
-
-
-def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
-    """Names that a search to be resumed must share."""
-    free = start.workshop.space.free
-    return xr.Dataset(
-        {"setting_start": ("setting", [one.start for one in free])},
-        coords={
-            "setting": ("setting", [one.name for one in free]),
-            "objective": ("objective", [one.quantity.text for one in aim.objectives]),
-            "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
-        },
-    )
 
 
 def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
