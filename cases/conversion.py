@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
 from ..contact.compliance.elastic_model import ElasticModel
@@ -145,7 +145,7 @@ def generating_surface(
     """Generating surface of one flank; the concave one is cut by an outside blade."""
     cutter = in_radians(settings.cutter)
     groups = cutter.pop("number_of_blade_groups")
-    reliefs = {}
+    reliefs: dict[str, Any] = {}
     for name in RELIEFS:
         depth, angle, radius = (cutter.pop(f"{name}_{what}") for what in ("depth", "angle", "radius"))
         reliefs[name] = None if depth is None else Relief(depth, angle, radius)

@@ -35,7 +35,7 @@ from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from ..geometry.pair.gear_pair import MEMBERS, GearPair
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from .conversion import APEX_SUFFIX, designed_blanks, given_pair
-from .mistakes import count, mistakes
+from .mistakes import refusal
 from .schema.case_schema import Blank, Case, usual_name
 from .schema.cutting_table import (
     ANGULAR_MOTIONS,
@@ -300,7 +300,7 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
     try:
         new_case = Case.model_validate(data, context=context)
     except ValidationError as error:
-        raise InputError(f"the changed case has {count(error)}:\n{mistakes(Case, error)}") from error
+        raise refusal("the changed case", Case, error) from error
     if new_case.blank_design is not None:
         try:
             designed_blanks(

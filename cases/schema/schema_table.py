@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
 
 from ...core.errors import InputError
-from ..mistakes import count, mistakes
+from ..mistakes import refusal
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -30,7 +30,7 @@ class _Checked(ModelMetaclass):
             try:
                 return super().__call__(**named)
             except ValidationError as error:
-                raise InputError(f"{cls.__name__} has {count(error)}:\n{mistakes(cls, error)}") from error
+                raise refusal(cls.__name__, cls, error) from error
 
 
 class Table(BaseModel, metaclass=_Checked):

@@ -352,7 +352,7 @@ class AnalysedSettings:
         settings = self.settings + step
         for _ in range(CORRECTION_COUNT):
             case = workshop.space.case_at(self._values(settings))
-            settings = self._bounded(settings + self._correction(case, step))
+            settings = np.clip(settings + self._correction(case, step), *self._room(workshop.space.start))
         values = self._values(settings)
         case = workshop.space.case_at(values)
         workshop.require_whole_teeth(case)
@@ -370,10 +370,11 @@ class AnalysedSettings:
     def _values(self, settings: Array) -> Array:
         return np.asarray(self.workshop.space.start + self.workshop.units * settings)
 
-    def _bounded(self, settings: Array) -> Array:
-        space, units = self.workshop.space, self.workshop.units
-        low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
-        return np.clip(settings, (low - space.start) / units, (high - space.start) / units)
+    def _room(self, values: Array) -> tuple[Array, Array]:
+        """Least and greatest change (n) of values (n) within the limits, in units of the settings."""
+        free, units = self.workshop.space.free, self.workshop.units
+        low, high = (np.array([getattr(one, end) for one in free]) for end in ("low", "high"))
+        return (low - values) / units, (high - values) / units
 
     def _correction(self, case: Case, step: Array) -> Array:
         """Change of the settings (n) that takes ease-off and root line of a case to those that a step promises."""
@@ -396,9 +397,6 @@ class AnalysedSettings:
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
         ratios, limits = self.judgement.composites(partial(self._modelled, radius))
-        free, units = self.workshop.space.free, self.workshop.units
-        low = np.array([one.low for one in free])
-        high = np.array([one.high for one in free])
         reach = np.concatenate([form.slopes for form in self.forms.values()])
-        rounding = 0.5 * self.workshop.space.steps / units
-        return LocalModel(ratios, limits, reach, (low - self.values) / units, (high - self.values) / units, rounding)
+        rounding = 0.5 * self.workshop.space.steps / self.workshop.units
+        return LocalModel(ratios, limits, reach, *self._room(self.values), rounding)
