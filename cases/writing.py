@@ -13,11 +13,10 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any
 
 import tomli_w
 from pydantic import BaseModel, ValidationError
@@ -48,7 +47,7 @@ from .schema.cutting_table import (
     blade_field,
     polynomial_derivatives,
 )
-from .schema.schema_table import Table, extra_of
+from .schema.schema_table import Table, extra_of, inner_table, kinds
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -238,39 +237,25 @@ def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
     return Cutter(**values, number_of_blade_groups=number_of_blade_groups, **reliefs)
 
 
-def numeric_keys() -> dict[str, tuple[str, str]]:
+@cache
+def numeric_keys() -> Mapping[str, tuple[str, str]]:
     """Unit and usual name of every number of a case file by its dotted key."""
-    return dict(_every_key())
+    return {key: (extra_of(field, "unit"), usual_name(key.rpartition(".")[2])) for key, field in _numbers().items()}
 
 
 @cache
-def _every_key() -> list[tuple[str, tuple[str, str]]]:
-    return _keys(Case, "")
+def _numbers() -> Mapping[str, FieldInfo]:
+    """Fields of the numbers of a case file by their dotted keys."""
+    return dict(_numbers_of(Case, ""))
 
 
-def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str]]]:
-    keys: list[tuple[str, tuple[str, str]]] = []
+def _numbers_of(table: type[BaseModel], prefix: str) -> Iterator[tuple[str, FieldInfo]]:
     for name, field in table.model_fields.items():
-        inner = _table(field)
+        inner, options = inner_table(field.annotation), kinds(field.annotation)
         if inner is not None:
-            keys += _keys(inner, f"{prefix}{name}.")
-        elif _is_number(field):
-            keys.append((f"{prefix}{name}", (extra_of(field, "unit"), usual_name(name))))
-    return keys
-
-
-def _kinds(field: FieldInfo) -> tuple[Any, ...]:
-    """The types that a field may have."""
-    united = get_origin(field.annotation) in (Union, UnionType)
-    return get_args(field.annotation) if united else (field.annotation,)
-
-
-def _table(field: FieldInfo) -> type[BaseModel] | None:
-    return next((kind for kind in _kinds(field) if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
-
-
-def _is_number(field: FieldInfo) -> bool:
-    return any(kind in (int, float) for kind in _kinds(field)) and str not in _kinds(field)
+            yield from _numbers_of(inner, f"{prefix}{name}.")
+        elif str not in options and any(kind in (int, float) for kind in options):
+            yield f"{prefix}{name}", field
 
 
 def require_numeric_key(key: str) -> tuple[str, str]:
@@ -294,7 +279,8 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
                     raise InputError(f"{key}: the case has no table [{'.'.join(tables[:depth])}]")
                 inner[table] = {}
             inner = inner[table]
-        inner[name] = int(value) if float(value).is_integer() and _wants_whole(key) else float(value)
+        is_whole = float(value).is_integer() and int in kinds(_numbers()[key].annotation)
+        inner[name] = int(value) if is_whole else float(value)
     friction = case.friction
     context = None if friction is None else {"folder": friction._folder, "allow_outside": friction._allow_outside}
     try:
@@ -309,13 +295,3 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
         except EaseoffError as error:
             raise type(error)(f"the changed case: {error}") from error
     return new_case
-
-
-def _wants_whole(key: str) -> bool:
-    table: type[BaseModel] = Case
-    *tables, name = key.split(".")
-    for one in tables:
-        inner = _table(table.model_fields[one])
-        assert inner is not None  # ``require_numeric_key`` found it
-        table = inner
-    return int in _kinds(table.model_fields[name])

@@ -19,7 +19,6 @@ from easeoff.study.compare import compare
 from easeoff.study.compare.attempt import (
     FACTOR_STEP,
     STARTING_SOLVERS,
-    TOLERANCE_NAMES,
     UNMEASURED_FACTOR,
     Attempt,
     Method,
@@ -188,14 +187,15 @@ def test_start_of_the_lifted_form_has_its_modal_amplitudes() -> None:
 def test_sweep_gives_a_solver_its_tolerance_by_its_own_names(name: str) -> None:
     adapter = load_adapter(installed(name))
     swept = list(methods_of(name, choice(tolerances=(1e-2, 1e-8))))[-2:]
-    if name not in TOLERANCE_NAMES:
+    names = SOLVERS[name].tolerance_settings
+    if not names:
         assert [method.settings for method in swept] != ["sweep", "sweep"]
         return
     assert [method.tolerance for method in swept] == [1e-2, 1e-8]
     table = SOLVERS[name].settings
     for method in swept:
         given = method.keywords(LIMIT)
-        assert {given[key] for key in TOLERANCE_NAMES[name]} == {method.tolerance}
+        assert {given[key] for key in names} == {method.tolerance}
         assert set(given) >= set(table)
         found = attempt(next(problems("realistic", 1, seed=4)), method, adapter, LIMIT)
         assert found.claim != "raised", found.message

@@ -11,8 +11,7 @@ import json
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from types import UnionType
-from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
@@ -25,7 +24,7 @@ from ..reading import CASE, DESIGN, SUPPORT
 from .case_schema import Case
 from .design_schema import Design
 from .load_case_table import LoadCase
-from .schema_table import extra_of
+from .schema_table import extra_of, inner_table
 from .supports_table import SupportFile
 
 #: Choices of keys that friction offers, which the schema does not load.
@@ -40,9 +39,8 @@ SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 
 
 def sub_table(annotation: Any) -> bool:
-    """True if a key opens a table of its own."""
-    options = get_args(annotation) if get_origin(annotation) in (Union, UnionType, tuple) else (annotation,)
-    return any(isinstance(option, type) and issubclass(option, BaseModel) for option in options)
+    """True if a key opens a table of its own, or a list of them."""
+    return inner_table(annotation, listed=True) is not None
 
 
 def described(field: FieldInfo) -> tuple[str, str]:
@@ -126,7 +124,7 @@ class _Writer:
         if head and lines:
             lines = ["", ("" if values is not None else "#") + head, *lines]
         for name, field in model.model_fields.items():
-            inner = inner_model(field.annotation)
+            inner = inner_table(field.annotation, listed=True)
             if inner is None or name in IN_LINE:
                 continue
             below = f"{path}.{name}" if path else name
@@ -149,7 +147,7 @@ class _Writer:
         if known is None:
             self.described[model] = path
         for name, field in model.model_fields.items():
-            inner = inner_model(field.annotation)
+            inner = inner_table(field.annotation, listed=True)
             if inner is not None and name not in IN_LINE:
                 continue
             given = values is not None and name in values
@@ -167,14 +165,6 @@ class _Writer:
         if known is not None and (lines or any(not sub_table(one.annotation) for one in model.model_fields.values())):
             lines.append(f"# further keys as in [{known}]")
         return lines
-
-
-def inner_model(annotation: Any) -> type[BaseModel] | None:
-    """The table that a key opens, alone or as a list; ``None`` if it holds a value."""
-    if not sub_table(annotation):
-        return None
-    options = (annotation, *get_args(annotation))
-    return next(each for each in options if isinstance(each, type) and issubclass(each, BaseModel))
 
 
 def is_list(annotation: Any) -> bool:

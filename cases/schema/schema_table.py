@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Self, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
@@ -83,6 +84,18 @@ def extra_of(field: FieldInfo, name: str) -> str:
     """What ``key`` was given as ``allowed`` or ``unit``; empty if nothing."""
     extra = field.json_schema_extra
     return str(extra.get(name, "")) if isinstance(extra, dict) else ""
+
+
+def kinds(annotation: Any, *, listed: bool = False) -> tuple[Any, ...]:
+    """Types that a value of a key may have, or if ``listed`` an entry of its list."""
+    several = (Union, UnionType, tuple) if listed else (Union, UnionType)
+    return get_args(annotation) if get_origin(annotation) in several else (annotation,)
+
+
+def inner_table(annotation: Any, *, listed: bool = False) -> type[BaseModel] | None:
+    """The table that a key opens, or if ``listed`` a list of them, too; ``None`` if it holds a value."""
+    options = kinds(annotation, listed=listed)
+    return next((kind for kind in options if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
 
 def in_radians(table: Table) -> dict[str, Any]:

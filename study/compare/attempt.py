@@ -23,7 +23,6 @@ from __future__ import annotations
 import hashlib
 import importlib
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -54,12 +53,8 @@ HEADLINE, POLISHED, RAW, SWEEP = SETTINGS
 #: Starts of a solver.
 COLD, WARM = "cold", "warm"
 
-#: What a solver calls the tolerances that a sweep sets all alike; one that is not listed has none.
-TOLERANCE_NAMES = {name: entry.tolerance_settings for name, entry in SOLVERS.items() if entry.tolerance_settings}
 #: What a sweep calls the tolerance of a function of one's own.
 OWN_TOLERANCE_NAME = "tolerance"
-#: Smallest tolerance that a solver takes.
-LEAST_TOLERANCE = {name: entry.least_tolerance for name, entry in SOLVERS.items() if entry.least_tolerance}
 #: Solvers whose answers or iterations change with the start they are given. The others ignore it, or have none:
 #: a warm start of theirs would measure noise.
 STARTING_SOLVERS = tuple(name for name, entry in SOLVERS.items() if entry.warm_start)
@@ -79,19 +74,18 @@ class Method:
         if self.solver not in SOLVERS:
             keywords = {"time_limit": time_limit}
             return {**keywords, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else keywords
-        table: Mapping[str, Any] = SOLVERS[self.solver].settings
-        key = SOLVERS[self.solver].time_setting
-        limits = {key: time_limit} if key in table else {}
+        entry = SOLVERS[self.solver]
+        limits = {entry.time_setting: time_limit} if entry.time_setting in entry.settings else {}
         if self.settings == RAW:
             return limits
-        least = max(self.tolerance, LEAST_TOLERANCE.get(self.solver, 0.0))
-        swept = dict.fromkeys(TOLERANCE_NAMES[self.solver], least) if self.tolerance else {}
-        return {**table, **limits, **swept}
+        least = max(self.tolerance, entry.least_tolerance)
+        swept = dict.fromkeys(entry.tolerance_settings, least) if self.tolerance else {}
+        return {**entry.settings, **limits, **swept}
 
 
 def has_tolerance(solver: str) -> bool:
     """True if a sweep of tolerances changes anything for a solver."""
-    return solver in TOLERANCE_NAMES or solver not in SOLVERS
+    return solver not in SOLVERS or bool(SOLVERS[solver].tolerance_settings)
 
 
 def polishes_itself(solver: str) -> bool:

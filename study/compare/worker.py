@@ -269,11 +269,11 @@ def find_module(module: str) -> ModuleSpec | None:
     return specification
 
 
-def _version(package: str, missing: str = "unknown") -> str:
+def _version(package: str) -> str:
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
-        return missing
+        return "unknown"
 
 
 def _code_digest() -> str:
