@@ -214,6 +214,11 @@ class MemberTable(Table):
     convex: FlankSettings | None = None
     material: Steel = Steel()
 
+    @property
+    def sides(self) -> list[str]:
+        """Names of the flanks that it has."""
+        return [side for side in ("concave", "convex") if getattr(self, side) is not None]
+
     @model_validator(mode="after")
     def _one_thickness(self) -> Self:
         if self.mean_normal_circular_thickness is not None and self.mid_flank_normal_circular_thickness is not None:
@@ -371,11 +376,6 @@ class TargetsTable(Table):
     coast: TargetTable | None = None
 
 
-def _given_flanks(member: MemberTable) -> list[str]:
-    """Names of the flanks that a member has."""
-    return [side for side in ("concave", "convex") if getattr(member, side) is not None]
-
-
 #: Side of the pinion and of the gear by the flanks in mesh.
 MATING_SIDES: Mapping[FlankName, tuple[Side, Side]] = {"drive": ("concave", "convex"), "coast": ("convex", "concave")}
 
@@ -437,7 +437,7 @@ class Case(InputFile):
         return tuple(
             flank
             for flank, (pinion, gear) in MATING_SIDES.items()
-            if getattr(self.pinion, pinion) is not None and getattr(self.gear, gear) is not None
+            if pinion in self.pinion.sides and gear in self.gear.sides
         )
 
     def _summary_rows(self) -> list[tuple[str, str]]:
@@ -448,7 +448,7 @@ class Case(InputFile):
             ("pinion", f"{self.pinion.hand_of_spiral}-hand"),
             ("hypoid offset", f"{self.pair.hypoid_offset:g} mm"),
             ("shaft angle", f"{self.pair.shaft_angle:g} °"),
-            *((f"flanks of the {name}", ", ".join(_given_flanks(member))) for name, member in members),
+            *((f"flanks of the {name}", ", ".join(member.sides)) for name, member in members),
             ("torques", f"{', '.join(f'{torque:g}' for torque in self.contact.torques)} N m at the pinion"),
             ("mesh positions", f"{self.contact.mesh_positions}"),
             ("elastic teeth", self.compliance.model),

@@ -279,41 +279,41 @@ def load_adapter(solver: str) -> Adapter | Solver | None:
     return declared
 
 
-def attempt(
-    problem: ContactProblem,
-    method: Method,
-    adapter: Adapter | Solver | None,
-    time_limit: float,
-    start: NDArray[np.float64] | None = None,
-) -> Attempt:
-    """Let a solver try a problem, rebuilt so that nothing found before is reused; limit [s], start forces (n) [N]."""
-    fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One attempt that a solver is asked for, with a time limit [s] and forces (n) [N] to start from, if any."""
+
+    problem: ContactProblem
+    method: Method
+    time_limit: float
+    start: NDArray[np.float64] | None = None
+
+
+def attempt(request: Request, adapter: Adapter | Solver | None) -> Attempt:
+    """Let a solver try a problem, rebuilt so that nothing found before is reused."""
+    given = request.problem
+    fresh = ContactProblem(given.separation, given.lever_arm, given.torque, given.compliance)
     begin, processor = perf_counter(), process_time()
     solution: ContactSolution | None
     refused = ""
     if adapter is None:
-        solution = solve(fresh, "native", initial_active=None if start is None else start > 0.0)
+        solution = solve(fresh, "native", initial_active=None if request.start is None else request.start > 0.0)
     else:
-        solution, refused = _backend_solution(fresh, method, adapter, time_limit, start)
+        solution, refused = _backend_solution(replace(request, problem=fresh), adapter)
     # One clock for all: what a solution says of its own run time may come from a function of the user's.
     run_time, processor_time = perf_counter() - begin, process_time() - processor
     outcome = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
     if solution is not None:
-        residual = posed_residual(fresh, solution.answer, raw=method.settings == RAW)
+        residual = posed_residual(fresh, solution.answer, raw=request.method.settings == RAW)
         outcome = replace(outcome, posed_residual=residual)
     return replace(outcome, run_time=run_time, processor_time=processor_time)
 
 
-def _backend_solution(
-    problem: ContactProblem,
-    method: Method,
-    adapter: Adapter | Solver,
-    time_limit: float,
-    start: NDArray[np.float64] | None,
-) -> tuple[ContactSolution | None, str]:
+def _backend_solution(request: Request, adapter: Adapter | Solver) -> tuple[ContactSolution | None, str]:
     """Solution of a backend; or none, and why it refused its settings."""
+    problem, method, start = request.problem, request.method, request.start
     raw = method.settings == RAW
-    keywords = method.keywords(time_limit)
+    keywords = method.keywords(request.time_limit)
     if isinstance(adapter, Solver):
         keywords = {key: value for key, value in keywords.items() if adapter.takes(key)}
     if start is not None:

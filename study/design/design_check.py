@@ -448,7 +448,8 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
         off_root = off_the_root("pinion", item.root_gap, clearance, f"; {advice}")
         warnings += [f"{side}: {text}" for text in off_root]
-    unfinished = _unfinished(design, designed)
+    messages = unfinished_teeth(designed.pair(), design.compliance.model)
+    unfinished = [text + _advice(design, designed, name) for name, text in messages]
     spaces = _spaces(design, designed)
     warnings += [
         *narrow_top_lands(designed.pair(), designed.blank.mean_normal_module),
@@ -475,12 +476,6 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
     except GeometryError:
         return None
-
-
-def _unfinished(design: Design, designed: PairDesign) -> list[str]:
-    """Warnings of members without a whole tooth, which the shell alone can do without."""
-    messages = unfinished_teeth(designed.pair(), design.compliance.model)
-    return [text + _advice(design, designed, name) for name, text in messages]
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:

@@ -63,9 +63,7 @@ def rounded_case(
         instance(f"{name}_limits", given, Mapping | None)
         entries = (given or {}).items()
         limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in entries}
-        flanks = {
-            side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
-        }
+        flanks = {side: _flank(getattr(member, side), steps, limits) for side in member.sides}
         members[name] = member.model_copy(update=flanks)
     return case.model_copy(update=members)
 
