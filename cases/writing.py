@@ -35,6 +35,7 @@ from ..geometry.pair.gear_pair import MEMBERS, GearPair
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from .conversion import APEX_SUFFIX, designed_blanks, given_pair
 from .mistakes import refusal
+from .reading import MEAN, MID_FLANK
 from .schema.case_schema import Blank, Case, usual_name
 from .schema.cutting_table import (
     ANGULAR_MOTIONS,
@@ -164,13 +165,7 @@ def with_blanks(case: Case) -> Case:
         return case
     blanks = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
     pinion, gear = (blank_table(member, blanks.clearance) for member in (blanks.pinion, blanks.gear))
-    return case.model_copy(
-        update={
-            "blank_design": None,
-            "pinion": case.pinion.model_copy(update={"blank": pinion}),
-            "gear": case.gear.model_copy(update={"blank": gear}),
-        }
-    )
+    return case.model_copy(update={"blank_design": None}).with_tables(pinion={"blank": pinion}, gear={"blank": gear})
 
 
 def recorded_thicknesses(pair: GearPair) -> list[float | None]:
@@ -183,20 +178,11 @@ def recorded_thicknesses(pair: GearPair) -> list[float | None]:
 
 def with_mean_thickness(case: Case) -> Case:
     """The case with thicknesses in the middle of the flank as those at the mean point. Raises as above."""
-    tables = {name: getattr(case, name) for name in MEMBERS}
-    given = {name for name, table in tables.items() if table.mid_flank_normal_circular_thickness is not None}
+    given = [name for name in MEMBERS if getattr(getattr(case, name), MID_FLANK) is not None]
     if not given:
         return case
-    thicknesses = zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True)
-    return case.model_copy(
-        update={
-            name: tables[name].model_copy(
-                update={"mean_normal_circular_thickness": value, "mid_flank_normal_circular_thickness": None}
-            )
-            for name, value in thicknesses
-            if name in given
-        }
-    )
+    thicknesses = dict(zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True))
+    return case.with_tables(**{name: {MEAN: thicknesses[name], MID_FLANK: None} for name in given})
 
 
 def flank_settings(surface: GeneratingSurface, teeth: int) -> FlankSettings:

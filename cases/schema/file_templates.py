@@ -13,7 +13,6 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
-from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -36,6 +35,7 @@ FRICTION_CHOICES = {
     "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
 }
 SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
+LENGTHS = {"MinLen": "min_length", "MaxLen": "max_length"}
 
 
 def sub_table(annotation: Any) -> bool:
@@ -53,29 +53,21 @@ def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
     if checked_elsewhere := FRICTION_CHOICES.get(name) or extra_of(field, "allowed"):
         return checked_elsewhere
-    if bool in (field.annotation, *get_args(field.annotation)):
+    options = (field.annotation, *get_args(field.annotation))
+    if bool in options:
         return "`true`, `false`"
-    for option in (field.annotation, *get_args(field.annotation)):
+    for option in options:
         if get_origin(option) is Literal:
             return ", ".join(written(choice) for choice in get_args(option))
-    limits = {
-        type(limit).__name__: getattr(limit, type(limit).__name__.lower())
-        for limit in field.metadata
-        if type(limit).__name__ in SIGNS
-    }
-    lengths = [limit for limit in field.metadata if isinstance(limit, MinLen | MaxLen)]
-    if len(lengths) == 1 and isinstance(lengths[0], MaxLen) and field.annotation is not str:
-        return f"up to {lengths[0].max_length} numbers"
-    count = " to ".join(
-        str(limit.min_length if isinstance(limit, MinLen) else limit.max_length)
-        for limit in field.metadata
-        if isinstance(limit, MinLen | MaxLen)
-    )
+    limits = {type(limit).__name__: limit for limit in field.metadata}
+    lengths = [getattr(limits[kind], key) for kind, key in LENGTHS.items() if kind in limits]
+    count = " to ".join(map(str, lengths))
     if field.annotation is str:
         return f"text of {count} characters" if count else "text"
     if count:
-        return f"{count} numbers, each ≥ 1e-6, < 1e7"
-    return interval(limits) + (", whole" if int in (field.annotation, *get_args(field.annotation)) else "")
+        return f"{count} numbers, each ≥ 1e-6, < 1e7" if "MinLen" in limits else f"up to {count} numbers"
+    bounds = {kind: getattr(limit, kind.lower()) for kind, limit in limits.items() if kind in SIGNS}
+    return interval(bounds) + (", whole" if int in options else "")
 
 
 def interval(limits: Mapping[str, float]) -> str:

@@ -39,6 +39,11 @@ class Table(BaseModel, metaclass=_Checked):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
+    def with_tables(self, **tables: Mapping[str, Any]) -> Self:
+        """A copy with other values, unchecked, for some keys of the tables in it."""
+        changed = {name: getattr(self, name).model_copy(update=values) for name, values in tables.items()}
+        return self.model_copy(update=changed)
+
 
 #: Keys that every file has.
 Title = Annotated[str, Field(min_length=1, max_length=200, description="one line for lists and plots")]

@@ -175,5 +175,4 @@ def fit_modification(case: Case, modification: Modification, *, flank: FlankName
     fit = fit_pinion(pair, _Wanted(pair, modification))
     side, _ = MATING_SIDES[flank]
     settings = flank_settings(fit.surface, case.pinion.number_of_teeth)
-    pinion, target = case.pinion.model_copy(update={side: settings}), case.target.model_copy(update={flank: None})
-    return case.model_copy(update={"pinion": pinion, "target": target}), fit
+    return case.with_tables(pinion={side: settings}, target={flank: None}), fit

@@ -27,14 +27,14 @@ from ...core.checks import frozen_arrays
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ...geometry.design.closest_fit import require_usable, residual_limits, target_range
+from ...geometry.design.closest_fit import require_usable, residual_limits
 from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE, require_whole_tooth
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
 from ...geometry.design.slot_width import BLADE_OVERLAP, EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
 from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
 from ...geometry.flanks.blank_section import BlankSection
-from ...geometry.flanks.flank import Flank, NodeStatus
+from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
 from ...geometry.pair.tip_mates import unmet_tips
@@ -289,11 +289,6 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
     )
 
 
-def uncut_share(flank: Flank) -> float:
-    """Share of a flank's nodes that are undercut or out of the cutter's reach."""
-    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
-
-
 def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
     """Members whose flank ends before the mate's tip has passed it, by ``unmet_tips``, each with a warning."""
     for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
@@ -368,10 +363,8 @@ class SideReport:
     moved: Mapping[str, tuple[float, float]]  # start and end of every free setting [mm, rad or per rad]
     #: ease-off less target (n) [mm], a gear rotation left out; on the common flank if generated, else at nodes
     residual: Array
-    wanted_range: float
     largest_ease_off: float
     common_flank: float
-    uncut: tuple[float, float]  # share of pinion and gear flank undercut or out of reach
     root_gap: Array  # blade tip above the root cone at toe, middle, heel (3) [mm]; NaN where undercut or out of reach
     at_limit: tuple[str, ...] = ()
 
@@ -505,10 +498,8 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     return SideReport(
         moved=fit.moved,
         residual=residual,
-        wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
         common_flank=flank_share(inside.reshape(EASE_OFF_NODES)),
-        uncut=(uncut_share(pair.pinion.flank(t, h)), uncut_share(gear)),
         root_gap=fit.root_gap,
         at_limit=_at_limit(design, designed, side),
     )

@@ -63,9 +63,8 @@ def rounded_case(
         instance(f"{name}_limits", given, Mapping | None)
         entries = (given or {}).items()
         limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in entries}
-        flanks = {side: _flank(getattr(member, side), steps, limits) for side in member.sides}
-        members[name] = member.model_copy(update=flanks)
-    return case.model_copy(update=members)
+        members[name] = {side: _flank(getattr(member, side), steps, limits) for side in member.sides}
+    return case.with_tables(**members)
 
 
 def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
@@ -134,12 +133,7 @@ def _flank(
     }
     machine["motions"] = settings.machine.motions.model_copy(update=motions)
     cutter = {key: rounded(value, blade_field(key)) for key, value in settings.cutter}
-    return settings.model_copy(
-        update={
-            "machine": settings.machine.model_copy(update=machine),
-            "cutter": settings.cutter.model_copy(update=cutter),
-        }
-    )
+    return settings.with_tables(machine=machine, cutter=cutter)
 
 
 def step_of_key(resolution: MachineResolution, table: str, key: str) -> float | None:

@@ -227,11 +227,10 @@ class SettingSpace:
                 if flank_steps and getattr(table, side) is not None:
                     surface = self._moved(member, side, flank_steps, rounded=rounded)
                     changed[side] = _settings(surface, table.number_of_teeth, member, side)
-        update = {name: getattr(self.case, name).model_copy(update=changed) for name, changed in members.items()}
         dropped: dict[str, Any] = {
             flank: None for flank, sides in SIDES.items() for member in members if sides[member] in members[member]
         }
-        return self.case.model_copy(update={**update, "target": self.case.target.model_copy(update=dropped)})
+        return self.case.with_tables(**members, target=dropped)
 
     def _moved(self, member: str, side: str, steps: Mapping[str, float], *, rounded: bool) -> GeneratingSurface:
         pair = gear_pair(self.case, _flank_of(member, side))
