@@ -48,7 +48,7 @@ from .schema.cutting_table import (
     blade_field,
     polynomial_derivatives,
 )
-from .schema.schema_table import Table, extra_of, inner_table, kinds
+from .schema.schema_table import Table, angle_keys, extra_of, inner_table, kinds
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -147,8 +147,7 @@ def _degrees(value: float) -> float:
 
 def _written(table: type[Table], values: Mapping[str, float | None]) -> dict[str, Any]:
     """Values of a table by key as they are written: rounded, those in rad in degrees."""
-    units = {key: extra_of(table.model_fields[key], "unit") for key in values}
-    ways = {key: _degrees if unit == "deg" else _rounded for key, unit in units.items()}
+    ways = {key: _degrees if key in angle_keys(table) else _rounded for key in values}
     return {key: None if value is None else ways[key](value) for key, value in values.items()}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Self, Union, get_args, get_origin
 
@@ -103,10 +104,16 @@ def inner_table(annotation: Any, *, listed: bool = False) -> type[BaseModel] | N
     return next((kind for kind in options if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
 
+@cache
+def angle_keys(table: type[Table]) -> frozenset[str]:
+    """Keys of a table that hold degrees."""
+    return frozenset(name for name, field in table.model_fields.items() if extra_of(field, "unit") == "deg")
+
+
 def in_radians(table: Table) -> dict[str, Any]:
     """Values of a table by key, those in degrees in rad."""
-    units = {name: extra_of(field, "unit") for name, field in type(table).model_fields.items()}
-    return {name: math.radians(value) if units[name] == "deg" and value is not None else value for name, value in table}
+    angles = angle_keys(type(table))
+    return {name: math.radians(value) if name in angles and value is not None else value for name, value in table}
 
 
 # A whole number of TOML is a number too; true, false and text are none.
