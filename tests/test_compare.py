@@ -333,7 +333,7 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
     calls: list[str] = []
     honest = worker.Worker.run
 
-    def counted(self: worker.Worker, request: worker.Request) -> Any:
+    def counted(self: worker.Worker, request: Request) -> Any:
         if len(calls) == 2:
             calls.append("interrupted")
             raise KeyboardInterrupt
