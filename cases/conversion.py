@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
 from ..contact.compliance.elastic_model import ElasticModel
@@ -16,10 +16,10 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
 )
 from ..core.checks import instance, one_of, two_whole
 from ..core.errors import GeometryError, InputError
-from ..geometry.cutting.blade import Blade, Relief
+from ..geometry.cutting.blade import Blade, BladeSide, Relief
 from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
-from ..geometry.cutting.named_settings import MachineResolution
+from ..geometry.cutting.named_settings import MACHINE_STEPS, MachineResolution
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
@@ -29,17 +29,20 @@ from ..geometry.tooth.tooth_lattice import Web
 from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import (
+    MATING_SIDES,
     Blank,
     Case,
     MemberTable,
     MisalignmentTable,
     PairTable,
+    Side,
     TargetTable,
     WebTable,
     deflections_of,
 )
-from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
-from .schema.design_schema import CutterStepsTable, LimitsTable, ResolutionTable
+from .schema.cutting_table import ANGULAR_MOTIONS, RELIEFS, FlankSettings, Machine, Motions, blade_field, polynomial
+from .schema.design_schema import CutterStepsTable, Design, LimitsTable, ResolutionTable
+from .schema.schema_table import in_radians
 
 if TYPE_CHECKING:  # what a design needs is imported for one
     from ..geometry.design.blank import BlankDesign, BlankDimensions
@@ -47,24 +50,12 @@ if TYPE_CHECKING:  # what a design needs is imported for one
     from ..geometry.design.pinion_method import SettingLimits
     from ..geometry.design.synthesis import EaseOffTarget
 
-Side = Literal["concave", "convex"]
+APEX_SUFFIX = "_beyond_crossing_point"  # of keys of a blank, not of the fields of geometry
 
 
 def section(blank: Blank) -> BlankSection:
     """Axial section of a blank."""
-    return BlankSection(
-        pitch_angle=math.radians(blank.pitch_angle),
-        face_angle=math.radians(blank.face_angle),
-        root_angle=math.radians(blank.root_angle),
-        pitch_apex=blank.pitch_apex_beyond_crossing_point,
-        face_apex=blank.face_apex_beyond_crossing_point,
-        root_apex=blank.root_apex_beyond_crossing_point,
-        outer_cone_distance=blank.outer_cone_distance,
-        face_width=blank.face_width,
-        clearance=blank.clearance,
-        front_angle=None if blank.front_angle is None else math.radians(blank.front_angle),
-        back_angle=None if blank.back_angle is None else math.radians(blank.back_angle),
-    )
+    return BlankSection(**{key.removesuffix(APEX_SUFFIX): value for key, value in in_radians(blank).items()})
 
 
 def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDesign:
@@ -76,11 +67,7 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
             f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion has "
             "the fewer teeth"
         )
-    values: dict[str, Any] = {
-        key: math.radians(value) if key in table.angles() and value is not None else value
-        for key, value in table.model_dump().items()
-        if not key.endswith("_mean_spiral_angle")
-    }
+    values = {key: value for key, value in in_radians(table).items() if not key.endswith("_mean_spiral_angle")}
     try:
         return BlankDesign(
             number_of_teeth=teeth,
@@ -130,28 +117,16 @@ def sections(case: Case) -> tuple[BlankSection, BlankSection]:
 
 def machine_settings(machine: Machine, indexing_ratio: float = 0.0) -> MachineSettings:
     """Machine settings in mm and rad; modified roll as polynomial coefficients C = 2C / 2, D = 6D / 6, ..."""
+    settings = {key: value for key, value in in_radians(machine).items() if key in MACHINE_STEPS}
     if machine.radial_distance is None or machine.cradle_angle is None:
         horizontal, vertical = machine.horizontal_distance or 0.0, machine.vertical_distance or 0.0
-        radial, cradle = math.hypot(horizontal, vertical), math.atan2(vertical, horizontal)
-    else:
-        radial, cradle = machine.radial_distance, math.radians(machine.cradle_angle)
-    roll = [value / math.factorial(order) for order, value in enumerate(machine.modified_roll, start=2)]
+        settings["radial_distance"] = math.hypot(horizontal, vertical)
+        settings["cradle_angle"] = math.atan2(vertical, horizontal)
+    roll = list(polynomial(machine.modified_roll, 2))
     while roll and roll[-1] == 0.0:
         roll.pop()
-    return MachineSettings(
-        radial_distance=radial,
-        cradle_angle=cradle,
-        machine_root_angle=math.radians(machine.machine_root_angle),
-        work_offset=machine.work_offset,
-        sliding_base=machine.sliding_base,
-        machine_center_to_crossing_point=machine.machine_center_to_crossing_point,
-        cutter_tilt=math.radians(machine.cutter_tilt),
-        cutter_swivel=math.radians(machine.cutter_swivel),
-        ratio_of_roll=machine.ratio_of_roll,
-        modified_roll=tuple(roll),
-        indexing_ratio=indexing_ratio,
-        motions=_motions(machine.motions),
-    )
+    motions = _motions(machine.motions)
+    return MachineSettings(**settings, modified_roll=tuple(roll), indexing_ratio=indexing_ratio, motions=motions)
 
 
 def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
@@ -160,7 +135,7 @@ def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
     for name, derivatives in motions:
         unit = math.radians(1.0) if name in ANGULAR_MOTIONS else 1.0
         if any(derivatives):
-            result.append((name, tuple(unit * d / math.factorial(n) for n, d in enumerate(derivatives, start=1))))
+            result.append((name, polynomial(derivatives, unit=unit)))
     return tuple(result)
 
 
@@ -168,26 +143,15 @@ def generating_surface(
     settings: FlankSettings, side: Side, hand: Hand, teeth: int, *, pinion: bool
 ) -> GeneratingSurface:
     """Generating surface of one flank; the concave one is cut by an outside blade."""
-    cutter = settings.cutter
-    blade = Blade(
-        cutter.blade_point_radius,
-        math.radians(cutter.blade_pressure_angle),
-        "outside" if side == "concave" else "inside",
-        math.radians(cutter.blade_offset_angle),
-        math.radians(cutter.blade_rake_angle),
-        math.radians(cutter.blade_hook_angle),
-        cutter.blade_spheric_radius,
-        cutter.blade_reference_height,
-        cutter.tool_edge_radius,
-        _relief(cutter.toprem_depth, cutter.toprem_angle, cutter.toprem_radius),
-        _relief(cutter.flankrem_depth, cutter.flankrem_angle, cutter.flankrem_radius),
-    )
-    machine = machine_settings(settings.machine, cutter.number_of_blade_groups / teeth)
-    return GeneratingSurface(blade, machine, hand, -1 if pinion else 1)
-
-
-def _relief(depth: float | None, angle: float, radius: float | None) -> Relief | None:
-    return None if depth is None else Relief(depth, math.radians(angle), radius)
+    cutter = in_radians(settings.cutter)
+    groups = cutter.pop("number_of_blade_groups")
+    reliefs: dict[str, Any] = {}
+    for name in RELIEFS:
+        depth, angle, radius = (cutter.pop(f"{name}_{what}") for what in ("depth", "angle", "radius"))
+        reliefs[name] = None if depth is None else Relief(depth, angle, radius)
+    blade_side: BladeSide = "outside" if side == "concave" else "inside"
+    blade = Blade(**{blade_field(key): value for key, value in cutter.items()}, side=blade_side, **reliefs)
+    return GeneratingSurface(blade, machine_settings(settings.machine, groups / teeth), hand, -1 if pinion else 1)
 
 
 def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
@@ -221,11 +185,9 @@ def setting_limits(table: LimitsTable) -> SettingLimits:
     """Limits of the settings of a designed pinion, in mm and rad."""
     from ..geometry.design.pinion_method import SettingLimits
 
-    values = table.model_dump()
+    values = in_radians(table)
     low, high = (values.pop(f"{end}_blade_pressure_angle") for end in ("smallest", "largest"))
-    for name in ("cutter_tilt", "cutter_swivel", "machine_root_angle"):
-        values[name] = math.radians(values[name])
-    return SettingLimits(**values, blade_pressure_angle=(math.radians(low), math.radians(high)))
+    return SettingLimits(**values, blade_pressure_angle=(low, high))
 
 
 def standard_steps(table: CutterStepsTable) -> StandardSteps:
@@ -295,7 +257,19 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
 
 def given_pair(case: Case) -> GearPair:
     """Gear pair of the drive side, or of the coast side where the case has that alone."""
-    return gear_pair(case, "drive" if case.pinion.concave is not None and case.gear.convex is not None else "coast")
+    return gear_pair(case, case.flanks[0])
+
+
+def case_assembly(case: Case | Design, errors: Misalignment | None = None) -> Assembly:
+    """Assembly of the pair of a case or design, with errors or without."""
+    return Assembly(
+        case.pinion.number_of_teeth,
+        case.gear.number_of_teeth,
+        case.pinion.hand_of_spiral,
+        math.radians(case.pair.shaft_angle),
+        case.pair.hypoid_offset,
+        errors or Misalignment(),
+    )
 
 
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
@@ -322,19 +296,11 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     """
     instance("case", case, Case)
     one_of("flank", flank, get_args(FlankName))
-    pinion_side: Side = "concave" if flank == "drive" else "convex"
-    gear_side: Side = "convex" if flank == "drive" else "concave"
+    pinion_side, gear_side = MATING_SIDES[flank]
     for name, side, table in (("pinion", pinion_side, case.pinion), ("gear", gear_side, case.gear)):
         if getattr(table, side) is None:
             raise InputError(f"the {flank} side needs [{name}.{side}], which the case {case.title!r} does not have")
-    assembly = Assembly(
-        pinion_teeth=case.pinion.number_of_teeth,
-        gear_teeth=case.gear.number_of_teeth,
-        pinion_hand=case.pinion.hand_of_spiral,
-        shaft_angle=math.radians(case.pair.shaft_angle),
-        hypoid_offset=case.pair.hypoid_offset,
-        misalignment=misalignment_at(misalignment(case.misalignment), 0.0, flank),
-    )
+    assembly = case_assembly(case, misalignment_at(misalignment(case.misalignment), 0.0, flank))
     pinion_section, gear_section = sections(case)
     pair = GearPair(
         pinion=_member(case.pinion, pinion_section, pinion_side, assembly.pinion_hand, pinion=True),

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from ..core.checks import shown
 from ..core.errors import InputError, suggestion
-from ..core.regular_file import TOML_SIZE_LIMIT, named
+from ..core.regular_file import named
 from ..geometry.pair.assembly import Misalignment
-from .deflections import SYMBOLS, Deflections
-from .mistakes import mistakes
+from .deflections import SYMBOLS, Deflections, with_errors
 from .schema.case_schema import DEFLECTION_ROW_COUNT_LIMIT, DeflectionRow, deflections_of
-from .table_rows import read_table_rows
+from .table_rows import read_schema_rows, schema_row
 
-COLUMNS = tuple(DeflectionRow.model_fields)
 ALLOWED = 'a mapping such as {"E": 0.05, "Sigma": 0.1}, a Misalignment, Deflections, or the path of a table of them'
 
 #: Misalignment as a user may give it: constant, by letter, over the torque, or the path of a table of deflections.
@@ -53,17 +48,8 @@ def read_deflections(path: str | os.PathLike[str]) -> Deflections:
     ...     read_deflections(table).at(300.0).pinion_axial
     -0.03
     """
-    rows = read_table_rows(
-        path,
-        _is_text,
-        _row,
-        size_limit=TOML_SIZE_LIMIT,
-        count_limit=DEFLECTION_ROW_COUNT_LIMIT,
-        needed="torque",
-        complete=True,
-        what="row",
-        head="torque,E,P,G,Sigma",
-    )
+    limit, head = DEFLECTION_ROW_COUNT_LIMIT, "torque,E,P,G,Sigma"
+    rows = read_schema_rows(path, DeflectionRow, count_limit=limit, complete=True, what="row", head=head)
     try:
         return deflections_of(rows)
     except ValueError as error:
@@ -98,22 +84,7 @@ def _constant(values: Mapping[str, float]) -> Misalignment:
                 f"misalignment: {shown(name)}: must be one of {', '.join(SYMBOLS)}{suggestion(str(name), SYMBOLS)}"
             )
     try:
-        row = _row({"torque": 0.0, **values})
+        row = schema_row(DeflectionRow, {"torque": 0.0, **values})
     except ValueError as error:
         raise InputError(f"misalignment: {error}") from error
-    return Misalignment(row.E or 0.0, row.P or 0.0, row.G or 0.0, math.radians(row.Sigma or 0.0))
-
-
-def _is_text(column: str) -> bool:
-    """True if a column holds texts."""
-    if column not in COLUMNS:
-        raise ValueError(f"{shown(column)} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
-    return column == "flank"
-
-
-def _row(row: Mapping[str, Any]) -> DeflectionRow:
-    """A checked row."""
-    try:
-        return DeflectionRow.model_validate(row)
-    except ValidationError as error:
-        raise ValueError(mistakes(DeflectionRow, error)) from error
+    return with_errors(Misalignment(), row.model_dump(include=set(SYMBOLS)))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,9 +22,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 
-ERRORS = ("offset", "pinion_axial", "gear_axial", "shaft_angle")
+#: Fields of ``Misalignment`` by the symbols of assembly errors.
+ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
+SYMBOLS, ERRORS = tuple(ERROR_FIELDS), tuple(ERROR_FIELDS.values())
 UNITS = {"offset": "mm", "pinion_axial": "mm", "gear_axial": "mm", "shaft_angle": "rad"}
-SYMBOLS = ("E", "P", "G", "Sigma")
 #: Beyond these no row may lie, nor what is continued beyond the last [mm, rad].
 ERROR_LIMITS = (10.0, 10.0, 10.0, float(np.radians(5.0)))
 NONE = Misalignment()
@@ -158,6 +160,19 @@ class Deflections:
 
         tables = {flank: self._rows(flank) for flank in self._flanks or FLANKS}
         return {flank: PchipInterpolator(*rows) for flank, rows in tables.items() if rows[0].size > 1}
+
+
+def with_errors(misalignment: Misalignment, errors: Mapping[str, float | None]) -> Misalignment:
+    """A misalignment with other errors by symbol [mm, degree]; ``None`` leaves one as it is."""
+    given = {ERROR_FIELDS[symbol]: value for symbol, value in errors.items() if value is not None}
+    if "shaft_angle" in given:
+        given["shaft_angle"] = math.radians(given["shaft_angle"])
+    return replace(misalignment, **given)
+
+
+def assembly_columns(assemblies: Sequence[Misalignment]) -> dict[str, tuple[str, list[float]]]:
+    """Errors of assemblies as variables of a dataset over ``assembly``."""
+    return {f"{error}_error": ("assembly", [getattr(one, error) for one in assemblies]) for error in ERRORS}
 
 
 def misalignment_at(given: Misalignment | Deflections, torque: float, flank: FlankName) -> Misalignment:

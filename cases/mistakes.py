@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..core.errors import printable, shortened, suggestion
+from ..core.errors import InputError, printable, shortened, suggestion
 
 VALUE_LENGTH = 80  # of a value in a message [characters]
 LINE_COUNT_LIMIT = 12  # of the mistakes that a message names
@@ -36,10 +36,10 @@ TYPE_MESSAGES = {
 }
 
 
-def count(error: ValidationError) -> str:
-    """Number of mistakes, in words."""
+def refusal(origin: str, model: type[BaseModel], error: ValidationError) -> InputError:
+    """The error of a file or table called ``origin`` with mistakes: how many, and the first of them."""
     total = len(_items(error))
-    return "a mistake" if total == 1 else f"{total} mistakes"
+    return InputError(f"{origin} has {'a mistake' if total == 1 else f'{total} mistakes'}:\n{mistakes(model, error)}")
 
 
 def mistakes(model: type[BaseModel], error: ValidationError) -> str:

@@ -20,7 +20,7 @@ from ..core.checks import file_path, instance, truth
 from ..core.errors import EaseoffError, InputError, printable, suggestion
 from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text, require_regular, status_of
 from ..core.toml_text import toml_tables
-from .mistakes import count, mistakes
+from .mistakes import refusal
 from .schema.case_schema import Case, refuse_inches
 from .schema.design_schema import Design
 from .schema.supports_table import SupportFile, SupportsTable
@@ -138,7 +138,7 @@ class FileKind(Generic[Model]):
         try:
             model = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
-            raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
+            raise refusal(origin, self.model, error) from error
         try:
             _require_possible(model)
         except EaseoffError as error:

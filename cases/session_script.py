@@ -25,6 +25,7 @@ from ..core.errors import InputError
 from ..core.regular_file import LINE_LENGTH_LIMIT, SCRIPT_SIZE_LIMIT, read_text
 from .reading import check_case
 from .schema.case_schema import Case
+from .schema.cutting_table import RELIEFS, ROLL_KEYS
 
 MemberName = Literal["PINION", "GEAR"]
 MenuPath = tuple[str, str, str]
@@ -36,31 +37,69 @@ MENU_NAMES = (
     *("EDIT", "PAIRS", "ROTOR", "HYPOID", "SHAFT", "SEGMENT", "COMMON", "MACHINE", "CUTTER"),
     *("CONCAVE", "CONVEX"),
 )
-MOTION_ORDERS = range(1, 7)
 WORD_COUNT_LIMIT = 1000  # of a line that are read
-MENU_KEYWORDS: dict[str, tuple[str, ...]] = {
-    "PAIRS": ("HAND_PINION",),
-    "HYPOID": ("GEAR_TYPE",),
-    "COMMON": (
-        *("NTEETH", "HAND", "OUTERCONEDIST", "FACEWIDTH", "FACEANGLE", "PITCHANGLE", "ROOTANGLE", "FRONTANGLE"),
-        *("BACKANGLE", "PITCHAPEX", "FACEAPEX", "ROOTAPEX"),
+#: Keywords that must be there and others that may, with the keys of a case that they are.
+BLANK_KEYWORDS = (
+    {
+        "PITCHANGLE": "pitch_angle",
+        "FACEANGLE": "face_angle",
+        "OUTERCONEDIST": "outer_cone_distance",
+        "FACEWIDTH": "face_width",
+    },
+    {
+        "PITCHAPEX": "pitch_apex_beyond_crossing_point",
+        "FACEAPEX": "face_apex_beyond_crossing_point",
+        "ROOTAPEX": "root_apex_beyond_crossing_point",
+        "FRONTANGLE": "front_angle",
+        "BACKANGLE": "back_angle",
+    },
+)
+GENERATED_KEYWORDS = (
+    {
+        "RADIALSETTING": "radial_distance",
+        "CRADLEANGLE": "cradle_angle",
+        "ROOTANGLE": "machine_root_angle",
+        "RATIOROLL": "ratio_of_roll",
+    },
+    {
+        "TILTANGLE": "cutter_tilt",
+        "SWIVELANGLE": "cutter_swivel",
+        "BLANKOFFSET": "work_offset",
+        "SLIDINGBASE": "sliding_base",
+        "MACHCTRBACK": "machine_center_to_crossing_point",
+        **{key.replace("modified_roll", "MODROLL").upper(): key for key in ROLL_KEYS},
+    },
+)
+FORMATE_KEYWORDS = (
+    {"HORIZONTAL": "horizontal_distance", "VERTICAL": "vertical_distance", "ROOTANGLE": "machine_root_angle"},
+    {"MACHCTRBACK": "machine_center_to_crossing_point"},
+)
+BLADE_KEYWORDS = (
+    {"POINTRADIUS": "blade_point_radius", "BLADEANGLE": "blade_pressure_angle"},
+    {"EDGERADIUS": "tool_edge_radius"},
+)
+#: Of a relief, after its name, by what its option says.
+RELIEF_KEYWORDS = {
+    "NONE": {},
+    "BLENDED": {"DEPTH": "depth", "BLEND_RADIUS": "radius"},
+    "STRAIGHT": {"DEPTH": "depth", "ANGLE": "angle"},
+}
+MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
+MOTION_ORDERS = range(1, 7)
+#: Settings that a case can hold, menu by menu.
+MENU_KEYWORDS: dict[str, frozenset[str]] = {
+    "PAIRS": frozenset({"HAND_PINION"}),
+    "HYPOID": frozenset({"GEAR_TYPE"}),
+    "COMMON": frozenset({"NTEETH", "HAND", "ROOTANGLE"}).union(*BLANK_KEYWORDS),
+    "MACHINE": frozenset({"MODROLL_5040H"}).union(
+        *(*GENERATED_KEYWORDS, *FORMATE_KEYWORDS),
+        (f"{letter}{order}" for letter in MOTION_LETTERS for order in MOTION_ORDERS),
     ),
-    "MACHINE": (
-        *("RADIALSETTING", "TILTANGLE", "SWIVELANGLE", "BLANKOFFSET", "ROOTANGLE", "MACHCTRBACK", "SLIDINGBASE"),
-        *("CRADLEANGLE", "RATIOROLL", "HORIZONTAL", "VERTICAL"),
-        *("MODROLL_2C", "MODROLL_6D", "MODROLL_24E", "MODROLL_120F", "MODROLL_720G", "MODROLL_5040H"),
-        *(f"{letter}{order}" for letter in "HVR" for order in MOTION_ORDERS),
-    ),
-    "CUTTER": (
-        *("POINTRADIUS", "BLADEANGLE", "EDGERADIUS", "TYPE", "RHO"),
-        *(
-            f"{relief}_{what}"
-            for relief in ("TOPREM", "FLANKREM")
-            for what in ("OPTION", "DEPTH", "BLEND_RADIUS", "ANGLE")
-        ),
+    "CUTTER": frozenset({"TYPE", "RHO"}).union(
+        *BLADE_KEYWORDS,
+        (f"{name.upper()}_{word}" for name in RELIEFS for word in {"OPTION"}.union(*RELIEF_KEYWORDS.values())),
     ),
 }
-"""Settings that a case can hold, menu by menu."""
 
 
 @dataclass(frozen=True)
@@ -151,47 +190,9 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str
 
 Settings = Mapping[str, Setting]
 
-BLANK_KEYWORDS = {
-    "PITCHANGLE": "pitch_angle",
-    "FACEANGLE": "face_angle",
-    "OUTERCONEDIST": "outer_cone_distance",
-    "FACEWIDTH": "face_width",
-}
-OPTIONAL_BLANK_KEYWORDS = {
-    "PITCHAPEX": "pitch_apex_beyond_crossing_point",
-    "FACEAPEX": "face_apex_beyond_crossing_point",
-    "ROOTAPEX": "root_apex_beyond_crossing_point",
-    "FRONTANGLE": "front_angle",
-    "BACKANGLE": "back_angle",
-}
-GENERATED_KEYWORDS = {
-    "RADIALSETTING": "radial_distance",
-    "CRADLEANGLE": "cradle_angle",
-    "ROOTANGLE": "machine_root_angle",
-    "RATIOROLL": "ratio_of_roll",
-}
-OPTIONAL_GENERATED_KEYWORDS = {
-    "TILTANGLE": "cutter_tilt",
-    "SWIVELANGLE": "cutter_swivel",
-    "BLANKOFFSET": "work_offset",
-    "SLIDINGBASE": "sliding_base",
-    "MACHCTRBACK": "machine_center_to_crossing_point",
-    "MODROLL_2C": "modified_roll_2c",
-    "MODROLL_6D": "modified_roll_6d",
-    "MODROLL_24E": "modified_roll_24e",
-    "MODROLL_120F": "modified_roll_120f",
-    "MODROLL_720G": "modified_roll_720g",
-}
-FORMATE_KEYWORDS = {
-    "HORIZONTAL": "horizontal_distance",
-    "VERTICAL": "vertical_distance",
-    "ROOTANGLE": "machine_root_angle",
-}
-OPTIONAL_FORMATE_KEYWORDS = {"MACHCTRBACK": "machine_center_to_crossing_point"}
 USUAL_SHAFT_ANGLE = 90.0  # [deg]
 ROUNDING = 0.01  # of the sum of two pitch angles as drawings have them [deg]
 RATIO_TOLERANCE = 0.005  # of the ratio of the sines of the pitch angles, which is that of the tooth numbers
-MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
 
 
 def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
@@ -295,23 +296,23 @@ def _shaft_angle(pinion: Mapping[str, Any], gear: Mapping[str, Any], notes: list
     return angle
 
 
-def _needed(table: Settings, keys: Mapping[str, str], where: str) -> dict[str, Any]:
-    missing = [keyword for keyword in keys if keyword not in table]
+def _numbers(
+    table: Settings, where: str, needed: Mapping[str, str], optional: Mapping[str, str] | None = None
+) -> dict[str, Any]:
+    """Numbers by the key of a case, of keywords that must be there and of others that may."""
+    missing = [keyword for keyword in needed if keyword not in table]
     if missing:
         raise InputError(f"{where} lacks {', '.join(missing)}")
-    return {key: table[keyword].number() for keyword, key in keys.items()}
-
-
-def _given(table: Settings, keys: Mapping[str, str]) -> dict[str, Any]:
+    keys = {**needed, **(optional or {})}
     return {key: table[keyword].number() for keyword, key in keys.items() if keyword in table}
 
 
 def _member(settings: Mapping[MenuPath, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
     common = settings.get((member, "", "COMMON"), {})
     where = f"COMMON of the {member.lower()}"
-    blank = _needed(common, BLANK_KEYWORDS, where) | _given(common, OPTIONAL_BLANK_KEYWORDS)
+    blank = _numbers(common, where, *BLANK_KEYWORDS)
     blank["root_angle"] = _root_angle(settings, member, notes)
-    teeth = _needed(common, {"NTEETH": "number_of_teeth"}, where)["number_of_teeth"]
+    teeth = _numbers(common, where, {"NTEETH": "number_of_teeth"})["number_of_teeth"]
     result: dict[str, Any] = {"number_of_teeth": int(teeth) if teeth.is_integer() else teeth, "blank": blank}
     kind = settings.get((member, "", "HYPOID"), {}).get("GEAR_TYPE")
     formate = kind is not None and kind.word("FORMATE", "GENERATED") == "FORMATE"
@@ -320,9 +321,7 @@ def _member(settings: Mapping[MenuPath, Settings], member: MemberName, hand: str
         if not machine and not cutter:
             continue
         where = f"{flank} of the {member.lower()}"
-        needed = FORMATE_KEYWORDS if formate else GENERATED_KEYWORDS
-        optional = OPTIONAL_FORMATE_KEYWORDS if formate else OPTIONAL_GENERATED_KEYWORDS
-        made = _needed(machine, needed, f"MACHINE, {where},") | _given(machine, optional)
+        made = _numbers(machine, f"MACHINE, {where},", *(FORMATE_KEYWORDS if formate else GENERATED_KEYWORDS))
         if not formate:
             made["motions"] = _motions(machine, member, hand, notes)
             _doubts(machine, member, notes)
@@ -398,18 +397,11 @@ def _doubts(machine: Settings, member: MemberName, notes: list[str]) -> None:
 
 
 def _cutter(cutter: Settings, where: str) -> dict[str, Any]:
-    result = _needed(cutter, {"POINTRADIUS": "blade_point_radius", "BLADEANGLE": "blade_pressure_angle"}, where)
-    result |= _given(cutter, {"EDGERADIUS": "tool_edge_radius"})
+    result = _numbers(cutter, where, *BLADE_KEYWORDS)
     if "TYPE" in cutter and cutter["TYPE"].word("STRAIGHT", "CURVED") == "CURVED":
-        result |= _needed(cutter, {"RHO": "blade_spheric_radius"}, where)
-    for relief in ("TOPREM", "FLANKREM"):
-        option = cutter.get(f"{relief}_OPTION")
-        kind = "NONE" if option is None else option.word("NONE", "BLENDED", "STRAIGHT")
-        name = relief.lower()
-        if kind == "BLENDED":
-            result |= _needed(
-                cutter, {f"{relief}_DEPTH": f"{name}_depth", f"{relief}_BLEND_RADIUS": f"{name}_radius"}, where
-            )
-        elif kind == "STRAIGHT":
-            result |= _needed(cutter, {f"{relief}_DEPTH": f"{name}_depth", f"{relief}_ANGLE": f"{name}_angle"}, where)
+        result |= _numbers(cutter, where, {"RHO": "blade_spheric_radius"})
+    for name in RELIEFS:
+        option = cutter.get(f"{name.upper()}_OPTION")
+        keys = RELIEF_KEYWORDS["NONE" if option is None else option.word(*RELIEF_KEYWORDS)]
+        result |= _numbers(cutter, where, {f"{name.upper()}_{word}": f"{name}_{what}" for word, what in keys.items()})
     return result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import get_args
 
 import numpy as np
@@ -18,7 +17,7 @@ from ..core.errors import InputError
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly
 from ..geometry.tooth.tooth_flanks import MemberName
-from .conversion import sections
+from .conversion import case_assembly, sections
 from .schema.case_schema import Case
 from .schema.supports_table import BearingTable, HousingTable, MemberSupportTable, ShaftTable
 
@@ -48,13 +47,7 @@ def support_system(case: Case) -> LoadedSupports | None:
     table = case.supports
     if table is None:
         return None
-    assembly = Assembly(
-        case.pinion.number_of_teeth,
-        case.gear.number_of_teeth,
-        case.pinion.hand_of_spiral,
-        math.radians(case.pair.shaft_angle),
-        case.pair.hypoid_offset,
-    )
+    assembly = case_assembly(case)
     axes = member_axes(assembly)
     if table.housing is not None:
         return _housing(table.housing, axes, table.wind_up)

@@ -4,18 +4,42 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
-from ..core.errors import InputError, printable, shortened
-from ..core.regular_file import LINE_LENGTH_LIMIT, named, read_text
+from pydantic import ValidationError
+
+from ..core.checks import shown
+from ..core.errors import InputError, printable, shortened, suggestion
+from ..core.regular_file import LINE_LENGTH_LIMIT, TOML_SIZE_LIMIT, named, read_text
 from ..geometry.formats.separated_text import cells, comment, excerpt, separator
-from .mistakes import LINE_COUNT_LIMIT
-
-if TYPE_CHECKING:
-    pass
-
+from .mistakes import LINE_COUNT_LIMIT, mistakes
+from .schema.schema_table import Table, extra_of
 
 Row = TypeVar("Row")
+TableRow = TypeVar("TableRow", bound=Table)
+
+
+def read_schema_rows(path: str | os.PathLike[str], model: type[TableRow], **options: Any) -> tuple[TableRow, ...]:
+    """Rows of a table whose columns are keys of a schema, the torque among them; options of ``read_table_rows``."""
+    columns = model.model_fields
+
+    def is_text(column: str) -> bool:
+        if column not in columns:
+            near = suggestion(column, columns)
+            raise ValueError(f"{shown(column)} is no column; known are: {', '.join(columns)}{near}")
+        return not extra_of(columns[column], "unit")
+
+    checked = partial(schema_row, model)
+    return read_table_rows(path, is_text, checked, size_limit=TOML_SIZE_LIMIT, needed="torque", **options)
+
+
+def schema_row(model: type[TableRow], row: Mapping[str, Any]) -> TableRow:
+    """A row checked by its schema; mistakes are a ``ValueError`` with a line each."""
+    try:
+        return model.model_validate(row)
+    except ValidationError as error:
+        raise ValueError(mistakes(model, error)) from error
 
 
 def read_table_rows(

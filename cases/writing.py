@@ -13,11 +13,10 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any
 
 import tomli_w
 from pydantic import BaseModel, ValidationError
@@ -30,13 +29,26 @@ from ..core.regular_file import TOML_SIZE_LIMIT, read_bytes
 from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.machine import MachineSettings
+from ..geometry.cutting.named_settings import MACHINE_STEPS
 from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from ..geometry.pair.gear_pair import MEMBERS, GearPair
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
-from .conversion import designed_blanks, given_pair
-from .mistakes import count, mistakes
+from .conversion import APEX_SUFFIX, designed_blanks, given_pair
+from .mistakes import refusal
+from .reading import MEAN, MID_FLANK
 from .schema.case_schema import Blank, Case, usual_name
-from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
+from .schema.cutting_table import (
+    ANGULAR_MOTIONS,
+    RELIEFS,
+    ROLL_KEYS,
+    Cutter,
+    FlankSettings,
+    Machine,
+    Motions,
+    blade_field,
+    polynomial_derivatives,
+)
+from .schema.schema_table import Table, angle_keys, extra_of, inner_table, kinds
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
 SEAL_LENGTH = 12  # of the checksum [digits]
@@ -133,19 +145,17 @@ def _degrees(value: float) -> float:
     return _rounded(math.degrees(value))
 
 
+def _written(table: type[Table], values: Mapping[str, float | None]) -> dict[str, Any]:
+    """Values of a table by key as they are written: rounded, those in rad in degrees."""
+    ways = {key: _degrees if key in angle_keys(table) else _rounded for key in values}
+    return {key: None if value is None else ways[key](value) for key, value in values.items()}
+
+
 def blank_table(member: MemberBlank, clearance: float) -> Blank:
     """Axial section of one member of a designed blank."""
-    return Blank(
-        pitch_angle=_degrees(member.pitch_angle),
-        face_angle=_degrees(member.face_angle),
-        root_angle=_degrees(member.root_angle),
-        pitch_apex_beyond_crossing_point=_rounded(member.pitch_apex),
-        face_apex_beyond_crossing_point=_rounded(member.face_apex),
-        root_apex_beyond_crossing_point=_rounded(member.root_apex),
-        outer_cone_distance=_rounded(member.outer_cone_distance),
-        face_width=_rounded(member.face_width),
-        clearance=_rounded(clearance),
-    )
+    keys = [key for key in Blank.model_fields if key not in ("clearance", "front_angle", "back_angle")]
+    values = {key: getattr(member, key.removesuffix(APEX_SUFFIX)) for key in keys}
+    return Blank(**_written(Blank, {**values, "clearance": clearance}))
 
 
 def with_blanks(case: Case) -> Case:
@@ -154,13 +164,7 @@ def with_blanks(case: Case) -> Case:
         return case
     blanks = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
     pinion, gear = (blank_table(member, blanks.clearance) for member in (blanks.pinion, blanks.gear))
-    return case.model_copy(
-        update={
-            "blank_design": None,
-            "pinion": case.pinion.model_copy(update={"blank": pinion}),
-            "gear": case.gear.model_copy(update={"blank": gear}),
-        }
-    )
+    return case.model_copy(update={"blank_design": None}).with_tables(pinion={"blank": pinion}, gear={"blank": gear})
 
 
 def recorded_thicknesses(pair: GearPair) -> list[float | None]:
@@ -173,20 +177,11 @@ def recorded_thicknesses(pair: GearPair) -> list[float | None]:
 
 def with_mean_thickness(case: Case) -> Case:
     """The case with thicknesses in the middle of the flank as those at the mean point. Raises as above."""
-    tables = {name: getattr(case, name) for name in MEMBERS}
-    given = {name for name, table in tables.items() if table.mid_flank_normal_circular_thickness is not None}
+    given = [name for name in MEMBERS if getattr(getattr(case, name), MID_FLANK) is not None]
     if not given:
         return case
-    thicknesses = zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True)
-    return case.model_copy(
-        update={
-            name: tables[name].model_copy(
-                update={"mean_normal_circular_thickness": value, "mid_flank_normal_circular_thickness": None}
-            )
-            for name, value in thicknesses
-            if name in given
-        }
-    )
+    thicknesses = dict(zip(MEMBERS, recorded_thicknesses(given_pair(case)), strict=True))
+    return case.with_tables(**{name: {MEAN: thicknesses[name], MID_FLANK: None} for name in given})
 
 
 def flank_settings(surface: GeneratingSurface, teeth: int) -> FlankSettings:
@@ -202,85 +197,50 @@ def machine_table(settings: MachineSettings) -> Machine:
     """Machine settings in mm and degrees, modified roll and motions as derivatives."""
     if len(settings.modified_roll) > len(ROLL_KEYS):
         raise InputError(f"modified_roll = {settings.modified_roll}: must have at most {len(ROLL_KEYS)} orders")
-    roll = {
-        name: _rounded(coefficient * math.factorial(order))
-        for order, (name, coefficient) in enumerate(zip(ROLL_KEYS, settings.modified_roll, strict=False), start=2)
-    }
+    roll = zip(ROLL_KEYS, polynomial_derivatives(settings.modified_roll, 2), strict=False)
     motions = {}
     for name, coefficients in settings.motions:
         unit = math.degrees(1.0) if name in ANGULAR_MOTIONS else 1.0
-        motions[name] = tuple(_rounded(unit * c * math.factorial(n)) for n, c in enumerate(coefficients, start=1))
-    return Machine(
-        radial_distance=_rounded(settings.radial_distance),
-        cradle_angle=_degrees(math.remainder(settings.cradle_angle, 2.0 * math.pi)),
-        machine_root_angle=_degrees(settings.machine_root_angle),
-        work_offset=_rounded(settings.work_offset),
-        sliding_base=_rounded(settings.sliding_base),
-        machine_center_to_crossing_point=_rounded(settings.machine_center_to_crossing_point),
-        cutter_tilt=_degrees(settings.cutter_tilt),
-        cutter_swivel=_degrees(settings.cutter_swivel),
-        ratio_of_roll=None if settings.ratio_of_roll is None else _rounded(settings.ratio_of_roll),
-        **roll,
-        motions=Motions(**motions),
-    )
+        motions[name] = tuple(map(_rounded, polynomial_derivatives(coefficients, unit=unit)))
+    values = {name: getattr(settings, name) for name in MACHINE_STEPS} | dict(roll)
+    values["cradle_angle"] = math.remainder(settings.cradle_angle, 2.0 * math.pi)
+    return Machine(**_written(Machine, values), motions=Motions(**motions))
 
 
 def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
     """A blade in mm and degrees."""
     reliefs: dict[str, Any] = {}
-    for name, relief in (("toprem", blade.toprem), ("flankrem", blade.flankrem)):
-        if relief is not None:
+    for name in RELIEFS:
+        if (relief := getattr(blade, name)) is not None:
             reliefs[f"{name}_depth"], reliefs[f"{name}_angle"] = _rounded(relief.height), _degrees(relief.angle)
             reliefs[f"{name}_radius"] = relief.radius
-    return Cutter(
-        blade_point_radius=_rounded(blade.point_radius),
-        blade_pressure_angle=_degrees(blade.pressure_angle),
-        number_of_blade_groups=number_of_blade_groups,
-        blade_offset_angle=_degrees(blade.offset_angle),
-        blade_rake_angle=_degrees(blade.rake_angle),
-        blade_hook_angle=_degrees(blade.hook_angle),
-        blade_spheric_radius=blade.spheric_radius,
-        blade_reference_height=0.0 if blade.spheric_radius is None else _rounded(blade.reference_height),
-        tool_edge_radius=_rounded(blade.edge_radius),
-        **reliefs,
-    )
-
-
-def numeric_keys() -> dict[str, tuple[str, str]]:
-    """Unit and usual name of every number of a case file by its dotted key."""
-    return dict(_every_key())
+    keys = [key for key in Cutter.model_fields if blade_field(key) != key]
+    values = _written(Cutter, {key: getattr(blade, blade_field(key)) for key in keys})
+    values["blade_spheric_radius"] = blade.spheric_radius
+    if blade.spheric_radius is None:
+        values["blade_reference_height"] = 0.0
+    return Cutter(**values, number_of_blade_groups=number_of_blade_groups, **reliefs)
 
 
 @cache
-def _every_key() -> list[tuple[str, tuple[str, str]]]:
-    return _keys(Case, "")
+def numeric_keys() -> Mapping[str, tuple[str, str]]:
+    """Unit and usual name of every number of a case file by its dotted key."""
+    return {key: (extra_of(field, "unit"), usual_name(key.rpartition(".")[2])) for key, field in _numbers().items()}
 
 
-def _keys(table: type[BaseModel], prefix: str) -> list[tuple[str, tuple[str, str]]]:
-    keys: list[tuple[str, tuple[str, str]]] = []
+@cache
+def _numbers() -> Mapping[str, FieldInfo]:
+    """Fields of the numbers of a case file by their dotted keys."""
+    return dict(_numbers_of(Case, ""))
+
+
+def _numbers_of(table: type[BaseModel], prefix: str) -> Iterator[tuple[str, FieldInfo]]:
     for name, field in table.model_fields.items():
-        inner = _table(field)
+        inner, options = inner_table(field.annotation), kinds(field.annotation)
         if inner is not None:
-            keys += _keys(inner, f"{prefix}{name}.")
-        elif _is_number(field):
-            extra = field.json_schema_extra
-            unit = str(extra["unit"]) if isinstance(extra, dict) else "1"
-            keys.append((f"{prefix}{name}", (unit, usual_name(name))))
-    return keys
-
-
-def _kinds(field: FieldInfo) -> tuple[Any, ...]:
-    """The types that a field may have."""
-    united = get_origin(field.annotation) in (Union, UnionType)
-    return get_args(field.annotation) if united else (field.annotation,)
-
-
-def _table(field: FieldInfo) -> type[BaseModel] | None:
-    return next((kind for kind in _kinds(field) if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
-
-
-def _is_number(field: FieldInfo) -> bool:
-    return any(kind in (int, float) for kind in _kinds(field)) and str not in _kinds(field)
+            yield from _numbers_of(inner, f"{prefix}{name}.")
+        elif str not in options and any(kind in (int, float) for kind in options):
+            yield f"{prefix}{name}", field
 
 
 def require_numeric_key(key: str) -> tuple[str, str]:
@@ -304,13 +264,14 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
                     raise InputError(f"{key}: the case has no table [{'.'.join(tables[:depth])}]")
                 inner[table] = {}
             inner = inner[table]
-        inner[name] = int(value) if float(value).is_integer() and _wants_whole(key) else float(value)
+        is_whole = float(value).is_integer() and int in kinds(_numbers()[key].annotation)
+        inner[name] = int(value) if is_whole else float(value)
     friction = case.friction
     context = None if friction is None else {"folder": friction._folder, "allow_outside": friction._allow_outside}
     try:
         new_case = Case.model_validate(data, context=context)
     except ValidationError as error:
-        raise InputError(f"the changed case has {count(error)}:\n{mistakes(Case, error)}") from error
+        raise refusal("the changed case", Case, error) from error
     if new_case.blank_design is not None:
         try:
             designed_blanks(
@@ -319,13 +280,3 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
         except EaseoffError as error:
             raise type(error)(f"the changed case: {error}") from error
     return new_case
-
-
-def _wants_whole(key: str) -> bool:
-    table: type[BaseModel] = Case
-    *tables, name = key.split(".")
-    for one in tables:
-        inner = _table(table.model_fields[one])
-        assert inner is not None  # ``require_numeric_key`` found it
-        table = inner
-    return int in _kinds(table.model_fields[name])

@@ -16,7 +16,7 @@ from itertools import islice
 from numbers import Real
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, TypeGuard, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeGuard, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,36 @@ Record = TypeVar("Record")
 
 KIND_WORDS = {"bool": "True or False", "Callable": "a function", "Mapping": "a dict", "NoneType": "None", "str": "text"}
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
+
+
+class Bounds(NamedTuple):
+    """Range of the numbers allowed; ``above`` and ``below`` do not belong to it."""
+
+    above: float | None
+    least: float | None
+    below: float | None
+    most: float | None
+    infinite: bool
+
+    def hold(self, value: Any) -> Any:
+        """True for a number, or for each entry of an array, that is within the bounds."""
+        valid = ~np.isnan(value) if self.infinite else np.isfinite(value)
+        valid = valid if self.above is None else valid & (value > self.above)
+        valid = valid if self.least is None else valid & (value >= self.least)
+        valid = valid if self.below is None else valid & (value < self.below)
+        return valid if self.most is None else valid & (value <= self.most)
+
+    def in_words(self, noun: str, unit: str) -> str:
+        """The numbers allowed, in words."""
+        above, least, below, most, infinite = self
+        finite = "" if infinite or below is not None or most is not None else "finite "
+        if least is not None and most is not None:
+            bounds = f" from {least:g} to {most:g}"
+        else:
+            lower = f" above {above:g}" if above is not None else f" of {least:g} or more" if least is not None else ""
+            upper = f" below {below:g}" if below is not None else f" of at most {most:g}" if most is not None else ""
+            bounds = f"{lower} and{upper.removeprefix(' of')}" if lower and upper else lower + upper
+        return f"{finite}{noun}{bounds}" + (f" [{unit}]" if unit not in ("", "1") else "")
 
 
 def number(
@@ -46,9 +76,9 @@ def number(
     """
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()  # an array without dimensions holds one number
-    if not (is_number(value) and bool(_within(float(value), above, least, below, most, infinite))):
-        wanted = _range("number", unit, above, least, below, most, infinite)
-        raise InputError(f"{name} = {shown(value)}: must be a {wanted}")
+    bounds = Bounds(above, least, below, most, infinite)
+    if not (is_number(value) and bool(bounds.hold(float(value)))):
+        raise InputError(f"{name} = {shown(value)}: must be a {bounds.in_words('number', unit)}")
     return float(value)
 
 
@@ -145,22 +175,21 @@ def array(
     ``size`` and ``fewest`` count the entries. ``anything`` takes every number, NaN too, for callers with better
     messages of their own; ``frozen`` returns a read-only copy in C order.
     """
-    numbers = _numbers(values, frozen)
+    numbers, bounds = _numbers(values, frozen), Bounds(above, least, below, most, infinite)
     if (
         numbers is None
         or (ndim is not None and numbers.ndim != ndim)
         or numbers.size < fewest
         or (size is not None and numbers.size != size)
     ):
-        wanted = _range("numbers", unit, above, least, below, most, infinite or anything)
+        wanted = bounds._replace(infinite=infinite or anything).in_words("numbers", unit)
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
-    valid = _within(numbers, above, least, below, most, infinite)
+    valid = bounds.hold(numbers)
     if not (anything or valid.all()):
-        one = _range("number", unit, above, least, below, most, infinite)
-        raise InputError(f"{name} = {shown(numbers[~valid].flat[0])}: must be a {one}")
+        raise InputError(f"{name} = {shown(numbers[~valid].flat[0])}: must be a {bounds.in_words('number', unit)}")
     return read_only(numbers) if frozen else numbers
 
 
@@ -358,34 +387,3 @@ def _why_no_numbers(values: Any) -> str:
     except (TypeError, ValueError, OverflowError):
         return ""
     return "; they are texts or other objects: convert them to floats" if given.ndim else ""
-
-
-def _within(
-    value: Any, above: float | None, least: float | None, below: float | None, most: float | None, infinite: bool
-) -> Any:
-    """True for a number, or for each entry of an array, that is within the bounds."""
-    valid = ~np.isnan(value) if infinite else np.isfinite(value)
-    valid = valid if above is None else valid & (value > above)
-    valid = valid if least is None else valid & (value >= least)
-    valid = valid if below is None else valid & (value < below)
-    return valid if most is None else valid & (value <= most)
-
-
-def _range(
-    noun: str,
-    unit: str,
-    above: float | None,
-    least: float | None,
-    below: float | None,
-    most: float | None,
-    infinite: bool,
-) -> str:
-    """The numbers allowed, in words."""
-    finite = "" if infinite or below is not None or most is not None else "finite "
-    if least is not None and most is not None:
-        bounds = f" from {least:g} to {most:g}"
-    else:
-        lower = f" above {above:g}" if above is not None else f" of {least:g} or more" if least is not None else ""
-        upper = f" below {below:g}" if below is not None else f" of at most {most:g}" if most is not None else ""
-        bounds = f"{lower} and{upper.removeprefix(' of')}" if lower and upper else lower + upper
-    return f"{finite}{noun}{bounds}" + (f" [{unit}]" if unit not in ("", "1") else "")

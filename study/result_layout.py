@@ -78,8 +78,8 @@ GROUPS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
         ("point", "quantity_limit"): ("front_limited", "front_limit_multiplier"),
         ("point", "setting"): ("front_setting", "front_found", "front_low_multiplier", "front_high_multiplier"),
         ("point",): (
-            *("front_multiplier", "front_ceiling", "front_violation", "front_converged", "front_analyses"),
-            *("front_rounding_change", "front_rounding_loss"),
+            *("front_ceiling", "front_multiplier", "front_violation", "front_converged", "front_rounding_change"),
+            *("front_rounding_loss", "front_analyses"),
         ),
     },
 }

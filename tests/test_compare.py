@@ -32,7 +32,7 @@ from easeoff.contact import SOLVERS as SOLVER_TABLE, ContactProblem, read_proble
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.study import write_comparison
 from easeoff.study.compare import compare, worker
-from easeoff.study.compare.attempt import Method, attempt, load_adapter
+from easeoff.study.compare.attempt import Method, Request, attempt, load_adapter
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_table import RESIDUALS, read_table
 from easeoff.study.compare.method_statistics import by_problem
@@ -196,10 +196,10 @@ def test_solver_that_lies_is_found_out(lies: xr.Dataset) -> None:
 
 def test_answer_of_the_wrong_length_is_an_error() -> None:
     for settings in ("scaled", "polished"):
-        found = attempt(same_size(1)[0], Method("nonsense", settings), fake_solvers.nonsense, LIMIT)
+        found = attempt(Request(same_size(1)[0], Method("nonsense", settings), LIMIT), fake_solvers.nonsense)
         assert found.claim == "raised"
         assert "Error" in found.message
-    found = attempt(same_size(1)[0], Method("nonsense", "raw"), fake_solvers.nonsense, LIMIT)
+    found = attempt(Request(same_size(1)[0], Method("nonsense", "raw"), LIMIT), fake_solvers.nonsense)
     assert found.claim == "solved"
     assert not found.certificate.passes(1.0)
 
@@ -208,12 +208,12 @@ def test_answer_of_the_wrong_length_is_an_error() -> None:
 def test_every_solver_of_the_table_is_tried_as_it_is(name: str) -> None:
     adapter = load_adapter(installed(name))
     for settings in ("scaled", "polished"):
-        found = attempt(same_size(1)[0], Method(name, settings), adapter, LIMIT)
+        found = attempt(Request(same_size(1)[0], Method(name, settings), LIMIT), adapter)
         assert found.certificate.passes(SOLVER_TABLE[name].tolerance)
         assert found.polished == (settings == "polished")
         assert found.exchanges == 0
     if not SOLVER_TABLE[name].package:  # others need a process of their own: raw units can bring one down
-        assert attempt(same_size(1)[0], Method(name, "raw"), adapter, LIMIT).certificate.passes(1e-9)
+        assert attempt(Request(same_size(1)[0], Method(name, "raw"), LIMIT), adapter).certificate.passes(1e-9)
 
 
 def test_solver_that_denies_its_right_answer_is_certified(dataset: xr.Dataset) -> None:
@@ -310,7 +310,7 @@ def test_function_of_a_module_is_a_solver(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.syspath_prepend(tmp_path)
     adapter = load_adapter("my_solver:by_daqp")
     for settings in ("scaled", "polished", "raw"):
-        found = attempt(same_size(1)[0], Method("my_solver:by_daqp", settings), adapter, LIMIT)
+        found = attempt(Request(same_size(1)[0], Method("my_solver:by_daqp", settings), LIMIT), adapter)
         assert (found.claim, found.message) == ("solved", "")
         assert found.certificate.passes(1e-6)
         assert found.polished == (settings == "polished")
@@ -333,7 +333,7 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
     calls: list[str] = []
     honest = worker.Worker.run
 
-    def counted(self: worker.Worker, request: worker.Request) -> Any:
+    def counted(self: worker.Worker, request: Request) -> Any:
         if len(calls) == 2:
             calls.append("interrupted")
             raise KeyboardInterrupt
@@ -532,8 +532,8 @@ def test_backend_gets_the_form_that_solve_gives_it() -> None:
     large = ContactProblem(1e-3 * rng.standard_normal(size) ** 2, np.full(size, 40.0), 1e5, pair)
     for problem in (large, same_size(1)[0]):
         for settings in ("scaled", "polished", "raw"):
-            attempt(problem, Method("piqp", settings), adapter, LIMIT)
-    attempt(large, Method("my_solver:solve_scaled", "scaled"), adapter, LIMIT)
+            attempt(Request(problem, Method("piqp", settings), LIMIT), adapter)
+    attempt(Request(large, Method("my_solver:solve_scaled", "scaled"), LIMIT), adapter)
     assert seen == ["lifted", "lifted", "dense", *["dense"] * 4]
 
 

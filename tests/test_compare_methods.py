@@ -19,11 +19,11 @@ from easeoff.study.compare import compare
 from easeoff.study.compare.attempt import (
     FACTOR_STEP,
     STARTING_SOLVERS,
-    TOLERANCE_NAMES,
     UNMEASURED_FACTOR,
     Attempt,
     Method,
     PosedProblem,
+    Request,
     attempt,
     load_adapter,
     load_factor,
@@ -50,7 +50,7 @@ def tried(name: str, posed: list[PosedProblem], chosen: Choice) -> dict[tuple[An
     fake_solvers._kept.clear()
     found: dict[tuple[Any, ...], list[Attempt]] = {}
     first = next(methods_of(solver, chosen))
-    attempt(multiplied(posed[0].problem, UNMEASURED_FACTOR), first, adapter, LIMIT)
+    attempt(Request(multiplied(posed[0].problem, UNMEASURED_FACTOR), first, LIMIT), adapter)
     for item in posed:
         methods = list(methods_of(solver, chosen))
         if item.before is not None:
@@ -58,7 +58,7 @@ def tried(name: str, posed: list[PosedProblem], chosen: Choice) -> dict[tuple[An
         for method in methods:
             for repetition in range(1, chosen.repetitions + 1):
                 one = item.varied(load_factor(method, repetition, item.number))
-                outcome = attempt(one.problem, method, adapter, LIMIT, one.start(method))
+                outcome = attempt(Request(one.problem, method, LIMIT, one.start(method)), adapter)
                 found.setdefault((item.name or item.number, method.settings, method.start), []).append(outcome)
     return found
 
@@ -146,8 +146,8 @@ def test_start_is_used(name: str) -> None:
     changed = 0
     # The alternating direction method looks at its iterates once in 25 steps: a start must be near to save any.
     for problem, force in neighbours(1.0 if name == "osqp" else 1.01):
-        cold = attempt(problem, Method(name, "scaled"), adapter, LIMIT)
-        warm = attempt(problem, Method(name, "scaled", "warm"), adapter, LIMIT, force)
+        cold = attempt(Request(problem, Method(name, "scaled"), LIMIT), adapter)
+        warm = attempt(Request(problem, Method(name, "scaled", "warm"), LIMIT, force), adapter)
         assert warm.claim == cold.claim == "solved"
         assert warm.certificate.passes(SOLVERS[name].tolerance)
         changed += (warm.iterations, warm.elastic_rotation) != (cold.iterations, cold.elastic_rotation)
@@ -175,8 +175,8 @@ def test_start_of_the_lifted_form_has_its_modal_amplitudes() -> None:
     pair = (np.full(size, 2e-6), 1e-3 * np.polynomial.legendre.legvander(x, 7))
     problem = ContactProblem(0.02 * x**2, np.full(size, 40.0), 1e5, pair)
     adapter = load_adapter(installed("osqp"))
-    cold = attempt(problem, Method("osqp", "scaled"), adapter, LIMIT)
-    warm = attempt(problem, Method("osqp", "scaled", "warm"), adapter, LIMIT, solve(problem).force)
+    cold = attempt(Request(problem, Method("osqp", "scaled"), LIMIT), adapter)
+    warm = attempt(Request(problem, Method("osqp", "scaled", "warm"), LIMIT, solve(problem).force), adapter)
     assert warm.certificate.passes(1e-6)
     assert warm.iterations < cold.iterations
 
@@ -188,16 +188,17 @@ def test_start_of_the_lifted_form_has_its_modal_amplitudes() -> None:
 def test_sweep_gives_a_solver_its_tolerance_by_its_own_names(name: str) -> None:
     adapter = load_adapter(installed(name))
     swept = list(methods_of(name, choice(tolerances=(1e-2, 1e-8))))[-2:]
-    if name not in TOLERANCE_NAMES:
+    names = SOLVERS[name].tolerance_settings
+    if not names:
         assert [method.settings for method in swept] != ["sweep", "sweep"]
         return
     assert [method.tolerance for method in swept] == [1e-2, 1e-8]
     table = SOLVERS[name].settings
     for method in swept:
         given = method.keywords(LIMIT)
-        assert {given[key] for key in TOLERANCE_NAMES[name]} == {method.tolerance}
+        assert {given[key] for key in names} == {method.tolerance}
         assert set(given) >= set(table)
-        found = attempt(next(problems("realistic", 1, seed=4)), method, adapter, LIMIT)
+        found = attempt(Request(next(problems("realistic", 1, seed=4)), method, LIMIT), adapter)
         assert found.claim != "raised", found.message
         assert found.certificate.passes(1.0)
 
@@ -207,7 +208,8 @@ def test_finer_tolerance_gives_a_better_certificate(name: str) -> None:
     adapter = load_adapter(installed(name))
     problem = next(problems("realistic", 1, seed=4))
     worst = [
-        attempt(problem, Method(name, "sweep", "cold", tol), adapter, LIMIT).certificate.worst for tol in (1e-2, 1e-9)
+        attempt(Request(problem, Method(name, "sweep", "cold", tolerance), LIMIT), adapter).certificate.worst
+        for tolerance in (1e-2, 1e-9)
     ]
     assert worst[1] < 1e-3 * worst[0]
 

@@ -28,6 +28,7 @@ from easeoff.study.analysis.case_analysis import require_solver_options
 from easeoff.study.cli import main
 from easeoff.study.cli.shared_options import torques
 from easeoff.study.design.design_check import (
+    blank_or_none,
     cutter_radius_advice,
     limit_pressure_angle_advice,
     offset_advice,
@@ -244,8 +245,9 @@ def test_a_crowning_in_mm_is_told_by_its_key() -> None:
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45", "axle-10x41", "aero-12x36"])
 def test_the_diameter_of_a_cutter_is_told_and_no_radius_of_a_shipped_design(name: str) -> None:
     data = basic_data(read_design(name))
-    assert cutter_radius_advice(data) == []
-    (told,) = cutter_radius_advice(replace(data, cutter_radius=2.0 * data.cutter_radius))
+    assert cutter_radius_advice(data, blank_or_none(data)) == []
+    large = replace(data, cutter_radius=2.0 * data.cutter_radius)
+    (told,) = cutter_radius_advice(large, blank_or_none(large))
     assert told.startswith(f"cutter_radius = {2.0 * data.cutter_radius:g} mm")
     assert "not the diameter?" in told
 
@@ -281,11 +283,12 @@ def test_a_small_generated_pressure_angle_is_told(offset: float, told: bool) -> 
     """The limit pressure angle of a wide offset leaves the drive flank little; what the advice names helps."""
     design = changed("fm-11x41", "pair", hypoid_offset=offset)
     data = replace(basic_data(design), limit_pressure_angle_influence=1.0)
-    found = limit_pressure_angle_advice(data)
+    found = limit_pressure_angle_advice(data, blank_or_none(data))
     assert bool(found) == told
     if told:
         assert "generated drive pressure angle of" in found[0]
-        assert not limit_pressure_angle_advice(replace(data, nominal_drive_pressure_angle=math.radians(40.0)))
+        larger = replace(data, nominal_drive_pressure_angle=math.radians(40.0))
+        assert not limit_pressure_angle_advice(larger, blank_or_none(larger))
 
 
 def row(quantity: str, difference: float) -> VerificationRow:

@@ -24,8 +24,8 @@ from easeoff.cases import (
     with_supports,
 )
 from easeoff.cases.reading import SUPPORT
-from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, inner_model, template, template_text, toml_value
-from easeoff.cases.schema.schema_table import number
+from easeoff.cases.schema.file_templates import TEMPLATE_KINDS, template, template_text, toml_value
+from easeoff.cases.schema.schema_table import inner_table, number
 from easeoff.cases.schema.supports_table import SupportFile
 from easeoff.core.errors import InputError
 from easeoff.friction.lubricants.lubricant import KEYS, lubricant
@@ -71,7 +71,7 @@ def schema_tables(model: type[BaseModel], path: str = "") -> dict[str, set[str]]
     """Keys that hold values by table of a schema."""
     found: dict[str, set[str]] = {path: set()}
     for name, field in model.model_fields.items():
-        inner = inner_model(field.annotation)
+        inner = inner_table(field.annotation, listed=True)
         if inner is None or name == "sections":  # which stand in one line each
             found[path].add(name)
         else:

@@ -18,8 +18,8 @@ from solver_choice import (
 
 from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, certify, solve
 from easeoff.contact.solvers.backend_solution import adapter_of
-from easeoff.study.compare.attempt import Method
-from easeoff.study.compare.worker import Request, workers
+from easeoff.study.compare.attempt import Method, Request
+from easeoff.study.compare.worker import workers
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
 

@@ -22,28 +22,9 @@ from ...core.regular_file import MODEL_SIZE_LIMIT, read_bytes
 from ...geometry.pair.gear_pair import MEMBERS
 from ..reading import MEAN, MID_FLANK, check_case
 from ..schema.case_schema import Blank, Case, MemberTable
-from ..schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, Machine
-from .rexs_vocabulary import (
-    APPLICATION,
-    ATTRIBUTES_READ,
-    BLANK_TERMS,
-    CASE_TERM,
-    CUTTER_TERMS,
-    FLANK_TERM,
-    HAND_TERM,
-    MACHINE_TERMS,
-    MATERIAL_TERMS,
-    MEMBER_TERMS,
-    MISALIGNMENT_TERMS,
-    MODIFIED_ROLL_TERM,
-    MOTION_TERMS,
-    STAGE_TERMS,
-    UNIT_FACTORS,
-    Hand,
-    Term,
-    opposite,
-    side,
-)
+from ..schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, Machine, polynomial_derivatives
+from . import rexs_vocabulary as rexs
+from .rexs_vocabulary import Hand, Term, opposite, side
 
 Value = str | float | int | tuple[float, ...]
 
@@ -85,9 +66,10 @@ class Component:
 
     def _converted(self, term: Term, text: str) -> float:
         unit = self.attributes[term.attribute].get("unit", term.unit).strip()
-        ours, factor = UNIT_FACTORS.get(unit, ("", math.nan))
+        ours, factor = rexs.UNIT_FACTORS.get(unit, ("", math.nan))
         if ours != term.unit:
-            allowed = ", ".join(repr(name) for name, (quantity, _) in UNIT_FACTORS.items() if quantity == term.unit)
+            units = rexs.UNIT_FACTORS.items()
+            allowed = ", ".join(repr(name) for name, (quantity, _) in units if quantity == term.unit)
             raise InputError(f"{self.described(term)}: unit = {unit!r}: must be one of {allowed}")
         try:
             value = float(text)
@@ -259,8 +241,8 @@ def _read(model: Model) -> tuple[Case, list[str]]:
         raise InputError("the relation 'stage' of the bevel stage does not name two components of type bevel_gear")
     pinion, gear = members[0], members[1]
     missing: list[str] = []
-    if (gear.number_of(MEMBER_TERMS["number_of_teeth"]) or 1e9) < (
-        pinion.number_of(MEMBER_TERMS["number_of_teeth"]) or 0
+    if (gear.number_of(rexs.MEMBER_TERMS["number_of_teeth"]) or 1e9) < (
+        pinion.number_of(rexs.MEMBER_TERMS["number_of_teeth"]) or 0
     ):
         pinion, gear = gear, pinion
         notes.append("gear_2 of the stage has fewer teeth: it is taken as the pinion")
@@ -270,21 +252,21 @@ def _read(model: Model) -> tuple[Case, list[str]]:
         _read_member(model, component, spiral, missing, notes, visited)
         for component, spiral in ((pinion, hand), (gear, opposite(hand)))
     ]
-    if model.application == APPLICATION and stage.text(CASE_TERM) is None:
+    if model.application == rexs.APPLICATION and stage.text(rexs.CASE_TERM) is None:
         for name, table in zip(MEMBERS, tables, strict=True):
             if MEAN in table:
                 table[MID_FLANK] = table.pop(MEAN)
                 notes.append(
                     f"{name}.{MID_FLANK}: an earlier easeoff wrote the thickness in the middle of the flank as "
-                    f"{MEMBER_TERMS[MEAN].attribute}; write the file anew, other programs take it for another one"
+                    f"{rexs.MEMBER_TERMS[MEAN].attribute}; write the file anew, other programs take it for another one"
                 )
     if missing:
         raise InputError("these attributes are needed and missing:\n" + "\n".join(f"  {line}" for line in missing))
     data = {
         "easeoff_case": 2,
         "title": (stage.name or f"{pinion.name} {gear.name}".strip() or "bevel stage")[:200],
-        "pair": _values(stage, STAGE_TERMS),
-        "misalignment": _values(stage, MISALIGNMENT_TERMS),
+        "pair": _values(stage, rexs.STAGE_TERMS),
+        "misalignment": _values(stage, rexs.MISALIGNMENT_TERMS),
         "pinion": {**tables[0], "hand_of_spiral": hand},
         "gear": tables[1],
     }
@@ -295,17 +277,19 @@ def _hand(pinion: Component, gear: Component, missing: list[str]) -> Hand:
     """Hand of the pinion, given by itself or by its mate."""
     hands: list[Hand] = []
     for component, turn in ((pinion, False), (gear, True)):
-        text = component.text(HAND_TERM)
+        text = component.text(rexs.HAND_TERM)
         if text is None:
             continue
         if text not in ("left", "right"):
-            raise InputError(f"{component.described(HAND_TERM)} = {text!r}: must be one of left, right")
+            raise InputError(f"{component.described(rexs.HAND_TERM)} = {text!r}: must be one of left, right")
         hand: Hand = "left" if text == "left" else "right"
         hands.append(opposite(hand) if turn else hand)
     if len(set(hands)) > 1:
-        raise InputError(f"{gear.described(HAND_TERM)}: both members have the same hand; they must be of opposite hand")
+        raise InputError(
+            f"{gear.described(rexs.HAND_TERM)}: both members have the same hand; they must be of opposite hand"
+        )
     if not hands:
-        missing.append(pinion.described(HAND_TERM))
+        missing.append(pinion.described(rexs.HAND_TERM))
         return "left"
     return hands[0]
 
@@ -335,27 +319,29 @@ def _needed(
 def _read_member(
     model: Model, gear: Component, hand: Hand, missing: list[str], notes: list[str], visited: set[int]
 ) -> dict[str, Any]:
-    table = _needed(gear, MemberTable, MEMBER_TERMS, missing)
-    table["blank"] = _needed(gear, Blank, BLANK_TERMS, missing)
+    table = _needed(gear, MemberTable, rexs.MEMBER_TERMS, missing)
+    table["blank"] = _needed(gear, Blank, rexs.BLANK_TERMS, missing)
     for relation in model.related("reference", "origin", gear.number):
         steel = model.in_role(relation, "referenced", "material")
         if steel is not None:
             visited.add(steel.number)
-            table["material"] = _values(steel, MATERIAL_TERMS)
+            table["material"] = _values(steel, rexs.MATERIAL_TERMS)
     for relation in model.related("flank", "gear", gear.number):
         for role in HANDS:
             flank = model.in_role(relation, role, "bevel_gear_flank")
             if flank is None:
                 continue
             visited.add(flank.number)
-            name = flank.text(FLANK_TERM) or side(hand, role)
+            name = flank.text(rexs.FLANK_TERM) or side(hand, role)
             settings = _read_flank(model, flank, missing, notes, visited)
             if settings is None:
                 continue
             if name not in ("concave", "convex") or name in table:
-                raise InputError(f"{flank.described(FLANK_TERM)} = {name!r}: must be one of concave, convex, once each")
+                raise InputError(
+                    f"{flank.described(rexs.FLANK_TERM)} = {name!r}: must be one of concave, convex, once each"
+                )
             table[name] = settings
-            if flank.text(FLANK_TERM) is None:
+            if flank.text(rexs.FLANK_TERM) is None:
                 notes.append(
                     f"component {flank.number} (bevel_gear_flank): the {role} flank is taken as the {name} one, seen "
                     "from the heel; REXS does not say from where"
@@ -382,31 +368,31 @@ def _read_flank(
             "bevel_gear_manufacturing_settings"
         )
     visited |= {tool.number, made.number}
-    machine = _needed(made, Machine, MACHINE_TERMS, missing, "radial_distance", "cradle_angle")
+    machine = _needed(made, Machine, rexs.MACHINE_TERMS, missing, "radial_distance", "cradle_angle")
     if not machine.get("ratio_of_roll"):
         if "ratio_of_roll" not in machine:
             notes.append(
                 f"component {made.number} ({made.kind}): has no ratio_of_roll, so that the member is taken as Formate"
             )
         machine.pop("ratio_of_roll", None)
-    roll = made.numbers_of(MODIFIED_ROLL_TERM)
+    roll = made.numbers_of(rexs.MODIFIED_ROLL_TERM)
     if any(roll[len(ROLL_KEYS) :]):
         raise InputError(
-            f"{made.described(MODIFIED_ROLL_TERM)}: has more than {len(ROLL_KEYS)} coefficients other than zero"
+            f"{made.described(rexs.MODIFIED_ROLL_TERM)}: has more than {len(ROLL_KEYS)} coefficients other than zero"
         )
-    machine |= {key: c * math.factorial(n) for n, (key, c) in enumerate(zip(ROLL_KEYS, roll, strict=False), start=2)}
+    machine |= dict(zip(ROLL_KEYS, polynomial_derivatives(roll, 2), strict=False))
     motions = {}
-    for key, term in MOTION_TERMS.items():
+    for key, term in rexs.MOTION_TERMS.items():
         unit = math.degrees(1.0) if key in ANGULAR_MOTIONS else 1.0
         if coefficients := made.numbers_of(term):
-            motions[key] = tuple(unit * c * math.factorial(n) for n, c in enumerate(coefficients, start=1))
+            motions[key] = polynomial_derivatives(coefficients, unit=unit)
     if any(roll) or any(any(values) for values in motions.values()):
         notes.append(
             f"component {made.number} ({made.kind}): coefficients of modified roll and motions are taken as those of "
             "powers of the cradle increment in rad, as the page on exchange says; REXS does not define them"
         )
     machine["motions"] = motions
-    return {"machine": machine, "cutter": _needed(tool, Cutter, CUTTER_TERMS, missing)}
+    return {"machine": machine, "cutter": _needed(tool, Cutter, rexs.CUTTER_TERMS, missing)}
 
 
 def _not_used(model: Model, visited: set[int]) -> list[str]:
@@ -414,7 +400,7 @@ def _not_used(model: Model, visited: set[int]) -> list[str]:
     notes = []
     for number in sorted(visited):
         component = model.components[number]
-        unknown = [name for name in component.attributes if name not in ATTRIBUTES_READ[component.kind]]
+        unknown = [name for name in component.attributes if name not in rexs.ATTRIBUTES_READ[component.kind]]
         if unknown:
             notes.append(f"component {number} ({component.kind}): not used: {', '.join(unknown)}")
     others = [component.kind for number, component in model.components.items() if number not in visited]

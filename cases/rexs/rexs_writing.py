@@ -22,29 +22,11 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..conversion import machine_settings
 from ..reading import MID_FLANK
 from ..schema.case_schema import Case, MemberTable
-from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings
+from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings, polynomial
 from ..writing import with_blanks, with_mean_thickness
+from . import rexs_vocabulary as rexs
 from .rexs_reading import ModelWriter, Value
-from .rexs_vocabulary import (
-    APPLICATION,
-    BLANK_TERMS,
-    CASE_TERM,
-    CUTTER_TERMS,
-    FLANK_TERM,
-    HAND_TERM,
-    MACHINE_TERMS,
-    MATERIAL_TERMS,
-    MEMBER_TERMS,
-    MISALIGNMENT_TERMS,
-    MODIFIED_ROLL_TERM,
-    MOTION_TERMS,
-    REXS_VERSION,
-    STAGE_TERMS,
-    Hand,
-    Term,
-    opposite,
-    side,
-)
+from .rexs_vocabulary import Hand, Term, opposite, side
 
 
 def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
@@ -89,17 +71,17 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
         notes += [f"{key}: left out, the teeth have none at the mean point ({error})" for key in given]
     file = ModelWriter(
         {
-            "version": REXS_VERSION,
-            "applicationId": APPLICATION,
+            "version": rexs.REXS_VERSION,
+            "applicationId": rexs.APPLICATION,
             "applicationVersion": version("easeoff"),
             "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "applicationLanguage": "en",
         }
     )
     pair = [
-        (CASE_TERM, case.easeoff_case),
-        *_terms(case.pair, STAGE_TERMS),
-        *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT_TERMS) if v),
+        (rexs.CASE_TERM, case.easeoff_case),
+        *_terms(case.pair, rexs.STAGE_TERMS),
+        *((t, v) for t, v in _terms(case.misalignment, rexs.MISALIGNMENT_TERMS) if v),
     ]
     stage = file.component("bevel_stage", case.title, pair)
     hand = case.pinion.hand_of_spiral
@@ -144,17 +126,17 @@ def _noted(where: str, table: BaseModel, terms: dict[str, Term], notes: list[str
 def _write_member(file: ModelWriter, name: str, table: MemberTable, hand: Hand, notes: list[str]) -> int:
     assert table.blank is not None  # see ``with_blanks``
     attributes = [
-        *_terms(table, MEMBER_TERMS),
-        (HAND_TERM, hand),
-        *_noted(f"{name}.blank", table.blank, BLANK_TERMS, notes),
+        *_terms(table, rexs.MEMBER_TERMS),
+        (rexs.HAND_TERM, hand),
+        *_noted(f"{name}.blank", table.blank, rexs.BLANK_TERMS, notes),
     ]
     gear = file.component("bevel_gear", name, attributes)
-    steel = file.component("material", f"material of the {name}", _terms(table.material, MATERIAL_TERMS))
+    steel = file.component("material", f"material of the {name}", _terms(table.material, rexs.MATERIAL_TERMS))
     file.relation("reference", origin=gear, referenced=steel)
     flanks: dict[str, int] = {}
     for flank in ("concave", "convex"):
         # A relation has to name both flanks, so that a flank which the case lacks is there without settings.
-        flanks[flank] = file.component("bevel_gear_flank", f"{name} {flank}", [(FLANK_TERM, flank)])
+        flanks[flank] = file.component("bevel_gear_flank", f"{name} {flank}", [(rexs.FLANK_TERM, flank)])
         settings = getattr(table, flank)
         if settings is not None:
             _write_flank(file, f"{name}.{flank}", flanks[flank], settings, notes)
@@ -173,16 +155,15 @@ def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSetti
             f"{where}.machine: horizontal_distance and vertical_distance are written as radial_distance and "
             "center_roll_position"
         )
-    attributes = [(t, v) for t, v in _terms(machine, MACHINE_TERMS) if t != MACHINE_TERMS["ratio_of_roll"]]
-    attributes.append((MACHINE_TERMS["ratio_of_roll"], machine.ratio_of_roll or 0.0))
+    attributes = [(t, v) for t, v in _terms(machine, rexs.MACHINE_TERMS) if t != rexs.MACHINE_TERMS["ratio_of_roll"]]
+    attributes.append((rexs.MACHINE_TERMS["ratio_of_roll"], machine.ratio_of_roll or 0.0))
     if any(machine.modified_roll):
-        roll = tuple(value / math.factorial(order) for order, value in enumerate(machine.modified_roll, start=2))
-        attributes.append((MODIFIED_ROLL_TERM, roll))
-    for term, value in _noted(f"{where}.machine.motions", machine.motions, MOTION_TERMS, notes):
+        attributes.append((rexs.MODIFIED_ROLL_TERM, polynomial(machine.modified_roll, 2)))
+    for term, value in _noted(f"{where}.machine.motions", machine.motions, rexs.MOTION_TERMS, notes):
         assert isinstance(value, tuple)
-        unit = math.radians(1.0) if term in [MOTION_TERMS[key] for key in ANGULAR_MOTIONS] else 1.0
+        unit = math.radians(1.0) if term in [rexs.MOTION_TERMS[key] for key in ANGULAR_MOTIONS] else 1.0
         if value:
-            attributes.append((term, tuple(unit * d / math.factorial(n) for n, d in enumerate(value, start=1))))
+            attributes.append((term, polynomial(value, unit=unit)))
     tool = file.component("bevel_gear_tool", where, _noted(f"{where}.cutter", settings.cutter, _used(settings), notes))
     made = file.component("bevel_gear_manufacturing_settings", where, attributes)
     file.relation("manufacturing_step", order=1, workpiece=flank, tool=tool, manufacturing_settings=made)
@@ -191,4 +172,4 @@ def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSetti
 def _used(settings: FlankSettings) -> dict[str, Term]:
     """Attributes of the blade that say something: those of a plain blade's zero radii and angles REXS excludes."""
     plain = {key for key, field in Cutter.model_fields.items() if getattr(settings.cutter, key) == field.default}
-    return {key: term for key, term in CUTTER_TERMS.items() if key not in plain}
+    return {key: term for key, term in rexs.CUTTER_TERMS.items() if key not in plain}

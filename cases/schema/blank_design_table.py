@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 
 from pydantic import model_validator
 
-from .schema_table import Integer, Number, Table, number
+from .schema_table import Integer, Number, Table, key, number
 
 
 class BlankDesignTable(Table):
@@ -15,14 +15,10 @@ class BlankDesignTable(Table):
     method: Literal[0, 1, 2, 3] = number(
         "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3)", "1"
     )
-    process: Literal["face_milled", "face_hobbed"]
+    process: Literal["face_milled", "face_hobbed"] = key("face_hobbed in methods 2 and 3")
     pinion_mean_spiral_angle: Number | None = number("method 1", "deg", default=None, ge=0, lt=90)
     gear_mean_spiral_angle: Number | None = number(
-        "methods 0, 2 and 3; without an offset the pinion's, too",
-        "deg",
-        default=None,
-        ge=0,
-        lt=90,
+        "methods 0, 2 and 3; without an offset the pinion's, too", "deg", default=None, ge=0, lt=90
     )
     gear_face_width: Number = number("along the pitch cone", "mm", gt=0.5, lt=1000)
     cutter_radius: Number = number("mean radius", "mm", gt=1, lt=2000)
@@ -56,11 +52,7 @@ class BlankDesignTable(Table):
         lt=1,
     )
     gear_mean_slot_width: Number | None = number(
-        "data type II, instead of thickness_factor: at the bottom, mid face",
-        "mm",
-        default=None,
-        gt=0,
-        lt=200,
+        "data type II, instead of thickness_factor: at the bottom, mid face", "mm", default=None, gt=0, lt=200
     )
     outer_normal_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
     outer_transverse_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
@@ -72,7 +64,9 @@ class BlankDesignTable(Table):
     gear_dedendum_angle: Number | None = number(
         "pitch less root angle, instead of depth_taper", "deg", default=None, gt=-45, lt=45
     )
-    depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = None
+    depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = key(
+        "change of depth along the face", default=None
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -101,12 +95,3 @@ class BlankDesignTable(Table):
         angle = self.pinion_mean_spiral_angle if self.method == 1 else self.gear_mean_spiral_angle
         assert angle is not None  # the validator sees to it
         return angle
-
-    @classmethod
-    def angles(cls) -> frozenset[str]:
-        """Keys that hold degrees."""
-        return frozenset(
-            key
-            for key, field in cls.model_fields.items()
-            if field.description is not None and field.description.endswith("[deg]")
-        )

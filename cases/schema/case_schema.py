@@ -14,7 +14,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
@@ -24,12 +24,15 @@ from ...geometry.pair.assembly import Misalignment
 from ..deflections import ERRORS, SYMBOLS, Deflections
 from ..mistakes import written
 from .blank_design_table import BlankDesignTable
-from .cutting_table import FlankSettings
+from .cutting_table import ROLL_KEYS, FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
-from .schema_table import InputFile, Integer, Number, Table, number
+from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
+
+if TYPE_CHECKING:
+    from ...geometry.pair.gear_pair import FlankName
 
 INCH = 25.4  # [mm]
 #: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
@@ -55,32 +58,16 @@ USUAL_NAMES: Mapping[str, str] = {
     "cradle_angle": "basic cradle angle",
     "horizontal_distance": "horizontal setting",
     "vertical_distance": "vertical setting",
-    "machine_root_angle": "machine root angle",
     "work_offset": "blank offset",
-    "sliding_base": "sliding base",
     "machine_center_to_crossing_point": "machine centre to back",
     "cutter_tilt": "tilt",
     "cutter_swivel": "swivel",
-    "ratio_of_roll": "ratio of roll",
-    "modified_roll_2c": "modified roll 2C",
-    "modified_roll_6d": "modified roll 6D",
-    "modified_roll_24e": "modified roll 24E",
-    "modified_roll_120f": "modified roll 120F",
-    "modified_roll_720g": "modified roll 720G",
+    **{key: f"modified roll {key.rpartition('_')[2].upper()}" for key in ROLL_KEYS},
     "blade_point_radius": "cutter point radius",
     "blade_pressure_angle": "blade angle",
-    "blade_offset_angle": "blade offset angle",
-    "blade_rake_angle": "blade rake angle",
-    "blade_hook_angle": "blade hook angle",
     "blade_spheric_radius": "profile radius",
     "blade_reference_height": "reference height",
     "tool_edge_radius": "edge radius",
-    "toprem_depth": "toprem depth",
-    "toprem_angle": "toprem angle",
-    "toprem_radius": "toprem radius",
-    "flankrem_depth": "flankrem depth",
-    "flankrem_angle": "flankrem angle",
-    "flankrem_radius": "flankrem radius",
     "number_of_blade_groups": "blade groups",
 }
 #: Names of the motions that have one.
@@ -101,6 +88,7 @@ def motion_name(key: str) -> str:
     return MOTION_NAMES.get(key, f"motion of {usual_name(key)}")
 
 
+Side = Literal["concave", "convex"]
 DEFLECTION_ROW_COUNT_LIMIT = 1000
 
 
@@ -112,7 +100,7 @@ class DeflectionRow(Table):
     P: Number | None = number("pinion away from the crossing point", "mm", default=None, gt=-10, lt=10)
     G: Number | None = number("gear away from the crossing point", "mm", default=None, gt=-10, lt=10)
     Sigma: Number | None = number("increase of the shaft angle", "deg", default=None, gt=-5, lt=5)
-    flank: Literal["drive", "coast"] | None = Field(default=None, description="in mesh; both if left out")
+    flank: Literal["drive", "coast"] | None = key("in mesh; both if left out", default=None)
 
 
 def _rows(value: Any) -> Any:
@@ -178,18 +166,10 @@ class Blank(Table):
     face_width: Number = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
     clearance: Number = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
     front_angle: Number | None = number(
-        "cone at right angles to the toe line; pitch_angle if left out",
-        "deg",
-        default=None,
-        gt=-90,
-        lt=180,
+        "cone at right angles to the toe line; pitch_angle if left out", "deg", default=None, gt=-90, lt=180
     )
     back_angle: Number | None = number(
-        "cone at right angles to the heel line; pitch_angle if left out",
-        "deg",
-        default=None,
-        gt=-90,
-        lt=180,
+        "cone at right angles to the heel line; pitch_angle if left out", "deg", default=None, gt=-90, lt=180
     )
 
     @model_validator(mode="after")
@@ -234,6 +214,11 @@ class MemberTable(Table):
     convex: FlankSettings | None = None
     material: Steel = Steel()
 
+    @property
+    def sides(self) -> list[str]:
+        """Names of the flanks that it has."""
+        return [side for side in ("concave", "convex") if getattr(self, side) is not None]
+
     @model_validator(mode="after")
     def _one_thickness(self) -> Self:
         if self.mean_normal_circular_thickness is not None and self.mid_flank_normal_circular_thickness is not None:
@@ -243,10 +228,15 @@ class MemberTable(Table):
         return self
 
 
+HandOfSpiral = Annotated[
+    Literal["left", "right"], Field(description="of the pinion, the gear has the other; `[pinion]` only")
+]
+
+
 class PinionTable(MemberTable):
     """The pinion; its hand decides that of the gear."""
 
-    hand_of_spiral: Literal["left", "right"]
+    hand_of_spiral: HandOfSpiral
 
 
 class PairTable(Table):
@@ -266,10 +256,17 @@ class PairTable(Table):
 class ContactTable(Table):
     """Torques and resolution of the analysis; without torques the case takes those of ``usual_torques``."""
 
-    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
+    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = number(
+        "at the pinion; if left out, three in proportion to the size of the teeth, the middle one 40 N/mm² times face "
+        "width, outer transverse module squared and half the pinion's teeth",
+        "N m",
+        default=(),
+    )
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
     segments_per_line: Integer = number("segments per line", "1", default=31, ge=3, le=2000)
-    edge_contact: bool = True
+    edge_contact: bool = key(
+        "[edges](../guides/finite_elements.md#edges) may touch beside the contact lines", default=True
+    )
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
     separation: Number = number(
@@ -318,30 +315,28 @@ BRICK_KEYS = frozenset({"rim_depth", "fineness", "neighbours", "pinion_web", "ge
 class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
-    model: Literal["shell", "solid_shell", "fe"] = "solid_shell"
-    plate: Literal["even", "fitted"] = "even"
+    model: Literal["shell", "solid_shell", "fe"] = key(
+        "of the [teeth](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the rest with the "
+        "others",
+        default="solid_shell",
+    )
+    plate: Literal["even", "fitted"] = key(
+        "`fitted` follows thickness over the height and fanning; `even` is the dissertation's", default="even"
+    )
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
     shear_factor: Number = number("shear correction", "1", default=1.0, gt=0, le=1)
-    root: Literal["weber", "odonnell", "clamped"] = "weber"
+    root: Literal["weber", "odonnell", "clamped"] = key("root springs; `clamped` for a rigid root", default="weber")
     root_factor: Number = number("multiplies the root's flexibility", "1", default=1.0, gt=0, le=10)
     rim_depth: Depths | None = number(
         "elastic body below the root, of both members or of pinion and gear; 1.2 times the tooth's height if left out",
         "mm",
+        allowed="one or two, > 0, < 1000",
         default=None,
     )
-    fineness: Number = number(
-        "multiplies bricks and functions in every direction",
-        "1",
-        default=1.0,
-        ge=0.2,
-        le=4,
-    )
+    fineness: Number = number("multiplies bricks and functions in every direction", "1", default=1.0, ge=0.2, le=4)
 
-    neighbours: bool = Field(
-        default=True,
-        description="teeth of a member share its body; otherwise each has a sector of its own",
-    )
+    neighbours: bool = key("teeth of a member share its body; otherwise each has a sector of its own", default=True)
     pinion_web: WebTable | None = None
     gear_web: WebTable | None = None
 
@@ -349,15 +344,15 @@ class ComplianceTable(Table):
     def _of_one_model(self) -> Self:
         foreign, wanted = (BRICK_KEYS, '"solid_shell" or "fe"') if self.model == "shell" else (SHELL_KEYS, '"shell"')
         chosen = "model" in self.model_fields_set
-        for key in sorted(foreign & self.model_fields_set):
-            value = getattr(self, key)
+        for name in sorted(foreign & self.model_fields_set):
+            value = getattr(self, name)
             # With the model itself given, a key of another model at its default is that of a table written in full.
-            if not chosen or value != type(self).model_fields[key].default:
+            if not chosen or value != type(self).model_fields[name].default:
                 note = f'it is "{self.model}"' + ("" if chosen else ", the default")
-                raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {note}")
-        for key in ("pinion_web", "gear_web"):
-            if getattr(self, key) is not None and not self.neighbours:
-                raise ValueError(f"{key}: must go with neighbours = true: the web carries the body that teeth share")
+                raise ValueError(f"{name} = {written(value)}: must go with model = {wanted}; {note}")
+        for name in ("pinion_web", "gear_web"):
+            if getattr(self, name) is not None and not self.neighbours:
+                raise ValueError(f"{name}: must go with neighbours = true: the web carries the body that teeth share")
         return self
 
 
@@ -369,13 +364,7 @@ class TargetTable(Table):
 
     lengthwise_crowning: Number = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
     profile_crowning: Number = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
-    bias: Number = number(
-        "(toe-tip + heel-root - toe-root - heel-tip) / 4",
-        "um",
-        default=0.0,
-        gt=-1e4,
-        lt=1e4,
-    )
+    bias: Number = number("(toe-tip + heel-root - toe-root - heel-tip) / 4", "um", default=0.0, gt=-1e4, lt=1e4)
     spiral_angle_error: Number = number("half of heel less toe", "um", default=0.0, gt=-1e4, lt=1e4)
     pressure_angle_error: Number = number("half of tip less root", "um", default=0.0, gt=-1e4, lt=1e4)
 
@@ -387,10 +376,8 @@ class TargetsTable(Table):
     coast: TargetTable | None = None
 
 
-def _given_flanks(member: MemberTable) -> list[str]:
-    """Names of the flanks that a member has."""
-    return [side for side in ("concave", "convex") if getattr(member, side) is not None]
-
+#: Side of the pinion and of the gear by the flanks in mesh.
+MATING_SIDES: Mapping[FlankName, tuple[Side, Side]] = {"drive": ("concave", "convex"), "coast": ("convex", "concave")}
 
 FlankOfMember = Literal["pinion concave", "pinion convex", "gear concave", "gear convex"]
 
@@ -406,10 +393,14 @@ class Case(InputFile):
     (90.0, 36)
     """
 
-    easeoff_case: Literal[2]
-    title: Annotated[str, Field(min_length=1, max_length=200)]
-    description: str = ""
-    corrected_flanks: Annotated[tuple[FlankOfMember, ...], Field(strict=False, max_length=4)] = ()
+    easeoff_case: Literal[2] = key("version of the format; 1 is read, too")
+    title: Title
+    description: Description = ""
+    corrected_flanks: Annotated[tuple[FlankOfMember, ...], Field(strict=False, max_length=4)] = key(
+        "flanks whose settings `easeoff correct` made for the machine that cut the measured ones; on a machine without "
+        "errors they cut others",
+        default=(),
+    )
     pair: PairTable
     blank_design: BlankDesignTable | None = None
     pinion: PinionTable
@@ -431,14 +422,23 @@ class Case(InputFile):
         InputError
             If a mapping is given for a table; says how to copy that.
         """
-        for key, value in (update or {}).items():
-            if isinstance(value, Mapping) and key in type(self).model_fields:
-                inner = ", ".join(f"{name!r}: ..." for name in value)
-                change = f"model_copy(update={{{key!r}: case.{key}.model_copy(update={{{inner}}})}})"
+        for name, value in (update or {}).items():
+            if isinstance(value, Mapping) and name in type(self).model_fields:
+                inner = ", ".join(f"{inner_name!r}: ..." for inner_name in value)
+                change = f"model_copy(update={{{name!r}: case.{name}.model_copy(update={{{inner}}})}})"
                 raise InputError(
-                    f"{key} = {shown(dict(value))}: must be a table, not a dict; copy it too: case.{change}"
+                    f"{name} = {shown(dict(value))}: must be a table, not a dict; copy it too: case.{change}"
                 )
         return super().model_copy(update=update, deep=deep)
+
+    @property
+    def flanks(self) -> tuple[FlankName, ...]:
+        """Flanks in mesh that both members have."""
+        return tuple(
+            flank
+            for flank, (pinion, gear) in MATING_SIDES.items()
+            if pinion in self.pinion.sides and gear in self.gear.sides
+        )
 
     def _summary_rows(self) -> list[tuple[str, str]]:
         """The case in a few lines: names and words."""
@@ -448,7 +448,7 @@ class Case(InputFile):
             ("pinion", f"{self.pinion.hand_of_spiral}-hand"),
             ("hypoid offset", f"{self.pair.hypoid_offset:g} mm"),
             ("shaft angle", f"{self.pair.shaft_angle:g} °"),
-            *((f"flanks of the {name}", ", ".join(_given_flanks(member))) for name, member in members),
+            *((f"flanks of the {name}", ", ".join(member.sides)) for name, member in members),
             ("torques", f"{', '.join(f'{torque:g}' for torque in self.contact.torques)} N m at the pinion"),
             ("mesh positions", f"{self.contact.mesh_positions}"),
             ("elastic teeth", self.compliance.model),
@@ -516,9 +516,7 @@ class Case(InputFile):
 
     @model_validator(mode="after")
     def _has_a_pair_of_flanks(self) -> Self:
-        drive = self.pinion.concave is not None and self.gear.convex is not None
-        coast = self.pinion.convex is not None and self.gear.concave is not None
-        if not (drive or coast):
+        if not self.flanks:
             raise ValueError(
                 "no flanks to mesh: give [pinion.concave] and [gear.convex] for the drive side, or [pinion.convex] and "
                 "[gear.concave] for the coast side"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -10,8 +12,24 @@ from .schema_table import Integer, Number, Table, number
 
 #: Keys of the modified roll, from the second derivative of the work rotation on.
 ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
+RELIEFS = ("toprem", "flankrem")
 #: Moving settings that are angles.
 ANGULAR_MOTIONS = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
+
+
+def polynomial(derivatives: Iterable[float], first: int = 1, unit: float = 1.0) -> tuple[float, ...]:
+    """Coefficients of a polynomial from its derivatives at zero, of the order ``first`` and the next, in a unit."""
+    return tuple(unit * value / math.factorial(order) for order, value in enumerate(derivatives, start=first))
+
+
+def polynomial_derivatives(coefficients: Iterable[float], first: int = 1, unit: float = 1.0) -> tuple[float, ...]:
+    """The inverse of ``polynomial``."""
+    return tuple(unit * value * math.factorial(order) for order, value in enumerate(coefficients, start=first))
+
+
+def blade_field(key: str) -> str:
+    """Field of ``Blade`` that is a key of a cutter: the key without its prefix."""
+    return key.removeprefix("blade_").removeprefix("tool_")
 
 
 class Cutter(Table):
@@ -36,11 +54,7 @@ class Cutter(Table):
         lt=1e7,
     )
     blade_reference_height: Number = number(
-        "where a circular profile has the pressure angle, above the tip plane",
-        "mm",
-        default=0.0,
-        gt=-50,
-        lt=100,
+        "where a circular profile has the pressure angle, above the tip plane", "mm", default=0.0, gt=-50, lt=100
     )
     tool_edge_radius: Number = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
     toprem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=50)
@@ -62,7 +76,7 @@ class Cutter(Table):
 
     @model_validator(mode="after")
     def _reliefs_begin_somewhere(self) -> Self:
-        for name in ("toprem", "flankrem"):
+        for name in RELIEFS:
             if getattr(self, f"{name}_depth") is None and (
                 getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
             ):
@@ -102,28 +116,16 @@ class Machine(Table):
     radial_distance: Number | None = number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
     cradle_angle: Number | None = number("positive for both hands", "deg", default=None, ge=-180, le=180)
     horizontal_distance: Number | None = number(
-        "Formate: cutter centre along the root line",
-        "mm",
-        default=None,
-        gt=-5000,
-        lt=5000,
+        "Formate: cutter centre along the root line", "mm", default=None, gt=-5000, lt=5000
     )
     vertical_distance: Number | None = number(
-        "Formate: cutter centre across the root line",
-        "mm",
-        default=None,
-        gt=-5000,
-        lt=5000,
+        "Formate: cutter centre across the root line", "mm", default=None, gt=-5000, lt=5000
     )
     machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
     work_offset: Number = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
     sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
     machine_center_to_crossing_point: Number = number(
-        "machine centre to back, along the work axis",
-        "mm",
-        default=0.0,
-        gt=-1000,
-        lt=1000,
+        "machine centre to back, along the work axis", "mm", default=0.0, gt=-1000, lt=1000
     )
     cutter_tilt: Number = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
     cutter_swivel: Number = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)

@@ -9,9 +9,9 @@ from pydantic import Field, field_validator, model_validator
 from ...geometry.cutting.named_settings import scale_of
 from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
-from .case_schema import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
+from .case_schema import ComplianceTable, ContactTable, HandOfSpiral, MisalignmentTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
-from .schema_table import InputFile, Integer, Number, Table, number
+from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
 
 EDGE_RADIUS = (
     "edge radius of its cutters' blades, which cuts the fillet; a quarter of the mean normal module, less where "
@@ -23,8 +23,14 @@ class DesignedGear(Table):
     """The gear, cut by one spread-blade cutter or hobbed."""
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
-    generation: Literal["formate", "generated"] = "formate"
-    basic_settings: Literal["mean_point", "root_line"] = "mean_point"
+    generation: Literal["formate", "generated"] = key(
+        "whether the gear is rolled while it is cut, or only indexed", default="formate"
+    )
+    basic_settings: Literal["mean_point", "root_line"] = key(
+        "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
+        "follow from the root line by the closed form",
+        default="mean_point",
+    )
     tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
     material: Steel = Steel()
 
@@ -80,12 +86,21 @@ class DesignedPinion(Table):
     """The generated pinion."""
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
-    hand_of_spiral: Literal["left", "right"]
+    hand_of_spiral: HandOfSpiral
     tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
-    method: PinionMethod = "closest_fit"
+    method: PinionMethod = key(
+        "how the pinion is cut, see [methods](design_file.md#methods-of-the-pinion)", default="closest_fit"
+    )
     limits: LimitsTable = LimitsTable()
-    follow_root: bool = True
-    free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
+    follow_root: bool = key(
+        "closest fit: whether the tips of the pinion's blades shall run along its root cone; other methods always do",
+        default=True,
+    )
+    free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = key(
+        "closest fit: pinion settings it may move, see below; the usual ones if left out",
+        allowed="names of settings",
+        default=None,
+    )
     material: Steel = Steel()
 
     @field_validator("free_settings")
@@ -151,9 +166,9 @@ class Design(InputFile):
     (11, 'face_milled')
     """
 
-    easeoff_design: Literal[1]
-    title: Annotated[str, Field(min_length=1, max_length=200)]
-    description: str = ""
+    easeoff_design: Literal[1] = key("version of the format")
+    title: Title
+    description: Description = ""
     pair: PairTable
     blank_design: BlankDesignTable
     pinion: DesignedPinion

@@ -11,10 +11,8 @@ import json
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from types import UnionType
-from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
-from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -25,87 +23,11 @@ from ..reading import CASE, DESIGN, SUPPORT
 from .case_schema import Case
 from .design_schema import Design
 from .load_case_table import LoadCase
-from .supports_table import CURVE_LENGTH_LIMIT, STIFFNESS_LIMIT, TILTING_STIFFNESS_LIMIT, SupportFile
+from .schema_table import extra_of, inner_table
+from .supports_table import SupportFile
 
-# What the schema itself says nothing about, because a type or a table says it there: (meaning, unit).
-MEANINGS = {
-    "easeoff_case": ("version of the format; 1 is read, too", ""),
-    "title": ("one line for lists and plots", ""),
-    "description": ("where the numbers come from", ""),
-    "corrected_flanks": (
-        "flanks whose settings `easeoff correct` made for the machine that cut the measured ones; on a machine without "
-        "errors they cut others",
-        "",
-    ),
-    "process": ("face_hobbed in methods 2 and 3", ""),
-    "depth_taper": ("change of depth along the face", ""),
-    "easeoff_design": ("version of the format", ""),
-    "easeoff_support": ("version of the format", ""),
-    "generation": ("whether the gear is rolled while it is cut, or only indexed", ""),
-    "basic_settings": (
-        "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
-        "follow from the root line by the closed form",
-        "",
-    ),
-    "method": ("how the pinion is cut, see [methods](design_file.md#methods-of-the-pinion)", ""),
-    "follow_root": (
-        "closest fit: whether the tips of the pinion's blades shall run along its root cone; other methods always do",
-        "",
-    ),
-    "free_settings": ("closest fit: pinion settings it may move, see below; the usual ones if left out", ""),
-    "hand_of_spiral": ("of the pinion, the gear has the other; `[pinion]` only", ""),
-    "edge_contact": ("[edges](../guides/finite_elements.md#edges) may touch beside the contact lines", ""),
-    "torques": (
-        "at the pinion; if left out, three in proportion to the size of the teeth, the middle one 40 N/mm² times face "
-        "width, outer transverse module squared and half the pinion's teeth",
-        "N m",
-    ),
-    "model": (
-        "of the [teeth](../guides/finite_elements.md); `plate` to `root_factor` go with `shell`, the rest with the "
-        "others",
-        "",
-    ),
-    "plate": ("`fitted` follows thickness over the height and fanning; `even` is the dissertation's", ""),
-    "oil": ("lubricant, or path of a TOML file inside the folder of this one", ""),
-    "film": ("formula for the least film thickness", ""),
-    "film_heating": ("thinning of the film by heat of the inlet", ""),
-    "thermal_factor": ("decrease of the rolling traction by heat of the inlet", ""),
-    "rolling_frame": ("frame of the rolling velocity", ""),
-    "out_of_range": ("temperature without oil data: an error, or the end of the data with a flag", ""),
-    "name": ("in results; its number, from 1, if left out", ""),
-    "flank": ("in mesh; that of the analysis if left out", ""),
-    "feedback": ("friction takes its part of the torque from the normal forces", ""),
-    "wind_up": (
-        "the pinion turns about its axis by its support's compliance; else this rotation is held, as the gear's always "
-        "is",
-        "",
-    ),
-    "rounds": (
-        "assembly for which the ease-off is computed anew: mean of the mesh cycle, every mesh position, or none (first "
-        "order)",
-        "",
-    ),
-    "root": ("root springs; `clamped` for a rigid root", ""),
-}
-
-PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs, positive and increasing"
-# Values that a model elsewhere checks: what it allows.
-ELSEWHERE = {
-    "name": "text of up to 60 letters, digits, blanks and `. _ + = -`",
-    "free_settings": "names of settings",
-    "rim_depth": "one or two, > 0, < 1000",
-    **dict.fromkeys(("reference", "pinion_reference", "gear_reference"), "three within ±5000"),
-    **dict.fromkeys(("stiffness", "compliance"), "symmetric, [positive definite](../guides/supports.md)"),
-    **dict.fromkeys(("radial_stiffness", "axial_stiffness"), f"0 to {STIFFNESS_LIMIT:g}, or {PAIRS}"),
-    "tilting_stiffness": f"0 to {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}",
-    **{f"{key}_displacement": PAIRS for key in ("radial", "axial", "tilting")},
-    "speed": "one or a list, 1e-6 to 1e6",
-    "temperature": "one or a list, within the oil's data; clamped to them, ≤ 400",
-    "roughness": "one or a list, 0 to 100",
-    "bulk_temperature": "> -273.15, ≤ 1000",
-    "tooth_conductivity": "one or two, 0.01 to 1e4",
-    "tooth_density": "one or two, 10 to 1e5",
-    "tooth_heat_capacity": "one or two, 1 to 1e5",
+#: Choices of keys that friction offers, which the schema does not load.
+FRICTION_CHOICES = {
     "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
     "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number 0 to 1",
     "film": ", ".join(f"`{name}`" for name in FILMS),
@@ -113,50 +35,39 @@ ELSEWHERE = {
     "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
 }
 SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
+LENGTHS = {"MinLen": "min_length", "MaxLen": "max_length"}
 
 
 def sub_table(annotation: Any) -> bool:
-    """True if a key opens a table of its own."""
-    options = get_args(annotation) if get_origin(annotation) in (Union, UnionType, tuple) else (annotation,)
-    return any(isinstance(option, type) and issubclass(option, BaseModel) for option in options)
+    """True if a key opens a table of its own, or a list of them."""
+    return inner_table(annotation, listed=True) is not None
 
 
-def described(name: str, field: FieldInfo) -> tuple[str, str]:
+def described(field: FieldInfo) -> tuple[str, str]:
     """Meaning and unit of a key."""
-    if field.description is None:
-        return MEANINGS[name]
-    extra = field.json_schema_extra
-    unit = str(extra["unit"]) if isinstance(extra, Mapping) else ""
-    return field.description.removesuffix(f" [{unit}]"), "" if unit == "1" else unit
+    unit = extra_of(field, "unit")
+    return (field.description or "").removesuffix(f" [{unit}]"), "" if unit == "1" else unit
 
 
 def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
-    if name in ELSEWHERE and not any(type(limit).__name__ in SIGNS for limit in field.metadata):
-        return ELSEWHERE[name]
-    if bool in (field.annotation, *get_args(field.annotation)):
+    if checked_elsewhere := FRICTION_CHOICES.get(name) or extra_of(field, "allowed"):
+        return checked_elsewhere
+    options = (field.annotation, *get_args(field.annotation))
+    if bool in options:
         return "`true`, `false`"
-    for option in (field.annotation, *get_args(field.annotation)):
+    for option in options:
         if get_origin(option) is Literal:
             return ", ".join(written(choice) for choice in get_args(option))
-    limits = {
-        type(limit).__name__: getattr(limit, type(limit).__name__.lower())
-        for limit in field.metadata
-        if type(limit).__name__ in SIGNS
-    }
-    lengths = [limit for limit in field.metadata if isinstance(limit, MinLen | MaxLen)]
-    if len(lengths) == 1 and isinstance(lengths[0], MaxLen) and field.annotation is not str:
-        return f"up to {lengths[0].max_length} numbers"
-    count = " to ".join(
-        str(limit.min_length if isinstance(limit, MinLen) else limit.max_length)
-        for limit in field.metadata
-        if isinstance(limit, MinLen | MaxLen)
-    )
+    limits = {type(limit).__name__: limit for limit in field.metadata}
+    lengths = [getattr(limits[kind], key) for kind, key in LENGTHS.items() if kind in limits]
+    count = " to ".join(map(str, lengths))
     if field.annotation is str:
         return f"text of {count} characters" if count else "text"
     if count:
-        return f"{count} numbers, each ≥ 1e-6, < 1e7"
-    return interval(limits) + (", whole" if int in (field.annotation, *get_args(field.annotation)) else "")
+        return f"{count} numbers, each ≥ 1e-6, < 1e7" if "MinLen" in limits else f"up to {count} numbers"
+    bounds = {kind: getattr(limit, kind.lower()) for kind, limit in limits.items() if kind in SIGNS}
+    return interval(bounds) + (", whole" if int in options else "")
 
 
 def interval(limits: Mapping[str, float]) -> str:
@@ -205,7 +116,7 @@ class _Writer:
         if head and lines:
             lines = ["", ("" if values is not None else "#") + head, *lines]
         for name, field in model.model_fields.items():
-            inner = inner_model(field.annotation)
+            inner = inner_table(field.annotation, listed=True)
             if inner is None or name in IN_LINE:
                 continue
             below = f"{path}.{name}" if path else name
@@ -228,7 +139,7 @@ class _Writer:
         if known is None:
             self.described[model] = path
         for name, field in model.model_fields.items():
-            inner = inner_model(field.annotation)
+            inner = inner_table(field.annotation, listed=True)
             if inner is not None and name not in IN_LINE:
                 continue
             given = values is not None and name in values
@@ -248,14 +159,6 @@ class _Writer:
         return lines
 
 
-def inner_model(annotation: Any) -> type[BaseModel] | None:
-    """The table that a key opens, alone or as a list; ``None`` if it holds a value."""
-    if not sub_table(annotation):
-        return None
-    options = (annotation, *get_args(annotation))
-    return next(each for each in options if isinstance(each, type) and issubclass(each, BaseModel))
-
-
 def is_list(annotation: Any) -> bool:
     """True if a key holds a list of tables."""
     return Ellipsis in get_args(annotation)
@@ -263,7 +166,7 @@ def is_list(annotation: Any) -> bool:
 
 def meaning(name: str, field: FieldInfo) -> str:
     """Meaning of a key, its unit, and its choices if they are words."""
-    words, unit = described(name, field)
+    words, unit = described(field)
     choices = allowed(name, field)
     description = plain(words) + (f" [{unit}]" if unit else "")
     if "`" in choices and "," in choices and bool not in (field.annotation, *get_args(field.annotation)):
@@ -401,7 +304,7 @@ def _oil(name: str) -> str:
     head = [
         "Lubricant: properties at two or more temperatures. 'easeoff run CASE -o RESULT.nc --speed SPEED --oil FILE' "
         f"takes it. Numbers of the shipped lubricant {name}, to be replaced; 'easeoff oil' makes such a file from a "
-        "data sheet. density and thermal_conductivity may be left out.",
+        "data sheet. density and thermal_conductivity may be left out."
     ]
     return "\n".join([*comment(head[0]), lubricant_toml(lubricant(name)).rstrip()])
 

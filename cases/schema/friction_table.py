@@ -13,7 +13,7 @@ from ...core.checks import is_number
 from ...core.errors import InputError, printable, shortened
 from ...core.regular_file import leads_outside
 from ..mistakes import written
-from .schema_table import Number, Table, number
+from .schema_table import Number, Table, key, number
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Operation
@@ -61,10 +61,7 @@ def _coefficient(value: Any) -> Any:
 
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
 Roughness = Number | Annotated[tuple[Number, Number], Field(strict=False)]
-ByMember = Annotated[
-    Number | Annotated[tuple[Number, Number], Field(strict=False)],
-    BeforeValidator(_pair),
-]
+ByMember = Annotated[Number | Annotated[tuple[Number, Number], Field(strict=False)], BeforeValidator(_pair)]
 Roughnesses = Annotated[
     tuple[Roughness, ...], BeforeValidator(_roughnesses), Field(strict=False, min_length=1, max_length=1000)
 ]
@@ -73,27 +70,41 @@ Roughnesses = Annotated[
 class FrictionTable(Table):
     """Operating conditions and friction models, checked by ``friction.Operation`` and ``friction.FrictionModel``."""
 
-    speed: Numbers = number("of the pinion", "1/min")
-    temperature: Numbers = number("of the oil at the inlet", "degC", default=(90.0,))
+    speed: Numbers = number("of the pinion", "1/min", allowed="one or a list, 1e-6 to 1e6")
+    temperature: Numbers = number(
+        "of the oil at the inlet",
+        "degC",
+        allowed="one or a list, within the oil's data; clamped to them, ≤ 400",
+        default=(90.0,),
+    )
     roughness: Roughnesses = number(
         "RMS; in a list `[0.8, 0.4]` may stand for pinion and gear",
         "um",
+        allowed="one or a list, 0 to 100",
         default=(0.8,),
     )
-    oil: str = "75w90"
+    oil: str = key("lubricant, or path of a TOML file inside the folder of this one", default="75w90")
     coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
         "model or number", "1", default="kolivand_blended"
     )
-    film: str = "pan_hamrock"
-    film_heating: str = "none"
-    thermal_factor: str = "goksem_hargreaves"
-    rolling_frame: Literal["fixed", "contact_line"] = "fixed"
-    out_of_range: Literal["error", "clamp"] = "error"
-    bulk_temperature: Number | None = number("of the teeth; that of the oil if left out", "degC", default=None)
-    tooth_conductivity: ByMember = number("thermal; in a list of pinion and gear", "W/(m K)", default=46.0)
-    tooth_density: ByMember = number("likewise", "kg/m3", default=7850.0)
-    tooth_heat_capacity: ByMember = number("specific, likewise", "J/(kg K)", default=460.0)
-    feedback: bool = False
+    film: str = key("formula for the least film thickness", default="pan_hamrock")
+    film_heating: str = key("thinning of the film by heat of the inlet", default="none")
+    thermal_factor: str = key("decrease of the rolling traction by heat of the inlet", default="goksem_hargreaves")
+    rolling_frame: Literal["fixed", "contact_line"] = key("frame of the rolling velocity", default="fixed")
+    out_of_range: Literal["error", "clamp"] = key(
+        "temperature without oil data: an error, or the end of the data with a flag", default="error"
+    )
+    bulk_temperature: Number | None = number(
+        "of the teeth; that of the oil if left out", "degC", allowed="> -273.15, ≤ 1000", default=None
+    )
+    tooth_conductivity: ByMember = number(
+        "thermal; in a list of pinion and gear", "W/(m K)", allowed="one or two, 0.01 to 1e4", default=46.0
+    )
+    tooth_density: ByMember = number("likewise", "kg/m3", allowed="one or two, 10 to 1e5", default=7850.0)
+    tooth_heat_capacity: ByMember = number(
+        "specific, likewise", "J/(kg K)", allowed="one or two, 1 to 1e5", default=460.0
+    )
+    feedback: bool = key("friction takes its part of the torque from the normal forces", default=False)
     _folder: Path | None = PrivateAttr(default=None)
     _allow_outside: bool | None = PrivateAttr(default=None)
 

@@ -10,11 +10,12 @@ from pydantic import AfterValidator, BeforeValidator, Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from ..mistakes import written
-from .schema_table import Number, Table, number
+from .schema_table import Number, Table, key, number
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM
 
 LOAD_CASE_COUNT_LIMIT = 1000
 NAME = re.compile(r"\w(?:[\w .+=-]{0,58}[\w+=-])?")  # also of a folder of pictures and of a group of a result
+NAME_ALLOWED = "text of up to 60 letters, digits, blanks and `. _ + = -`"
 
 
 def _name(value: str) -> str:
@@ -44,7 +45,7 @@ class LoadCase(Table):
     True
     """
 
-    name: Name | None = None
+    name: Name | None = key("in results; its number, from 1, if left out", allowed=NAME_ALLOWED, default=None)
     torque: Number = number("at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
     E: Number | None = number(
         "increase of the offset; that of `[misalignment]` if left out", "mm", default=None, gt=-10, lt=10
@@ -53,16 +54,12 @@ class LoadCase(Table):
     G: Number | None = number("gear away from the crossing point; likewise", "mm", default=None, gt=-10, lt=10)
     Sigma: Number | None = number("increase of the shaft angle; likewise", "deg", default=None, gt=-5, lt=5)
     speed: Number | None = number(
-        "adds friction; that of `[friction]` if left out",
-        "1/min",
-        default=None,
-        ge=1e-6,
-        le=1e6,
+        "adds friction; that of `[friction]` if left out", "1/min", default=None, ge=1e-6, le=1e6
     )
     share: Number | None = number(
         "of time, relative to the sum; of every load case or of none", "1", default=None, gt=0, le=1e12
     )
-    flank: Literal["drive", "coast"] | None = None
+    flank: Literal["drive", "coast"] | None = key("in mesh; that of the analysis if left out", default=None)
 
     @field_validator("torque", mode="before")
     @classmethod

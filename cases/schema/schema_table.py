@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Self
+from functools import cache
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Self, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
+from pydantic.fields import FieldInfo
 
 from ...core.errors import InputError
-from ..mistakes import count, mistakes
+from ..mistakes import refusal
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -28,13 +32,23 @@ class _Checked(ModelMetaclass):
             try:
                 return super().__call__(**named)
             except ValidationError as error:
-                raise InputError(f"{cls.__name__} has {count(error)}:\n{mistakes(cls, error)}") from error
+                raise refusal(cls.__name__, cls, error) from error
 
 
 class Table(BaseModel, metaclass=_Checked):
     """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    def with_tables(self, **tables: Mapping[str, Any]) -> Self:
+        """A copy with other values, unchecked, for some keys of the tables in it."""
+        changed = {name: getattr(self, name).model_copy(update=values) for name, values in tables.items()}
+        return self.model_copy(update=changed)
+
+
+#: Keys that every file has.
+Title = Annotated[str, Field(min_length=1, max_length=200, description="one line for lists and plots")]
+Description = Annotated[str, Field(description="where the numbers come from")]
 
 
 class InputFile(Table):
@@ -61,9 +75,45 @@ class InputFile(Table):
         return self._name
 
 
-def number(description: str, unit: str, **limits: Any) -> Any:
-    """A key that holds a number: its meaning, its unit and its limits."""
-    return Field(description=f"{description} [{unit}]", json_schema_extra={"unit": unit}, **limits)
+def key(description: str, *, allowed: str = "", unit: str = "", **options: Any) -> Any:
+    """A key: its meaning, and what it allows where neither its type nor its limits say so."""
+    extra: Any = {name: text for name, text in (("allowed", allowed), ("unit", unit)) if text}
+    return Field(description=description, json_schema_extra=extra, **options)
+
+
+def number(description: str, unit: str, **options: Any) -> Any:
+    """A key that holds numbers: its meaning, its unit and its limits."""
+    return key(f"{description} [{unit}]", unit=unit, **options)
+
+
+def extra_of(field: FieldInfo, name: str) -> str:
+    """What ``key`` was given as ``allowed`` or ``unit``; empty if nothing."""
+    extra = field.json_schema_extra
+    return str(extra.get(name, "")) if isinstance(extra, dict) else ""
+
+
+def kinds(annotation: Any, *, listed: bool = False) -> tuple[Any, ...]:
+    """Types that a value of a key may have, or if ``listed`` an entry of its list."""
+    several = (Union, UnionType, tuple) if listed else (Union, UnionType)
+    return get_args(annotation) if get_origin(annotation) in several else (annotation,)
+
+
+def inner_table(annotation: Any, *, listed: bool = False) -> type[BaseModel] | None:
+    """The table that a key opens, or if ``listed`` a list of them, too; ``None`` if it holds a value."""
+    options = kinds(annotation, listed=listed)
+    return next((kind for kind in options if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
+
+
+@cache
+def angle_keys(table: type[Table]) -> frozenset[str]:
+    """Keys of a table that hold degrees."""
+    return frozenset(name for name, field in table.model_fields.items() if extra_of(field, "unit") == "deg")
+
+
+def in_radians(table: Table) -> dict[str, Any]:
+    """Values of a table by key, those in degrees in rad."""
+    angles = angle_keys(type(table))
+    return {name: math.radians(value) if name in angles and value is not None else value for name, value in table}
 
 
 # A whole number of TOML is a number too; true, false and text are none.

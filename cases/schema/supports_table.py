@@ -10,12 +10,18 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ...core.checks import is_number
 from ..mistakes import written
-from .load_case_table import Name
-from .schema_table import InputFile, Number, Table, number
+from .load_case_table import NAME_ALLOWED, Name
+from .schema_table import Description, InputFile, Number, Table, Title, key, number
 
 STIFFNESS_LIMIT = 1e9  # of a bearing [N/mm]
 TILTING_STIFFNESS_LIMIT = 1e13  # of a bearing [N mm/rad]
 CURVE_LENGTH_LIMIT = 100  # of a bearing [points]
+#: What keys allow that their validators check.
+PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs, positive and increasing"
+STIFFNESS = f"0 to {STIFFNESS_LIMIT:g}, or {PAIRS}"
+TILTING_STIFFNESS = f"0 to {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}"
+MATRIX = "symmetric, [positive definite](../guides/supports.md)"
+PLACE = "three within ±5000"
 
 Coordinate = Annotated[Number, Field(gt=-5000, lt=5000)]
 Point = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False)]
@@ -58,6 +64,7 @@ def _is_list(value: Any) -> bool:
 
 Pair = tuple[Number, Number]
 Curve = Annotated[tuple[Pair, ...], BeforeValidator(_pairs), Field(strict=False)]
+BearingStiffness = Annotated[float | tuple[Pair, ...], BeforeValidator(_stiffness)]
 
 
 def _named_once(bearings: tuple[BearingTable, ...]) -> None:
@@ -81,11 +88,7 @@ class ShaftTable(Table):
 
     sections: Annotated[tuple[ShaftSectionTable, ...], Field(strict=False, min_length=1, max_length=200)]
     seat: Number | None = number(
-        "where the member is fixed; the middle of the face if left out",
-        "mm",
-        default=None,
-        gt=-5000,
-        lt=5000,
+        "where the member is fixed; the middle of the face if left out", "mm", default=None, gt=-5000, lt=5000
     )
     torque_position: Number | None = number(
         "where the torque enters, for `wind_up`; pinion only", "mm", default=None, gt=-5000, lt=5000
@@ -97,24 +100,28 @@ class ShaftTable(Table):
 class BearingTable(Table):
     """A bearing. Each stiffness is a number, or a curve of loads and stiffness, or one of loads and displacement."""
 
-    name: Name = number("in results", "1")
+    name: Name = number("in results", "1", allowed=NAME_ALLOWED)
     position: Number = number(
         "on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
     )
-    radial_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "number, or pairs of load [N] and load over displacement",
-        "N/mm",
-        default=None,
+    radial_stiffness: BearingStiffness | None = number(
+        "number, or pairs of load [N] and load over displacement", "N/mm", allowed=STIFFNESS, default=None
     )
-    axial_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "likewise, in both senses; none if left out", "N/mm", default=None
+    axial_stiffness: BearingStiffness | None = number(
+        "likewise, in both senses; none if left out", "N/mm", allowed=STIFFNESS, default=None
     )
-    tilting_stiffness: Annotated[float | tuple[Pair, ...] | None, BeforeValidator(_stiffness)] = number(
-        "likewise, of moments [N mm]; none if left out", "N mm/rad", default=None
+    tilting_stiffness: BearingStiffness | None = number(
+        "likewise, of moments [N mm]; none if left out", "N mm/rad", allowed=TILTING_STIFFNESS, default=None
     )
-    radial_displacement: Curve | None = number("instead: pairs of load [N] and displacement", "mm", default=None)
-    axial_displacement: Curve | None = number("instead: pairs of load [N] and displacement", "mm", default=None)
-    tilting_displacement: Curve | None = number("instead: pairs of moment [N mm] and angle", "rad", default=None)
+    radial_displacement: Curve | None = number(
+        "instead: pairs of load [N] and displacement", "mm", allowed=PAIRS, default=None
+    )
+    axial_displacement: Curve | None = number(
+        "instead: pairs of load [N] and displacement", "mm", allowed=PAIRS, default=None
+    )
+    tilting_displacement: Curve | None = number(
+        "instead: pairs of moment [N mm] and angle", "rad", allowed=PAIRS, default=None
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -135,15 +142,18 @@ class BearingTable(Table):
 class MemberSupportTable(Table):
     """The support of a member: a matrix at a reference point, or a shaft on bearings."""
 
-    reference: Point | None = number("x, y, z in the pair's frame, where a matrix holds", "mm", default=None)
+    reference: Point | None = number(
+        "x, y, z in the pair's frame, where a matrix holds", "mm", allowed=PLACE, default=None
+    )
     stiffness: _matrix(6) | None = number(  # type: ignore[valid-type]
         "6 rows of 6: force [N] and moment [N mm] for translation [mm] and rotation [rad] of the reference, "
         "each x, y, z",
         "N/mm, N, N mm/rad",
+        allowed=MATRIX,
         default=None,
     )
     compliance: _matrix(6) | None = number(  # type: ignore[valid-type]
-        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", default=None
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX, default=None
     )
     shaft: ShaftTable | None = None
     bearings: Annotated[tuple[BearingTable, ...], Field(strict=False, max_length=20)] = ()
@@ -169,15 +179,16 @@ class MemberSupportTable(Table):
 class HousingTable(Table):
     """One matrix for both members, coupled by a housing."""
 
-    pinion_reference: Point = number("x, y, z in the pair's frame", "mm")
-    gear_reference: Point = number("x, y, z in the pair's frame", "mm")
+    pinion_reference: Point = number("x, y, z in the pair's frame", "mm", allowed=PLACE)
+    gear_reference: Point = number("x, y, z in the pair's frame", "mm", allowed=PLACE)
     stiffness: _matrix(12) | None = number(  # type: ignore[valid-type]
         "12 rows of 12: those of a member for the pinion, then the gear, coupled",
         "N/mm, N, N mm/rad",
+        allowed=MATRIX,
         default=None,
     )
     compliance: _matrix(12) | None = number(  # type: ignore[valid-type]
-        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", default=None
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX, default=None
     )
 
     @model_validator(mode="after")
@@ -197,8 +208,16 @@ class SupportsTable(Table):
     ['head', 'tail']
     """
 
-    wind_up: bool = False
-    rounds: Literal["none", "mean", "position"] = "mean"
+    wind_up: bool = key(
+        "the pinion turns about its axis by its support's compliance; else this rotation is held, as the gear's always "
+        "is",
+        default=False,
+    )
+    rounds: Literal["none", "mean", "position"] = key(
+        "assembly for which the ease-off is computed anew: mean of the mesh cycle, every mesh position, or none (first "
+        "order)",
+        default="mean",
+    )
     pinion: MemberSupportTable | None = None
     gear: MemberSupportTable | None = None
     housing: HousingTable | None = None
@@ -228,7 +247,7 @@ class SupportsTable(Table):
 class SupportFile(InputFile):
     """A file with the supports of a pair, for ``--supports``."""
 
-    easeoff_support: Literal[1]
-    title: Annotated[str, Field(min_length=1, max_length=200)]
-    description: str = ""
+    easeoff_support: Literal[1] = key("version of the format")
+    title: Title
+    description: Description = ""
     supports: SupportsTable

@@ -23,7 +23,6 @@ from __future__ import annotations
 import hashlib
 import importlib
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -54,12 +53,8 @@ HEADLINE, POLISHED, RAW, SWEEP = SETTINGS
 #: Starts of a solver.
 COLD, WARM = "cold", "warm"
 
-#: What a solver calls the tolerances that a sweep sets all alike; one that is not listed has none.
-TOLERANCE_NAMES = {name: entry.tolerance_settings for name, entry in SOLVERS.items() if entry.tolerance_settings}
 #: What a sweep calls the tolerance of a function of one's own.
 OWN_TOLERANCE_NAME = "tolerance"
-#: Smallest tolerance that a solver takes.
-LEAST_TOLERANCE = {name: entry.least_tolerance for name, entry in SOLVERS.items() if entry.least_tolerance}
 #: Solvers whose answers or iterations change with the start they are given. The others ignore it, or have none:
 #: a warm start of theirs would measure noise.
 STARTING_SOLVERS = tuple(name for name, entry in SOLVERS.items() if entry.warm_start)
@@ -79,19 +74,18 @@ class Method:
         if self.solver not in SOLVERS:
             keywords = {"time_limit": time_limit}
             return {**keywords, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else keywords
-        table: Mapping[str, Any] = SOLVERS[self.solver].settings
-        key = SOLVERS[self.solver].time_setting
-        limits = {key: time_limit} if key in table else {}
+        entry = SOLVERS[self.solver]
+        limits = {entry.time_setting: time_limit} if entry.time_setting in entry.settings else {}
         if self.settings == RAW:
             return limits
-        least = max(self.tolerance, LEAST_TOLERANCE.get(self.solver, 0.0))
-        swept = dict.fromkeys(TOLERANCE_NAMES[self.solver], least) if self.tolerance else {}
-        return {**table, **limits, **swept}
+        least = max(self.tolerance, entry.least_tolerance)
+        swept = dict.fromkeys(entry.tolerance_settings, least) if self.tolerance else {}
+        return {**entry.settings, **limits, **swept}
 
 
 def has_tolerance(solver: str) -> bool:
     """True if a sweep of tolerances changes anything for a solver."""
-    return solver in TOLERANCE_NAMES or solver not in SOLVERS
+    return solver not in SOLVERS or bool(SOLVERS[solver].tolerance_settings)
 
 
 def polishes_itself(solver: str) -> bool:
@@ -285,41 +279,41 @@ def load_adapter(solver: str) -> Adapter | Solver | None:
     return declared
 
 
-def attempt(
-    problem: ContactProblem,
-    method: Method,
-    adapter: Adapter | Solver | None,
-    time_limit: float,
-    start: NDArray[np.float64] | None = None,
-) -> Attempt:
-    """Let a solver try a problem, rebuilt so that nothing found before is reused; limit [s], start forces (n) [N]."""
-    fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One attempt that a solver is asked for, with a time limit [s] and forces (n) [N] to start from, if any."""
+
+    problem: ContactProblem
+    method: Method
+    time_limit: float
+    start: NDArray[np.float64] | None = None
+
+
+def attempt(request: Request, adapter: Adapter | Solver | None) -> Attempt:
+    """Let a solver try a problem, rebuilt so that nothing found before is reused."""
+    given = request.problem
+    fresh = ContactProblem(given.separation, given.lever_arm, given.torque, given.compliance)
     begin, processor = perf_counter(), process_time()
     solution: ContactSolution | None
     refused = ""
     if adapter is None:
-        solution = solve(fresh, "native", initial_active=None if start is None else start > 0.0)
+        solution = solve(fresh, "native", initial_active=None if request.start is None else request.start > 0.0)
     else:
-        solution, refused = _backend_solution(fresh, method, adapter, time_limit, start)
+        solution, refused = _backend_solution(replace(request, problem=fresh), adapter)
     # One clock for all: what a solution says of its own run time may come from a function of the user's.
     run_time, processor_time = perf_counter() - begin, process_time() - processor
     outcome = Attempt(RAISED, refused) if solution is None else Attempt.of(solution)
     if solution is not None:
-        residual = posed_residual(fresh, solution.answer, raw=method.settings == RAW)
+        residual = posed_residual(fresh, solution.answer, raw=request.method.settings == RAW)
         outcome = replace(outcome, posed_residual=residual)
     return replace(outcome, run_time=run_time, processor_time=processor_time)
 
 
-def _backend_solution(
-    problem: ContactProblem,
-    method: Method,
-    adapter: Adapter | Solver,
-    time_limit: float,
-    start: NDArray[np.float64] | None,
-) -> tuple[ContactSolution | None, str]:
+def _backend_solution(request: Request, adapter: Adapter | Solver) -> tuple[ContactSolution | None, str]:
     """Solution of a backend; or none, and why it refused its settings."""
+    problem, method, start = request.problem, request.method, request.start
     raw = method.settings == RAW
-    keywords = method.keywords(time_limit)
+    keywords = method.keywords(request.time_limit)
     if isinstance(adapter, Solver):
         keywords = {key: value for key, value in keywords.items() if adapter.takes(key)}
     if start is not None:

@@ -33,13 +33,14 @@ from .attempt import (
     Attempt,
     Method,
     PosedProblem,
+    Request,
     has_tolerance,
     load_factor,
     posed_problems,
 )
 from .comparison_table import Row, comparison_table
 from .method_statistics import TIMES, WALL
-from .worker import Request, Worker, launched, machine, solver_version, workers
+from .worker import Worker, launched, machine, solver_version, workers
 
 #: Most tolerances of a sweep.
 TOLERANCE_COUNT_LIMIT = 20

@@ -15,35 +15,21 @@ import os
 import platform
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.machinery import ModuleSpec, PathFinder
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ...contact.problem.contact_problem import ContactProblem
 from ...contact.solvers import SOLVERS, Solver
 from ...contact.solvers.backend_solution import GRACE_TIME
 from ...contact.solvers.solver_declaration import entry_point
 from ...core.errors import EaseoffError, InputError, MissingSolverError
 from ...core.process_settings import THREAD_VARIABLES, child_environment, children_without_interrupts, end_with_parent
-from .attempt import CRASHED, TIME_LIMIT, UNMEASURED_FACTOR, Attempt, Method, attempt, load_adapter, multiplied, plain
+from .attempt import CRASHED, TIME_LIMIT, UNMEASURED_FACTOR, Attempt, Request, attempt, load_adapter, multiplied, plain
 
 #: Seconds in which a process must have imported what it needs.
 START_TIME_LIMIT = 120.0
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """One attempt that a worker is asked for."""
-
-    problem: ContactProblem
-    method: Method
-    time_limit: float
-    start: NDArray[np.float64] | None = None
 
 
 class Worker:
@@ -182,7 +168,7 @@ def serve(connection: Connection, solver: str) -> None:
             request: Request = connection.recv()
         except EOFError:
             return
-        connection.send(attempt(request.problem, request.method, adapter, request.time_limit, request.start))
+        connection.send(attempt(request, adapter))
 
 
 def _add_current_folder() -> None:
@@ -269,11 +255,11 @@ def find_module(module: str) -> ModuleSpec | None:
     return specification
 
 
-def _version(package: str, missing: str = "unknown") -> str:
+def _version(package: str) -> str:
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
-        return missing
+        return "unknown"
 
 
 def _code_digest() -> str:

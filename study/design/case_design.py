@@ -5,7 +5,6 @@ Fitted settings: machine settings of the pinion that realise a modification of t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,26 +12,31 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.conversion import blank_design, ease_off_target, gear_pair, misalignment, setting_limits, standard_steps
+from ...cases.conversion import (
+    blank_design,
+    case_assembly,
+    ease_off_target,
+    gear_pair,
+    misalignment,
+    setting_limits,
+    standard_steps,
+)
 from ...cases.deflections import misalignment_at
-from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
+from ...cases.schema.case_schema import MATING_SIDES, Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
 from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ...geometry.design.edge_radius import require_whole_tooth
-from ...geometry.design.pair_design import (
-    PairDesign,
-    design_pair,
-)
+from ...geometry.design.pair_design import PairDesign, design_pair
 from ...geometry.design.synthesis import Synthesis, fit_pinion
 from ...geometry.flanks.flank import solve_flank
-from ...geometry.pair.assembly import Assembly
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import Modification
 from .design_check import (
     DesignReport,
+    blank_or_none,
     checked_design,
     cutter_radius_advice,
     formate_advice,
@@ -74,17 +78,10 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     instance("design", design, Design)
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
     basic_data = blank_design(design.blank_design, teeth, design.pair)
-    assembly = Assembly(
-        *teeth,
-        design.pinion.hand_of_spiral,
-        basic_data.shaft_angle,
-        basic_data.hypoid_offset,
-        misalignment_at(misalignment(design.misalignment), 0.0, "drive"),
-    )
     try:
         designed = design_pair(
             basic_data,
-            assembly,
+            case_assembly(design, misalignment_at(misalignment(design.misalignment), 0.0, "drive")),
             {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
             method=design.pinion.method,
             limits=setting_limits(design.pinion.limits),
@@ -97,8 +94,9 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
             require=require_whole_tooth if design.compliance.model == "shell" else require_elastic_tooth,
         )
     except GeometryError as error:
-        advice = [*formate_advice(design, basic_data), *limit_pressure_angle_advice(basic_data)]
-        advice += [*cutter_radius_advice(basic_data), *offset_advice(design, basic_data)]
+        blank = blank_or_none(basic_data)
+        advice = [*formate_advice(design, blank), *limit_pressure_angle_advice(basic_data, blank)]
+        advice += [*cutter_radius_advice(basic_data, blank), *offset_advice(design, basic_data)]
         raise GeometryError("; ".join([str(error), *advice])) from error
     try:
         case = _case(design, designed)
@@ -167,24 +165,14 @@ def recorded_modification(tree: xr.DataTree) -> Modification:
     return Modification({str(k): float(v) for k, v in zip(terms["term"].values, terms.values, strict=True)})
 
 
-def fit_modification(
-    case: Case, modification: Modification, *, flank: FlankName = "drive", free: Sequence[str] | None = None
-) -> tuple[Case, Synthesis]:
+def fit_modification(case: Case, modification: Modification, *, flank: FlankName = "drive") -> tuple[Case, Synthesis]:
     """The case with its pinion fitted to the ease-off with a modification added, and the fit.
 
     ``drive`` fits the pinion's concave flank, ``coast`` its convex one; a target recorded for this side is dropped.
-    Settings ``free`` to move and errors are as of ``easeoff.geometry.fit_pinion``.
+    Raises as ``easeoff.geometry.fit_pinion``.
     """
     pair = gear_pair(case, flank)
-    fit = fit_pinion(pair, _Wanted(pair, modification), free=free)
-    side = "concave" if flank == "drive" else "convex"
+    fit = fit_pinion(pair, _Wanted(pair, modification))
+    side, _ = MATING_SIDES[flank]
     settings = flank_settings(fit.surface, case.pinion.number_of_teeth)
-    return (
-        case.model_copy(
-            update={
-                "pinion": case.pinion.model_copy(update={side: settings}),
-                "target": case.target.model_copy(update={flank: None}),
-            }
-        ),
-        fit,
-    )
+    return case.with_tables(pinion={side: settings}, target={flank: None}), fit

@@ -27,24 +27,21 @@ from ...core.checks import frozen_arrays
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ...geometry.design.closest_fit import require_usable, residual_limits, target_range
+from ...geometry.design.closest_fit import require_usable, residual_limits
 from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE, require_whole_tooth
-from ...geometry.design.pair_design import (
-    BOTH_MEMBERS,
-    SIDES,
-    PairDesign,
-)
+from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
 from ...geometry.design.slot_width import BLADE_OVERLAP, EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
 from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
 from ...geometry.flanks.blank_section import BlankSection
-from ...geometry.flanks.flank import Flank, NodeStatus
+from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
 from ...geometry.pair.tip_mates import unmet_tips
 from ...geometry.pair.tooth_thickness import contradictions
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import LandWidths, contact_heights, land_widths, tooth_side
+from .rounded_settings import without_rotation
 
 FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 CUTTER_RADIUS_RATIO = 1.5  # over the gear's mean cone distance; pairs in use lie between 0.7 and 1.2
@@ -52,13 +49,17 @@ LEAST_PRESSURE_ANGLE = 10.0  # generated [deg]; next to it a slot has parallel w
 LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
 
-def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
-    """Advice, a line each, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
-    if basic_data.hypoid_offset == 0.0:
-        return []
+def blank_or_none(basic_data: BlankDesign) -> BlankDimensions | None:
+    """Dimensions of the blanks of a pair; ``None`` where there are none."""
     try:
-        blank = blank_dimensions(basic_data)
-    except GeometryError:
+        return blank_dimensions(basic_data)
+    except EaseoffError:
+        return None
+
+
+def limit_pressure_angle_advice(basic_data: BlankDesign, blank: BlankDimensions | None) -> list[str]:
+    """Advice, a line each, on what the limit pressure angle of a hypoid pair makes of its pressure angles."""
+    if basic_data.hypoid_offset == 0.0 or blank is None:
         return []
     limit = math.degrees(blank.limit_pressure_angle)
     if not basic_data.limit_pressure_angle_influence > 0.0:
@@ -76,14 +77,11 @@ def limit_pressure_angle_advice(basic_data: BlankDesign) -> list[str]:
     ]
 
 
-def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+def formate_advice(design: Design, blank: BlankDimensions | None) -> list[str]:
     """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
-    if design.gear.generation == "generated":
+    if design.gear.generation == "generated" or blank is None:
         return []
-    try:
-        angle = math.degrees(blank_dimensions(basic_data).gear.pitch_angle)
-    except GeometryError:
-        return []
+    angle = math.degrees(blank.gear.pitch_angle)
     if angle >= FORMATE_PITCH_ANGLE:
         return []
     return [
@@ -92,13 +90,11 @@ def formate_advice(design: Design, basic_data: BlankDesign) -> list[str]:
     ]
 
 
-def cutter_radius_advice(basic_data: BlankDesign) -> list[str]:
+def cutter_radius_advice(basic_data: BlankDesign, blank: BlankDimensions | None) -> list[str]:
     """Advice, in one line or none, on a cutter so large that its diameter seems to be given."""
-    try:
-        gear = blank_dimensions(basic_data).gear
-    except EaseoffError:
+    if blank is None:
         return []
-    distance = gear.outer_cone_distance - 0.5 * gear.face_width
+    distance = blank.gear.outer_cone_distance - 0.5 * blank.gear.face_width
     if basic_data.cutter_radius < CUTTER_RADIUS_RATIO * distance:
         return []
     return [
@@ -293,11 +289,6 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
     )
 
 
-def uncut_share(flank: Flank) -> float:
-    """Share of a flank's nodes that are undercut or out of the cutter's reach."""
-    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
-
-
 def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
     """Members whose flank ends before the mate's tip has passed it, by ``unmet_tips``, each with a warning."""
     for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
@@ -372,10 +363,8 @@ class SideReport:
     moved: Mapping[str, tuple[float, float]]  # start and end of every free setting [mm, rad or per rad]
     #: ease-off less target (n) [mm], a gear rotation left out; on the common flank if generated, else at nodes
     residual: Array
-    wanted_range: float
     largest_ease_off: float
     common_flank: float
-    uncut: tuple[float, float]  # share of pinion and gear flank undercut or out of reach
     root_gap: Array  # blade tip above the root cone at toe, middle, heel (3) [mm]; NaN where undercut or out of reach
     at_limit: tuple[str, ...] = ()
 
@@ -452,7 +441,8 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
         off_root = off_the_root("pinion", item.root_gap, clearance, f"; {advice}")
         warnings += [f"{side}: {text}" for text in off_root]
-    unfinished = _unfinished(design, designed)
+    messages = unfinished_teeth(designed.pair(), design.compliance.model)
+    unfinished = [text + _advice(design, designed, name) for name, text in messages]
     spaces = _spaces(design, designed)
     warnings += [
         *narrow_top_lands(designed.pair(), designed.blank.mean_normal_module),
@@ -462,11 +452,8 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
     teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
     basic_data = blank_design(design.blank_design, teeth, design.pair)
     if warnings:
-        warnings += [
-            *limit_pressure_angle_advice(basic_data),
-            *cutter_radius_advice(basic_data),
-            *formate_advice(design, basic_data),
-        ]
+        warnings += limit_pressure_angle_advice(basic_data, designed.blank)
+        warnings += [*cutter_radius_advice(basic_data, designed.blank), *formate_advice(design, designed.blank)]
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
     return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
 
@@ -482,12 +469,6 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
     except GeometryError:
         return None
-
-
-def _unfinished(design: Design, designed: PairDesign) -> list[str]:
-    """Warnings of members without a whole tooth, which the shell alone can do without."""
-    messages = unfinished_teeth(designed.pair(), design.compliance.model)
-    return [text + _advice(design, designed, name) for name, text in messages]
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
@@ -517,10 +498,8 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     return SideReport(
         moved=fit.moved,
         residual=residual,
-        wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
         common_flank=flank_share(inside.reshape(EASE_OFF_NODES)),
-        uncut=(uncut_share(pair.pinion.flank(t, h)), uncut_share(gear)),
         root_gap=fit.root_gap,
         at_limit=_at_limit(design, designed, side),
     )
@@ -556,5 +535,4 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
 def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
     """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
     lever = found.lever_arm[inside]
-    error = found.angle[inside] * lever - wanted[inside]
-    return np.asarray(error - lever * float(lever @ error) / float(lever @ lever))
+    return without_rotation(found.angle[inside] * lever - wanted[inside], lever)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import materials
 from ...cases.deflection_table import MisalignmentSource, misalignments_of
+from ...cases.deflections import assembly_columns
 from ...cases.schema.case_schema import Case
 from ...contact.modification.convex_programme import (
     Goal,
@@ -240,14 +241,9 @@ def _compared(
         "peak_to_peak": (grid, both(peak_to_peaks)),
         "least_line_load": least["least_line_load"].variable,
     }
-    errors = [state.pair.assembly.misalignment for state in states]
-    data |= {
-        "offset_error": ("assembly", [e.offset for e in errors]),
-        "pinion_axial_error": ("assembly", [e.pinion_axial for e in errors]),
-        "gear_axial_error": ("assembly", [e.gear_axial for e in errors]),
-        "shaft_angle_error": ("assembly", [e.shaft_angle for e in errors]),
-        "depends_on_torque": ("assembly", np.array([one.deflections is not None for one in states], dtype=np.int8)),
-    }
+    depends = np.array([one.deflections is not None for one in states], dtype=np.int8)
+    data |= assembly_columns([state.pair.assembly.misalignment for state in states])
+    data["depends_on_torque"] = ("assembly", depends)
     steps = found.steps
     by_step = {
         "reach": [s.trust_radius for s in steps],

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
-from ...cases.schema.cutting_table import FlankSettings
+from ...cases.schema.cutting_table import FlankSettings, blade_field
 from ...core.checks import array, instance
 from ...core.errors import GeometryError
 from ...geometry.cutting.named_settings import (
@@ -22,6 +23,8 @@ from ...geometry.cutting.named_settings import (
 )
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
+
+Array = NDArray[np.float64]
 
 EFFECT_NODES = (15, 11)
 FLANKS = ("concave", "convex")
@@ -60,11 +63,8 @@ def rounded_case(
         instance(f"{name}_limits", given, Mapping | None)
         entries = (given or {}).items()
         limits = {key: array(f"{name}_limits {key}", ends, size=2, infinite=True).tolist() for key, ends in entries}
-        flanks = {
-            side: _flank(getattr(member, side), steps, limits) for side in FLANKS if getattr(member, side) is not None
-        }
-        members[name] = member.model_copy(update=flanks)
-    return case.model_copy(update=members)
+        members[name] = {side: _flank(getattr(member, side), steps, limits) for side in member.sides}
+    return case.with_tables(**members)
 
 
 def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
@@ -92,12 +92,7 @@ def rounding_effect(case: Case, rounded: Case) -> dict[FlankName, float]:
     """
     instance("case", case, Case)
     instance("rounded", rounded, Case)
-    pinion, gear = case.pinion, case.gear
-    flanks: dict[FlankName, tuple[FlankSettings | None, ...]] = {
-        "drive": (pinion.concave, gear.convex),
-        "coast": (pinion.convex, gear.concave),
-    }
-    return {side: _change(case, rounded, side) for side, both in flanks.items() if None not in both}
+    return {flank: _change(case, rounded, flank) for flank in case.flanks}
 
 
 def _change(case: Case, rounded: Case, side: FlankName) -> float:
@@ -112,8 +107,12 @@ def _change(case: Case, rounded: Case, side: FlankName) -> float:
     if not np.any(known):
         raise GeometryError(f"{side}: with rounded settings pinion and gear do not meet: take a finer resolution")
     lever = before.lever_arm[known]
-    change = (after.angle - before.angle)[known] * lever
-    return float(np.abs(change - lever * float(lever @ change) / float(lever @ lever)).max())
+    return float(np.abs(without_rotation((after.angle - before.angle)[known] * lever, lever)).max())
+
+
+def without_rotation(change: Array, lever_arm: Array) -> Array:
+    """Change of an ease-off (n) less that by the rotation of the gear which leaves the least."""
+    return np.asarray(change - lever_arm * float(lever_arm @ change) / float(lever_arm @ lever_arm))
 
 
 def _flank(
@@ -133,20 +132,10 @@ def _flank(
         for key, values in settings.machine.motions
     }
     machine["motions"] = settings.machine.motions.model_copy(update=motions)
-    cutter = {key: rounded(value, _cutter_name(key)) for key, value in settings.cutter}
-    return settings.model_copy(
-        update={
-            "machine": settings.machine.model_copy(update=machine),
-            "cutter": settings.cutter.model_copy(update=cutter),
-        }
-    )
+    cutter = {key: rounded(value, blade_field(key)) for key, value in settings.cutter}
+    return settings.with_tables(machine=machine, cutter=cutter)
 
 
 def step_of_key(resolution: MachineResolution, table: str, key: str) -> float | None:
     """Step of a key of the tables ``machine``, ``motions`` or ``cutter``; ``None`` where it is not rounded."""
-    return step_of(f"{key}_motion_1" if table == "motions" else _cutter_name(key), resolution)
-
-
-def _cutter_name(key: str) -> str:
-    """Name of a key of a cutter without its prefix."""
-    return key.removeprefix("blade_").removeprefix("tool_")
+    return step_of(f"{key}_motion_1" if table == "motions" else blade_field(key), resolution)

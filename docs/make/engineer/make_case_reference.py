@@ -95,7 +95,7 @@ def keys(table: type[BaseModel]) -> str:
     found: list[tuple[str, str, str, str]] = []
     for name, field in table.model_fields.items():
         if not sub_table(field.annotation):
-            meaning, unit = described(name, field)
+            meaning, unit = described(field)
             said = "" if meaning == name.replace("_", " ") else meaning
             found.append((f"`{name}`", said, unit and f" [{unit}]", f"{allowed(name, field)} | {default(field)}"))
     rows = ["| key | meaning | allowed | default |", "| --- | --- | --- | --- |"]

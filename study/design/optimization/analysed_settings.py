@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....cases.deflections import Deflections
+from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
 from ....core.attributes import ordered
 from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
@@ -34,9 +34,6 @@ from .composite import Composite
 from .free_setting import SettingSpace, pair_setting
 from .step_programme import LocalModel
 from .trust_region import Merit
-
-#: Fields of ``Misalignment`` by the names of assembly errors.
-ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
 
 
 def sampled_assemblies(
@@ -55,7 +52,7 @@ def sampled_assemblies(
     if count is None:
         return []
     values = sample_values(chosen, count, seed=seed)
-    return [_with_errors(own, {name: drawn[number] for name, drawn in values.items()}) for number in range(count)]
+    return [with_errors(own, {name: float(drawn[number]) for name, drawn in values.items()}) for number in range(count)]
 
 
 def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
@@ -68,27 +65,19 @@ def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distributio
     ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
     if not ends:
         return []
-    return [_with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+    return [with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
 
 
 def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
     """Distributions by error, parsed; raises InputError if an error is unknown."""
     chosen: dict[str, Distribution] = {}
     for name, one in given.items():
-        if name not in ERROR_FIELDS:
+        if name not in SYMBOLS:
             raise InputError(
-                f"distribution of {name}: must be of one of {', '.join(ERROR_FIELDS)}{suggestion(name, ERROR_FIELDS)}"
+                f"distribution of {name}: must be of one of {', '.join(SYMBOLS)}{suggestion(name, SYMBOLS)}"
             )
         chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
     return chosen
-
-
-def _with_errors(own: Misalignment, errors: Mapping[str, float]) -> Misalignment:
-    """The assembly with other errors by name [mm, degree]."""
-    fields = {ERROR_FIELDS[name]: float(value) for name, value in errors.items()}
-    if "shaft_angle" in fields:
-        fields["shaft_angle"] = math.radians(fields["shaft_angle"])
-    return replace(own, **fields)
 
 
 def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
@@ -363,7 +352,7 @@ class AnalysedSettings:
         settings = self.settings + step
         for _ in range(CORRECTION_COUNT):
             case = workshop.space.case_at(self._values(settings))
-            settings = self._bounded(settings + self._correction(case, step))
+            settings = np.clip(settings + self._correction(case, step), *self._room(workshop.space.start))
         values = self._values(settings)
         case = workshop.space.case_at(values)
         workshop.require_whole_teeth(case)
@@ -381,10 +370,11 @@ class AnalysedSettings:
     def _values(self, settings: Array) -> Array:
         return np.asarray(self.workshop.space.start + self.workshop.units * settings)
 
-    def _bounded(self, settings: Array) -> Array:
-        space, units = self.workshop.space, self.workshop.units
-        low, high = (np.array([getattr(one, name) for one in space.free]) for name in ("low", "high"))
-        return np.clip(settings, (low - space.start) / units, (high - space.start) / units)
+    def _room(self, values: Array) -> tuple[Array, Array]:
+        """Least and greatest change (n) of values (n) within the limits, in units of the settings."""
+        free, units = self.workshop.space.free, self.workshop.units
+        low, high = (np.array([getattr(one, end) for one in free]) for end in ("low", "high"))
+        return (low - values) / units, (high - values) / units
 
     def _correction(self, case: Case, step: Array) -> Array:
         """Change of the settings (n) that takes ease-off and root line of a case to those that a step promises."""
@@ -407,9 +397,6 @@ class AnalysedSettings:
     def model(self, radius: float) -> LocalModel:
         """Model near them, within a trust region [um]."""
         ratios, limits = self.judgement.composites(partial(self._modelled, radius))
-        free, units = self.workshop.space.free, self.workshop.units
-        low = np.array([one.low for one in free])
-        high = np.array([one.high for one in free])
         reach = np.concatenate([form.slopes for form in self.forms.values()])
-        rounding = 0.5 * self.workshop.space.steps / units
-        return LocalModel(ratios, limits, reach, (low - self.values) / units, (high - self.values) / units, rounding)
+        rounding = 0.5 * self.workshop.space.steps / self.workshop.units
+        return LocalModel(ratios, limits, reach, *self._room(self.values), rounding)

@@ -53,6 +53,21 @@ class FreeSetting:
     high: float = math.inf
 
     @property
+    def key(self) -> str:
+        """The first key that it moves, of which it is the value."""
+        return next(iter(self.moves))
+
+    @property
+    def setting(self) -> PairSetting:
+        """Setting of a pair that this key is."""
+        return pair_setting(self.key)
+
+    def value_in(self, case: Case) -> float:
+        """Its value in a case, in the units of the case file."""
+        member, side, *_ = self.key.split(".")
+        return case_units(self.setting) * self.setting.value(gear_pair(case, _flank_of(member, side)))
+
+    @property
     def own_keys(self) -> list[str]:
         """Its name and the keys of which it is the value: not of those that follow it."""
         return [self.name, *(key for key, factor in self.moves.items() if factor == 1.0)]
@@ -114,8 +129,7 @@ def _together(pairs: Mapping[FlankName, GearPair], keys: Mapping[str, FlankName]
             other = "convex" if side == "concave" else "concave"
             name, moves = f"{member}.*.{table}.{short}", {key: 1.0, f"{member}.{other}.{table}.{short}": 1.0}
         setting = pair_setting(key)
-        factor = math.degrees(1.0) if is_angle(setting) else 1.0
-        start = factor * setting.value(pair)
+        start = case_units(setting) * setting.value(pair)
         settings.setdefault(name, FreeSetting(name, moves, swept_quantity(key).units, start))
     return settings
 
@@ -153,6 +167,16 @@ def pair_setting(key: str) -> PairSetting:
     return PairSetting("pinion" if key.startswith("pinion.") else "gear", internal_name(key))
 
 
+def case_units(setting: PairSetting) -> float:
+    """Value in the units of the case file of a setting that is one [mm, rad or per rad]."""
+    return math.degrees(1.0) if is_angle(setting) else 1.0
+
+
+def _flank_of(member: str, side: str) -> FlankName:
+    """Flanks in mesh of which one is a side of a member."""
+    return "drive" if SIDES["drive"][member] == side else "coast"
+
+
 @dataclass(frozen=True)
 class SettingSpace:
     """All free settings, and the cases that they make; InputError if limits hold no multiple of a setting's step."""
@@ -177,13 +201,12 @@ class SettingSpace:
     @property
     def steps(self) -> Array:
         """Steps (n) of the machine, in the units of the case file."""
-        return np.array([setting_step(internal_name(next(iter(one.moves))), self.resolution).step for one in self.free])
+        return np.array([setting_step(internal_name(one.key), self.resolution).step for one in self.free])
 
     @property
     def scales(self) -> Array:
         """Changes (n) of some micrometres of ease-off, in the units of the case file."""
-        settings = [pair_setting(next(iter(one.moves))) for one in self.free]
-        return ROUGH_SHARE * np.array([(math.degrees(1.0) if is_angle(one) else 1.0) * one.scale for one in settings])
+        return ROUGH_SHARE * np.array([case_units(one.setting) * one.setting.scale for one in self.free])
 
     def nearest(self, values: Array) -> Array:
         """The nearest values (n) that can be set, within the limits."""
@@ -204,15 +227,13 @@ class SettingSpace:
                 if flank_steps and getattr(table, side) is not None:
                     surface = self._moved(member, side, flank_steps, rounded=rounded)
                     changed[side] = _settings(surface, table.number_of_teeth, member, side)
-        update = {name: getattr(self.case, name).model_copy(update=changed) for name, changed in members.items()}
         dropped: dict[str, Any] = {
             flank: None for flank, sides in SIDES.items() for member in members if sides[member] in members[member]
         }
-        return self.case.model_copy(update={**update, "target": self.case.target.model_copy(update=dropped)})
+        return self.case.with_tables(**members, target=dropped)
 
     def _moved(self, member: str, side: str, steps: Mapping[str, float], *, rounded: bool) -> GeneratingSurface:
-        flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
-        pair = gear_pair(self.case, flank)
+        pair = gear_pair(self.case, _flank_of(member, side))
         surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
         values = {}
         for key, step in steps.items():
@@ -224,14 +245,7 @@ class SettingSpace:
 
     def values_of(self, case: Case) -> Array:
         """Values (n) of the free settings in a case, in the units of the case file."""
-        settings = []
-        for one in self.free:
-            member, side, _, _ = next(iter(one.moves)).split(".")
-            flank: FlankName = "drive" if SIDES["drive"][member] == side else "coast"
-            setting = pair_setting(next(iter(one.moves)))
-            factor = math.degrees(1.0) if is_angle(setting) else 1.0
-            settings.append(factor * setting.value(gear_pair(case, flank)))
-        return np.array(settings)
+        return np.array([one.value_in(case) for one in self.free])
 
 
 def _settings(surface: GeneratingSurface, teeth: int, member: str, side: str) -> Any:

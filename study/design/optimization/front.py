@@ -9,7 +9,7 @@ Record of a search: settings, objectives, limits, programmes, assemblies and the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,10 +17,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....cases.deflections import assembly_columns
 from ....core.attributes import labelled
 from ....core.errors import InputError
 from ...result_layout import GROUPS
-from .aim import Judgement
+from .aim import Aim, Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
 from .trust_region import GAIN_TOLERANCE, Ending, Step, Tolerance
@@ -67,6 +68,28 @@ class FrontPoint:
         effect = self.rounding_change, self.rounding_loss
         ended: Ending | None = "converged" if self.converged else None
         return Outcome(self.values, point.values, case, point, (), ended, self.prices, *effect, unrounded)
+
+
+#: Variables of the group ``front`` that are fields of a point, or of its prices.
+POINT_FIELDS = {
+    "front_ratio": "ratio",
+    "front_value": "objective",
+    "front_limited": "limited",
+    "front_setting": "rounded",
+    "front_found": "values",
+    "front_ceiling": "ceiling",
+    "front_violation": "violation",
+    "front_converged": "converged",
+    "front_rounding_change": "rounding_change",
+    "front_rounding_loss": "rounding_loss",
+    "front_analyses": "analyses",
+}
+PRICE_FIELDS = {
+    "front_multiplier": "ceiling",
+    "front_limit_multiplier": "limits",
+    "front_low_multiplier": "low",
+    "front_high_multiplier": "high",
+}
 
 
 def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
@@ -199,7 +222,7 @@ def search_record(
         "limited_value": ("quantity_limit", after_limited),
         "limit_multiplier": ("quantity_limit", outcome.prices.limits),
         "ratio_by_assembly": (("objective", "assembly"), judgement.by_assembly(outcome.point.read)[0]),
-        **_assembly_errors(workshop.assemblies),
+        **assembly_columns(workshop.assemblies),
         **_programmes(start, steps),
     }
     coords = {
@@ -230,16 +253,6 @@ def search_record(
     return record
 
 
-def _assembly_errors(assemblies: Sequence[Any]) -> dict[str, Any]:
-    names = {
-        "offset_error": "offset",
-        "pinion_axial_error": "pinion_axial",
-        "gear_axial_error": "gear_axial",
-        "shaft_angle_error": "shaft_angle",
-    }
-    return {name: ("assembly", [getattr(one, field) for one in assemblies]) for name, field in names.items()}
-
-
 def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> dict[str, Any]:
     workshop = start.workshop
     settings = [workshop.space.start + workshop.units * step.settings for _, step in steps]
@@ -260,27 +273,15 @@ def _programmes(start: AnalysedSettings, steps: Sequence[tuple[int, Step]]) -> d
 
 def front_record(points: Sequence[FrontPoint], record: xr.Dataset, chosen: int) -> xr.Dataset:
     """The group ``front``, in the order of the second objective; the result holds the analysis of point ``chosen``."""
-    limits = (len(points), record.sizes["quantity_limit"])
+    sizes = {**record.sizes, "point": len(points)}
+    values = {name: [getattr(one, field) for one in points] for name, field in POINT_FIELDS.items()}
+    values |= {name: [getattr(one.prices, field) for one in points] for name, field in PRICE_FIELDS.items()}
     data: dict[str, Any] = {
-        "front_ratio": (("point", "objective"), [one.ratio for one in points]),
-        "front_value": (("point", "objective"), [one.objective for one in points]),
-        "front_limited": (("point", "quantity_limit"), np.reshape([one.limited for one in points], limits)),
-        "front_setting": (("point", "setting"), [one.rounded for one in points]),
-        "front_found": (("point", "setting"), [one.values for one in points]),
-        "front_ceiling": ("point", [one.ceiling for one in points]),
-        "front_multiplier": ("point", [one.prices.ceiling for one in points]),
-        "front_limit_multiplier": (
-            ("point", "quantity_limit"),
-            np.reshape([one.prices.limits for one in points], limits),
-        ),
-        "front_low_multiplier": (("point", "setting"), [one.prices.low for one in points]),
-        "front_high_multiplier": (("point", "setting"), [one.prices.high for one in points]),
-        "front_violation": ("point", [one.violation for one in points]),
-        "front_converged": ("point", np.array([one.converged for one in points], dtype=np.int8)),
-        "front_rounding_change": ("point", [one.rounding_change for one in points]),
-        "front_rounding_loss": ("point", [one.rounding_loss for one in points]),
-        "front_analyses": ("point", [one.analyses for one in points]),
+        name: (over, np.reshape(values[name], [sizes[one] for one in over]))
+        for over, names in GROUPS["front"].items()
+        for name in names
     }
+    data["front_converged"] = ("point", np.array(values["front_converged"], dtype=np.int8))
     names = ("objective", "objective_units", "quantity_limit", "limit_units", "setting", "setting_units")
     coords = {name: record[name] for name in names} | {"point": np.arange(len(points))}
     group = labelled(xr.Dataset(data, coords=coords))
@@ -293,44 +294,34 @@ def front_points(tree: xr.DataTree) -> list[FrontPoint]:
     if "front" not in tree.children:
         return []
     front = tree["front"].to_dataset()
-    names = [name for over in GROUPS["front"].values() for name in over]
-    points = []
-    for number in range(front.sizes["point"]):
-        one = {name.removeprefix("front_"): front[name].values[number] for name in names}
-        points.append(
-            FrontPoint(
-                one["found"],
-                one["setting"],
-                one["ratio"],
-                one["value"],
-                one["limited"],
-                Prices(
-                    one["limit_multiplier"], one["low_multiplier"], one["high_multiplier"], float(one["multiplier"])
-                ),
-                float(one["violation"]),
-                float(one["ceiling"]),
-                bool(one["converged"]),
-                float(one["rounding_change"]),
-                float(one["rounding_loss"]),
-                int(one["analyses"]),
-            )
-        )
-    return points
+
+    def read(number: int, names: Mapping[str, str]) -> dict[str, Any]:
+        each = {field: front[name].values[number] for name, field in names.items()}
+        return {field: value if value.ndim else value.item() for field, value in each.items()}
+
+    return [
+        FrontPoint(**read(number, POINT_FIELDS), prices=Prices(**read(number, PRICE_FIELDS)))
+        for number in range(front.sizes["point"])
+    ]
 
 
-def require_same_search(tree: xr.DataTree, record: xr.Dataset, *, front: bool) -> None:
+def require_same_search(tree: xr.DataTree, start: AnalysedSettings, aim: Aim) -> None:
     """Refuse to resume from a result of a search with other settings or another start.
 
     Points of a front are kept for the same objectives and limits alone.
     """
     if "optimal_settings" not in tree.children:
         raise InputError("resume: must be a result of 'easeoff optimize'")
-    known = tree["optimal_settings"].to_dataset()
-    for name in ("setting", "objective", "quantity_limit") if front else ("setting",):
-        names, wanted = known[name].values.tolist(), record[name].values.tolist()
-        if names != wanted:
+    known, space = tree["optimal_settings"].to_dataset(), start.workshop.space
+    wanted = {"setting": [one.name for one in space.free]}
+    if aim.form == "pareto":
+        wanted["objective"] = [one.quantity.text for one in aim.objectives]
+        wanted["quantity_limit"] = [limit.text for limit in aim.limits]
+    for kind, names in wanted.items():
+        given = known[kind].values.tolist()
+        if given != names:
             raise InputError(
-                f"resume: its {name}s are {', '.join(names) or 'none'}: must be {', '.join(wanted) or 'none'}"
+                f"resume: its {kind}s are {', '.join(given) or 'none'}: must be {', '.join(names) or 'none'}"
             )
-    if not np.allclose(known["setting_start"].values, record["setting_start"].values, rtol=1e-9, atol=1e-9):
+    if not np.allclose(known["setting_start"].values, space.start, rtol=1e-9, atol=1e-9):
         raise InputError("resume: its search began at other settings: must be a result of the same case")

@@ -20,16 +20,14 @@ from ....core.attributes import labelled
 from ....core.checks import array, instance, number, one_of, shown, whole, words
 from ....core.errors import EaseoffError, InputError
 from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
-from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.case_analysis import analyze, operation_of
 from ...analysis.contact_analysis import case_torques
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...progress import shows_progress, told
 from ...sweep.axis import Distribution
-from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit, Reference
+from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
 from .analysed_settings import (
-    AnalysedSettings,
     Workshop,
     constant_assemblies,
     corner_assemblies,
@@ -161,7 +159,12 @@ def optimize(
     whole("steps", steps, 1, STEP_LIMIT)
     number("move", move, "um", above=0.0, most=1000.0)
     load = case_torques(checked, torques)
-    assemblies, drawn = _assemblies(checked, sides[0], misalignments, dict(spread or {}), samples, seed, form)
+    distributions = dict(spread or {})
+    further = misalignments_of(misalignments)
+    case_assembly, *given = constant_assemblies([case_misalignment(checked.misalignment), *further])
+    drawn = sampled_assemblies(case_assembly, distributions, samples, seed)
+    corners = corner_assemblies(case_assembly, distributions) if form == "worst" else []
+    assemblies = [case_assembly, *given, *corners, *drawn]
     pairs = [prepared_pair(checked, side, assemblies[0]) for side in sides]
     aim = Aim(
         _objectives(minimize, weights),
@@ -188,10 +191,10 @@ def optimize(
     searching = SettingSearch(
         workshop, readings, steps=steps, tolerance=tolerance, progress=told(progress), stage=stage
     )
-    judgement = Judgement(aim, _references(searching, aim))
+    judgement = Judgement(aim, aim.references(searching.begun(Judgement(aim, ())).read))
     start = searching.begun(judgement)
     if resume is not None:
-        require_same_search(resume, _names(start, aim), front=form == "pareto")
+        require_same_search(resume, start, aim)
     if form == "pareto":
         optima = front(searching, judgement, count, [] if resume is None else front_points(resume))
         chosen = best_of(optima)
@@ -200,11 +203,12 @@ def optimize(
         record = search_record(start, outcome, judgement, done)
         front_group = front_record(optima, record, chosen)
     else:
-        outcome = searching.settled(judgement, None if resume is None else _resumed(searching, resume, judgement))
+        known = None if resume is None else np.asarray(resume["optimal_settings/setting_value"].values)
+        outcome = searching.settled(judgement, None if known is None else searching.anew(known, judgement)[0])
         record = search_record(start, outcome, judgement, outcome.steps)
         front_group = None
     if drawn:
-        record = record.merge(_fresh_samples(outcome, judgement, spread or {}, samples, seed))
+        record = record.merge(_fresh_samples(outcome, judgement, distributions, samples, seed))
     record.attrs |= {
         "analyses": workshop.effort.analyses,
         "differentiated_analyses": workshop.effort.differentiated,
@@ -212,7 +216,7 @@ def optimize(
         "largest_move_um": move,
         "seed": seed,
         "spread": ", ".join(
-            f"{name}~{given if isinstance(given, str) else given.text}" for name, given in (spread or {}).items()
+            f"{name}~{one if isinstance(one, str) else one.text}" for name, one in distributions.items()
         ),
     }
     best = outcome.case.model_copy(update={"friction": checked.friction})
@@ -263,47 +267,6 @@ def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLi
     if any(limit.quantity.name == "root_line_change" for limit in given):
         return given
     return (*given, QuantityLimit(ContactQuantity("root_line_change"), usual_root_line_change(pairs)))
-
-
-def _assemblies(
-    case: Case,
-    flank: FlankName,
-    misalignments: Sequence[MisalignmentSource],
-    spread: Mapping[str, Distribution | str],
-    samples: int | None,
-    seed: int,
-    form: Form,
-) -> tuple[list[Misalignment], int]:
-    """All assemblies, the case's own first, and how many of them were drawn; of a worst case with the corners."""
-    case_assembly = constant_assemblies([case_misalignment(case.misalignment)])[0]
-    given = constant_assemblies(misalignments_of(misalignments))
-    drawn = sampled_assemblies(case_assembly, spread, samples, seed)
-    corners = corner_assemblies(case_assembly, spread) if form == "worst" else []
-    return [case_assembly, *given, *corners, *drawn], len(drawn)
-
-
-def _references(searching: SettingSearch, aim: Aim) -> list[Reference]:
-    begun = searching.begun(Judgement(aim, ()))
-    return aim.references(begun.read)
-
-
-def _names(start: AnalysedSettings, aim: Aim) -> xr.Dataset:
-    """Names that a search to be resumed must share."""
-    free = start.workshop.space.free
-    return xr.Dataset(
-        {"setting_start": ("setting", [one.start for one in free])},
-        coords={
-            "setting": ("setting", [one.name for one in free]),
-            "objective": ("objective", [one.quantity.text for one in aim.objectives]),
-            "quantity_limit": ("quantity_limit", np.array([limit.text for limit in aim.limits], dtype=np.str_)),
-        },
-    )
-
-
-def _resumed(searching: SettingSearch, tree: xr.DataTree, judgement: Judgement) -> AnalysedSettings:
-    """The settings of a result, analysed."""
-    values = np.asarray(tree["optimal_settings"].to_dataset()["setting_value"].values)
-    return searching.anew(values, judgement)[0]
 
 
 def _fresh_samples(
