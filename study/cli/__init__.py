@@ -109,7 +109,7 @@ def _discard_output() -> None:
         os.close(nowhere)
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
 @click.version_option(package_name="easeoff")
 def main() -> None:
     """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.

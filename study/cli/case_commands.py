@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,7 +20,7 @@ from ...core.errors import EaseoffError, InputError
 from ..terminal_bar import working
 from .command import EXIT_UNCERTIFIED, Command, quick_start
 from .shared_options import (
-    allow_outside_option,
+    case_argument,
     echo,
     force_option,
     keyed_numbers,
@@ -28,8 +28,9 @@ from .shared_options import (
     output_option,
     outside_allowed,
     problem_format_options,
+    reader,
 )
-from .word_completion import case_names, design_names, template_names
+from .word_completion import design_names, template_names
 
 if TYPE_CHECKING:
     from ...geometry.cutting.named_settings import MachineResolution
@@ -48,13 +49,8 @@ TAKEN_BY = {
 @click.command(cls=Command)
 @click.argument("kind", type=click.Choice(KINDS))
 @click.argument("name", required=False, shell_complete=template_names)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    show_default="NAME, if it is that of a file",
-    help="File to write: .toml, of load cases .csv.",
+@output_option(
+    "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
 def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
@@ -93,19 +89,9 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
 @click.option("--density", type=float, required=True, metavar="RHO", help="Density at 15 degC in kg/m3.")
 @click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
 @click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")
-@click.option(
-    "--source", metavar="TEXT", default="its data sheet", show_default=True, help="Where the numbers are from."
-)
+@click.option("--source", metavar="TEXT", default="its data sheet", help="Where the numbers are from.")
 @output_option("TOML file to write, for --oil and the table [friction].")
-def oil(
-    viscosity_40: float,
-    viscosity_100: float,
-    density: float,
-    base_oil: str,
-    title: str | None,
-    source: str,
-    output: Path,
-) -> None:
+def oil(output: Path, **numbers: Any) -> None:
     """Make a lubricant's file from the numbers of a data sheet.
 
     The pressure-viscosity coefficient is estimated from viscosity and base oil; if you have measured values, write them
@@ -118,15 +104,7 @@ def oil(
     check_writable(output)
     if output.suffix.lower() != ".toml":
         raise InputError(f"{output}: must be a name that ends in .toml")
-    made = data_sheet_lubricant(
-        output.stem,
-        viscosity_40=viscosity_40,
-        viscosity_100=viscosity_100,
-        density=density,
-        base_oil=base_oil,
-        title=title,
-        source=source,
-    )
+    made = data_sheet_lubricant(output.stem, **numbers)
     write_lubricant(made, output)
     for temperature in (40.0, 70.0, 100.0):
         state = made.at(temperature)
@@ -141,11 +119,12 @@ def oil(
 STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
 
 
-def resolution(_ctx: click.Context, _param: click.Parameter, text: str | None) -> MachineResolution | None:
+@reader
+def resolution(text: str) -> MachineResolution:
     """Resolution of settings from an option."""
     from ...geometry.cutting.named_settings import MachineResolution
 
-    return None if text is None else MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
+    return MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
 
 
 resolution_option = click.option(
@@ -158,8 +137,7 @@ resolution_option = click.option(
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @output_option("Sheet to write, .txt, .html or .rexs.")
 @resolution_option
 def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
@@ -228,8 +206,7 @@ def _measured_title(name: str) -> str:
 
 
 @click.command(cls=Command)
-@click.argument("design", shell_complete=design_names)
-@allow_outside_option
+@case_argument("design", complete=design_names)
 @output_option("Case file to write, .toml.")
 @force_option
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
@@ -280,8 +257,7 @@ def design(
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="INPUT", shell_complete=case_names)
-@allow_outside_option
+@case_argument("source", metavar="INPUT")
 @output_option(
     "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
 )

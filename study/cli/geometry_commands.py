@@ -11,7 +11,9 @@ from click.core import ParameterSource
 from ..terminal_bar import working
 from .command import Command
 from .shared_options import (
-    allow_outside_option,
+    case_argument,
+    check_folders,
+    deviation_option,
     echo,
     flank_files,
     force_option,
@@ -20,11 +22,10 @@ from .shared_options import (
     nodes,
     output_option,
     outside_allowed,
-    refuse_name_of_output,
+    plots_option,
     teeth,
     thicknesses,
 )
-from .word_completion import case_names, deviation_names
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
@@ -32,20 +33,16 @@ GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="CASE|RESULT", shell_complete=case_names)
-@allow_outside_option
+@case_argument("source", metavar="CASE|RESULT")
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
     "(meshes). Of a RESULT: .vtu."
 )
-@click.option(
-    "--member", type=click.Choice(["pinion", "gear"]), default="pinion", show_default=True, help="Member to export."
-)
+@click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
 @click.option(
     "--flank",
     type=click.Choice(["concave", "convex", "both"]),
     default="both",
-    show_default=True,
     help="Flank of the member to export.",
 )
 @click.option(
@@ -145,24 +142,18 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @click.option(
     "--flank",
     type=click.Choice(["drive", "coast"]),
     show_default="all that the files hold",
     help="Correct these flanks only: drive (concave pinion, convex gear) or coast.",
 )
-@click.option(
-    "--deviation",
-    "deviations",
-    multiple=True,
+@deviation_option(
+    "Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
+    "each flank of a member.",
     required=True,
     callback=flank_files,
-    shell_complete=deviation_names,
-    metavar="MEMBER=FILE",
-    help="Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
-    "each flank of a member.",
 )
 @click.option(
     "--free",
@@ -175,7 +166,6 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     "--set-up",
     type=click.Choice(["auto", "shared", "own"]),
     default="auto",
-    show_default=True,
     help="Whether both flanks of a member are cut in one set-up: auto, if their settings are equal.",
 )
 @click.option(
@@ -186,20 +176,9 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     help="By how much the normal thickness of the tooth was measured to be above the one designed, in um; of a shared "
     "set-up with both flanks measured.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Case file to write with the corrected settings.",
-)
+@output_option("Case file to write with the corrected settings.", required=False)
 @force_option
-@click.option(
-    "--plots",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="FOLDER",
-    help="Folder for topographies before and after.",
-)
+@plots_option("Folder for topographies before and after.")
 def correct(
     case: str,
     flank: Any,
@@ -218,7 +197,7 @@ def correct(
     """
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
-    from ...core.output_file import check_folder, check_writable
+    from ...core.output_file import check_writable
     from ..case_correction import correct_case
     from ..summary.correction_report import correction_report
 
@@ -227,9 +206,7 @@ def correct(
     if output is not None:
         check_writable(output, case, *(file for files in deviations.values() for file in files), suffix=".toml")
         require_replaceable(output, force)
-        refuse_name_of_output(output, plots=plots)
-    if plots is not None:
-        check_folder(plots, "pictures")
+    check_folders(output, plots)
     shared = {"auto": None, "shared": True, "own": False}[set_up]
     checked = read_case(case, allow_outside=outside_allowed())
     with working("settings fitted to the measured flanks"):

@@ -9,12 +9,12 @@ from typing import Any
 import click
 
 from ..terminal_bar import terminal_bar
-from .analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
+from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import EXIT_UNCERTIFIED, Command
 from .shared_options import (
     echo,
-    folder_option,
     next_commands,
+    opened_case,
     output_option,
     problem_files,
     problem_format_options,
@@ -69,7 +69,7 @@ def problems(
 
     support_files = [] if supports is None else [supports]
     check_problem_output(output, format, form, case, *support_files, *options["deviations"].values(), count=2)
-    checked = chosen_case(case, supports)
+    checked = opened_case(case, None, supports=supports)
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
     check_cost(checked, size)
@@ -104,7 +104,7 @@ def problems(
 
 
 @click.command(cls=Command)
-@folder_option("library")
+@output_option("Folder to write.", required=False, metavar="FOLDER", default="library")
 @click.option(
     "--parts",
     metavar="A,B,...",
@@ -141,7 +141,7 @@ def library(output: Path, parts: str | None) -> None:
 
 @click.command(cls=Command)
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
-@folder_option("comparison")
+@output_option("Folder to write.", required=False, metavar="FOLDER", default="comparison")
 @click.option(
     "--solvers",
     callback=solvers,
@@ -155,18 +155,14 @@ def library(output: Path, parts: str | None) -> None:
     type=int,
     metavar="N",
     default=3,
-    show_default=True,
     help="Attempts with the same solver, settings and start.",
 )
-@click.option(
-    "--time-limit", type=float, metavar="S", default=10.0, show_default=True, help="Time limit of an attempt in s."
-)
+@click.option("--time-limit", type=float, metavar="S", default=10.0, help="Time limit of an attempt in s.")
 @click.option(
     "--tolerance",
     type=float,
     metavar="X",
     default=1e-5,
-    show_default=True,
     help="Largest violation of a condition in a certified answer.",
 )
 @click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
@@ -177,14 +173,11 @@ def library(output: Path, parts: str | None) -> None:
     metavar="X,Y,...",
     help="Also run the backends with these tolerances: time over certified accuracy.",
 )
-@click.option(
-    "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
-)
+@click.option("--threads", type=int, metavar="N", default=1, help="Threads for linear algebra of each solver.")
 @click.option(
     "--time",
     type=click.Choice(["wall", "processor"]),
     default="wall",
-    show_default=True,
     help="Time of a call that order, tables and profiles go by.",
 )
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")

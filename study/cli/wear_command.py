@@ -9,9 +9,9 @@ from typing import Any
 import click
 
 from ..terminal_bar import terminal_bar
-from .analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
+from .analysis_options import pair_options, show_stage, supports_option, with_defaults
 from .command import EXIT_UNCERTIFIED, Command
-from .shared_options import coefficients, duty_cycle, echo, next_commands, output_option
+from .shared_options import coefficients, duty_cycle, echo, next_commands, opened_case, output_option
 
 
 @click.command(cls=Command)
@@ -31,7 +31,6 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     "--coefficient",
     callback=coefficients,
     default="1e-12",
-    show_default=True,
     metavar="K|PINION/GEAR",
     help="Archard's wear coefficient in mm^2/N; greater by orders of magnitude for lapping.",
 )
@@ -40,7 +39,6 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     type=float,
     metavar="UM",
     default=0.5,
-    show_default=True,
     help="Wear depth in um after which the contact is computed anew.",
 )
 @click.option(
@@ -51,7 +49,6 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     type=int,
     metavar="N",
     default=1000,
-    show_default=True,
     help="The most steps to take; wear that needs more is refused before it begins.",
 )
 @output_option("netCDF file to write.")
@@ -74,13 +71,10 @@ def wear(
     in 'easeoff run'.
     """
     from ...core.netcdf_file import write_netcdf
-    from ...core.output_file import check_writable
     from ..summary.sweep_report import wear_summary
     from ..wear_simulation import WearLaw, wear as worn
 
-    support_files = [] if supports is None else [supports]
-    check_writable(output, case, *support_files, *options["deviations"].values(), suffix=".nc")
-    checked = chosen_case(case, supports)
+    checked = opened_case(case, output, *options["deviations"].values(), supports=supports)
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
     with terminal_bar(total=revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:

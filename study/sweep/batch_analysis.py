@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.conversion import misalignment as own_misalignment
+from ...cases.deflection_table import MisalignmentSource
 from ...cases.deflections import Deflections
 from ...cases.writing import changed_case
 from ...contact.solvers import Status
@@ -23,7 +23,7 @@ from ...core.errors import EaseoffError, GeometryError, InputError, printable, s
 from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis.case_analysis import friction_settings, operation_of, with_friction
+from ..analysis.case_analysis import with_friction
 from ..analysis.contact_analysis import Analysis, contact_analysis
 from ..analysis.key_numbers import key_numbers
 from ..analysis.swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
@@ -109,14 +109,7 @@ class _Assembly:
 
     def analysis(self, values: Mapping[str, Any]) -> Analysis:
         """The whole analysis at a point, as of ``analyze``."""
-        setup = self.setup
-        conditions = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
-        operation = operation_of(setup.case.friction, **{**setup.conditions, **conditions})
-        model, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
-        analysis = self._contact(values)
-        if operation is None:
-            return analysis
-        return with_friction(analysis, operation, model, feedback=feedback, solver=setup.solver)
+        return with_friction(self._contact(values), self.setup.friction(values), self.setup.operating.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""
@@ -135,14 +128,12 @@ class _Assembly:
         if key not in self._loaded:
             state = self._in_mesh()
             if terms:
-                given = {} if setup.modification is None else dict(setup.modification.coefficients)
+                modification = setup.operating.flanks.modification
+                given = {} if modification is None else dict(modification.coefficients)
                 coefficients = {name.removeprefix("modification."): value for name, value in terms.items()}
                 state = state.modified(Modification(given | coefficients))
-            self._loaded = {  # of the last load alone: rows are sorted, and an analysis is large
-                key: contact_analysis(
-                    state, torques, edge_contact=setup.edge_contact, marking=setup.marking, solver=setup.solver
-                )
-            }
+            # Of the last load alone: rows are sorted, and an analysis is large.
+            self._loaded = {key: contact_analysis(state, torques, **setup.operating.contact)}
         return self._loaded[key]
 
     def _in_mesh(self) -> CaseInMesh:
@@ -171,7 +162,7 @@ def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
 
 def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment | Deflections:
     """The assembly of a point: that of the setup with some errors in place of its constant ones."""
-    given = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
+    given = setup.operating.flanks.errors(setup.case)
     base = given.constant if isinstance(given, Deflections) else given
     misalignment = Misalignment(
         errors.get("E", base.offset),
@@ -186,30 +177,21 @@ def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignm
 def _pair_in_mesh(setup: SweepSetup, pair: tuple[tuple[str, Any], ...]) -> CaseInMesh | EaseoffError:
     """The pair of a point in the assembly of the setup, kept by the process; or why there is none."""
     try:
-        return _made(setup, pair, setup.misalignment)
+        return _made(setup, pair, setup.operating.flanks.misalignment)
     except EaseoffError as error:
         return error
 
 
-def _made(
-    setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Misalignment | Deflections | None
-) -> CaseInMesh:
+def _made(setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: MisalignmentSource | None) -> CaseInMesh:
     """The pair in mesh from its case: settings, flanks and deviations of a point."""
-    values = dict(pair)
-    flank = values.pop("flank", setup.flank)
-    deviations: dict[Any, Any] = dict(setup.deviations)
+    values, given = dict(pair), setup.operating.flanks
+    deviations: dict[Any, Any] = dict(given.deviations or {})
     for member in ("pinion", "gear"):
         if f"deviation.{member}" in values:
             deviations[member] = values.pop(f"deviation.{member}")
-    return CaseInMesh.of(
-        changed_case(setup.case, values) if values else setup.case,
-        flank=flank,
-        misalignment=misalignment,
-        deviations=deviations,
-        deviated=setup.deviated,
-        interpolation=setup.interpolation,
-        modification=setup.modification,
-    )
+    flank = values.pop("flank", given.flank)
+    flanks = replace(given, flank=flank, misalignment=misalignment, deviations=deviations)
+    return CaseInMesh.meshed(changed_case(setup.case, values) if values else setup.case, flanks)
 
 
 def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:
