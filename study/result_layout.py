@@ -298,9 +298,9 @@ def faults(tree: xr.DataTree) -> list[str]:
     """Parts that a result lacks, or has in another form, one phrase each; empty if it is whole."""
     layout = {name: _LAYOUTS[name] for name in (*VARIABLES, *(name for name in COMPUTED if name in tree.children))}
     if "light_load" in tree.children:
-        needed, optional = _LAYOUTS["loaded"]
-        evaluated = {over: (*needed.get(over, ()), *names) for over, names in optional[0].items()}
-        layout["light_load"] = GroupLayout(needed | evaluated, optional)
+        loaded = _LAYOUTS["loaded"]
+        evaluated = {over: (*loaded.needed.get(over, ()), *names) for over, names in loaded.optional[0].items()}
+        layout["light_load"] = GroupLayout(loaded.needed | evaluated, loaded.optional)
     defects = [f"no group {name}" for name in layout if name not in tree.children]
     if defects:
         return defects
@@ -342,9 +342,9 @@ def faults(tree: xr.DataTree) -> list[str]:
                     for fault in attribute_faults(group_attributes, attributes, needed=needed)
                 ]
     if not defects:
-        loaded = tree.children["loaded"].dataset.variables
+        segments = tree.children["loaded"].dataset.variables
         for one in ("length", "tooth", "lengthwise", "profile"):
-            if ((loaded["force"] > 0.0) & np.isnan(loaded[one])).any():
+            if ((segments["force"] > 0.0) & np.isnan(segments[one])).any():
                 defects.append(f"loaded: {one!r} must hold numbers where a segment carries")
     return defects
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -15,6 +14,7 @@ import click
 from ...core.errors import time_in_words
 from ..terminal_bar import terminal_bar
 from .shared_options import (
+    adding,
     case_argument,
     deviation_option,
     flank_option,
@@ -82,20 +82,11 @@ TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told befor
 DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 
-def _adding(*options: Any) -> Callable[[Any], Any]:
-    """Decorator that adds options to a command, in their order."""
-
-    def added(command: Any) -> Any:
-        return reduce(lambda so_far, option: option(so_far), reversed(options), command)
-
-    return added
-
-
 #: The argument CASE and the options of its pair: flank, misalignment, deviations; with a solver, without load, and of
 #: a whole analysis.
-pair_options = _adding(*_PAIR, solver_option())
-unloaded_options = _adding(*_PAIR, _DEVIATED)
-analysis_options = _adding(*_PAIR, solver_option(), *_ANALYSIS)
+pair_options = adding(*_PAIR, solver_option())
+unloaded_options = adding(*_PAIR, _DEVIATED)
+analysis_options = adding(*_PAIR, solver_option(), *_ANALYSIS)
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
@@ -208,11 +199,11 @@ _FRICTION = (
 
 
 #: Options of friction: operating conditions and models.
-friction_options = _adding(*_FRICTION)
+friction_options = adding(*_FRICTION)
 
 
 def given_model(case: Case, options: dict[str, Any]) -> FrictionModel | None:
-    """Friction models of the case with what the options say of them, which is taken out; ``None`` if nothing is said."""
+    """Friction models of the case with what options say of them, which is taken out; ``None`` if nothing is said."""
     name, film_heating, clamp = (options.pop(key) for key in ("friction_model", "film_heating", "clamp_temperature"))
     if name is None and film_heating is None and clamp is None:
         return None

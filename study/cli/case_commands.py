@@ -21,6 +21,7 @@ from ..terminal_bar import working
 from .command import EXIT_UNCERTIFIED, Command, quick_start
 from .shared_options import (
     case_argument,
+    check_output,
     echo,
     force_option,
     keyed_numbers,
@@ -64,8 +65,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
     take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
     """
     from ...cases.schema.file_templates import TEMPLATE_KINDS, template
-    from ...cases.writing import require_replaceable, write_sealed
-    from ...core.output_file import check_writable
+    from ...cases.writing import write_sealed
 
     if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
         output, name = Path(name), None
@@ -74,8 +74,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
             f"-o: must be given, as in 'easeoff new {kind} -o my{TEMPLATE_KINDS[kind].suffix}', or short 'easeoff new "
             f"{kind} my{TEMPLATE_KINDS[kind].suffix}'"
         )
-    check_writable(output, suffix=TEMPLATE_KINDS[kind].suffix)
-    require_replaceable(output, force)
+    check_output(output, suffix=TEMPLATE_KINDS[kind].suffix, force=force)
     write_sealed(template(kind, name), output)
     echo(f"wrote {output}")
     next_commands([output if word == "FILE" else word for word in TAKEN_BY[kind]])
@@ -97,11 +96,9 @@ def oil(output: Path, **numbers: Any) -> None:
     The pressure-viscosity coefficient is estimated from viscosity and base oil; if you have measured values, write them
     into the file.
     """
-    from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ...friction import data_sheet_lubricant, write_lubricant
 
-    check_writable(output)
+    check_output(output)
     if output.suffix.lower() != ".toml":
         raise InputError(f"{output}: must be a name that ends in .toml")
     made = data_sheet_lubricant(output.stem, **numbers)
@@ -150,12 +147,11 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     quick_start()
     from ...cases import read_case, write_rexs
     from ...cases.writing import with_blanks
-    from ...core.errors import InputError
-    from ...core.output_file import check_writable, whole_file
+    from ...core.output_file import whole_file
     from ..design.rounded_settings import rounded_case
     from ..summary.summary_sheet import summary_sheet
 
-    check_writable(output, case)
+    check_output(output, case)
     suffix = output.suffix.lower()
     if suffix not in (".txt", ".html", ".rexs"):
         raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
@@ -223,8 +219,6 @@ def design(
     quick_start()
     from ...cases import read_design, write_case
     from ...cases.conversion import machine_resolution
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..design.case_design import design_case
     from ..design.design_check import rounding_limits
     from ..design.rounded_settings import rounded_case, rounding_effect
@@ -233,8 +227,7 @@ def design(
 
     if resolution is not None and not rounding:
         raise InputError("--resolution: must go with --round")
-    check_writable(output, design, suffix=".toml")
-    require_replaceable(output, force)
+    check_output(output, design, suffix=".toml", force=force)
     checked = read_design(design, allow_outside=outside_allowed())
     with working("blanks, gear, and a pinion fitted to the ease-off"):
         case, findings = design_case(checked)
@@ -272,8 +265,6 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     """
     from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
     from ...cases.conversion import given_pair
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ...geometry.pair.tooth_thickness import contradictions
     from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES, convert_problems
 
@@ -285,9 +276,7 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
         raise InputError(f"{source}: suffix = {suffix!r}: must be that of contact problems, with --format or --form")
     if target not in (".toml", ".rexs", ".xml"):
         raise InputError(f"{output}: suffix = {target!r}: must be .toml, .rexs or .xml")
-    check_writable(output, source)
-    if target == ".toml":
-        require_replaceable(output, force)
+    check_output(output, source, force=force if target == ".toml" else None)
     notes: list[str] = []
     if suffix in ("", ".toml"):
         case = read_case(source, allow_outside=outside_allowed())

@@ -13,6 +13,7 @@ from .command import Command
 from .shared_options import (
     case_argument,
     check_folders,
+    check_output,
     deviation_option,
     echo,
     flank_files,
@@ -103,7 +104,6 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
     from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ...core.regular_file import named
     from ..report.contact_mesh import export_contact
     from ..result import read_result
@@ -112,7 +112,7 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
     foreign = [name for name in GEOMETRY_OPTIONS if context.get_parameter_source(name) == ParameterSource.COMMANDLINE]
     if foreign:
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
-    check_writable(output, source)
+    check_output(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
     tree = read_result(source)
     try:
@@ -125,11 +125,10 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
 
 def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: dict[str, Any]) -> None:
     from ...cases import read_case
-    from ...core.output_file import check_writable
     from ...geometry.formats import EdgeMargins
     from ..geometry_export import export as write
 
-    check_writable(output, case)
+    check_output(output, case)
     given = {name: value for name, value in options.items() if value is not None}
     if "margins" in given:
         given["margins"] = EdgeMargins(**given["margins"])
@@ -196,16 +195,12 @@ def correct(
     set, rounded to what the machine can be set to, and the deviations predicted on the flanks cut with them.
     """
     from ...cases import read_case, write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..case_correction import correct_case
     from ..summary.correction_report import correction_report
 
     if force and output is None:
         raise click.UsageError("--force: must go with --output")
-    if output is not None:
-        check_writable(output, case, *(file for files in deviations.values() for file in files), suffix=".toml")
-        require_replaceable(output, force)
+    check_output(output, case, *(file for files in deviations.values() for file in files), suffix=".toml", force=force)
     check_folders(output, plots)
     shared = {"auto": None, "shared": True, "own": False}[set_up]
     checked = read_case(case, allow_outside=outside_allowed())

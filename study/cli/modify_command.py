@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +9,14 @@ import click
 
 from ..terminal_bar import terminal_bar, working
 from .analysis_options import show_stage, supports_option
-from .command import EXIT_UNCERTIFIED, Command
+from .command import Command
 from .shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
     case_argument,
+    check_output,
     echo,
+    end_uncertified,
     flank_option,
     force_option,
     further_misalignments_option,
@@ -75,8 +76,6 @@ def modify(
     The contact is that on lines alone, without tooth edges.
     """
     from ...cases import write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..design.case_design import fit_modification, recorded_modification
     from ..design.optimal_modification import modify as modified
     from ..result import write_result
@@ -84,9 +83,7 @@ def modify(
     from ..summary.result_summary import uncertified
 
     checked = opened_case(case, output, supports=supports)
-    if fitted_case is not None:
-        check_writable(fitted_case, case, *([] if supports is None else [supports]), suffix=".toml")
-        require_replaceable(fitted_case, force)
+    check_output(fitted_case, case, supports, suffix=".toml", force=force)
     bar: Any
     with terminal_bar(desc="convex programmes", unit="programme") as bar:
         tree = modified(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
@@ -102,7 +99,4 @@ def modify(
         echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
     fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
-    failures = uncertified(tree)
-    if failures:
-        echo("\n".join(failures), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified(uncertified(tree))

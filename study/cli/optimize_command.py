@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,12 @@ import click
 from ..terminal_bar import terminal_bar
 from .analysis_options import show_stage
 from .case_commands import resolution_option
-from .command import EXIT_UNCERTIFIED, Command
+from .command import Command
 from .shared_options import (
     case_argument,
+    check_output,
     echo,
+    end_uncertified,
     force_option,
     further_misalignments_option,
     next_commands,
@@ -154,17 +155,13 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     analysed rounded.
     """
     from ...cases import parse_case, write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..design.optimization.setting_optimization import USUAL_OBJECTIVES, optimize as optimized
     from ..result import read_result, write_result
     from ..summary.correction_report import setting_report
     from ..summary.result_summary import uncertified
 
     checked = opened_case(case, output)
-    if best_case is not None:
-        check_writable(best_case, case, suffix=".toml")
-        require_replaceable(best_case, force)
+    check_output(best_case, case, suffix=".toml", force=force)
     earlier = None if resume is None else read_result(resume)
     bar: Any
     with terminal_bar(desc="search", unit="programme") as bar:
@@ -185,7 +182,4 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
         echo(f"wrote {best_case}")
     sheet = [] if best_case is None else [("sheet", best_case, "-o", "SHEET.html")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *sheet)
-    failures = uncertified(tree)
-    if failures:
-        echo("\n".join(failures), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified(uncertified(tree))

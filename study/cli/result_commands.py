@@ -12,7 +12,7 @@ import click
 from ...core.errors import printable
 from ..terminal_bar import working
 from .command import EXIT_UNCERTIFIED, Command, quick_start
-from .shared_options import echo, marking_option, names, next_commands, output_option, torque_option
+from .shared_options import check_output, echo, marking_option, names, next_commands, output_option, torque_option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,14 +125,13 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """
     quick_start()
     from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ..report.report_file import read_given, write_report
 
     if output is None:
         if len(results) > 1:
             raise click.UsageError("-o: must be given with several results, as in -o report.html")
         output = results[0].with_suffix(".html")
-    check_writable(output, *results, suffix=".html")
+    check_output(output, *results, suffix=".html")
     names = [path.stem for path in results]
     if len(set(names)) < len(names):
         names = [str(path.with_suffix("")) for path in results]

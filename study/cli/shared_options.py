@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import sys
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,7 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ...core.errors import printable_lines
-from .command import as_given
+from .command import EXIT_UNCERTIFIED, as_given
 from .word_completion import case_names, deviation_names, solver_names
 
 if TYPE_CHECKING:
@@ -120,14 +122,39 @@ EDGES = ("toe", "heel", "root", "tip")
 ALLOW_OUTSIDE = "easeoff.allow_outside"
 
 
-def flank_option(command: Command) -> Command:
-    """Option ``--flank`` of a command: drive or coast."""
-    return click.option(
-        "--flank",
-        type=click.Choice(["drive", "coast"]),
-        default="drive",
-        help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
-    )(command)
+def adding(*options: Any) -> Callable[[Any], Any]:
+    """Decorator that adds options to a command, in their order."""
+
+    def added(command: Any) -> Any:
+        return reduce(lambda so_far, option: option(so_far), reversed(options), command)
+
+    return added
+
+
+#: Option ``--flank`` of a command: drive or coast.
+flank_option = click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast"]),
+    default="drive",
+    help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
+)
+#: Option ``--force`` of a command that writes a case file.
+force_option = click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")
+#: Options ``--format`` and ``--form`` of a command that writes contact problems.
+problem_format_options = adding(
+    click.option(
+        "--format",
+        type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
+        show_default="suffix of the file",
+        help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
+        "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
+    ),
+    click.option(
+        "--form",
+        type=click.Choice(["dense", "lifted", "dual"]),
+        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
+    ),
+)
 
 
 def output_option(text: str, *, required: bool = True, **settings: Any) -> Callable[[Command], Command]:
@@ -144,13 +171,6 @@ def output_option(text: str, *, required: bool = True, **settings: Any) -> Calla
 def plots_option(text: str = "Folder for pictures.") -> Callable[[Command], Command]:
     """Option ``--plots`` of a command that draws what it has computed."""
     return click.option("--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help=text)
-
-
-def force_option(command: Command) -> Command:
-    """Option ``--force`` of a command that writes a case file."""
-    return click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")(
-        command
-    )
 
 
 def torque_option(
@@ -198,22 +218,6 @@ def solver_option(text: str = "Contact solver; MODULE:FUNCTION for one of your o
     return click.option("--solver", metavar="NAME", shell_complete=solver_names, default="auto", help=text)
 
 
-def problem_format_options(command: Command) -> Command:
-    """Options ``--format`` and ``--form`` of a command that writes contact problems."""
-    command = click.option(
-        "--form",
-        type=click.Choice(["dense", "lifted", "dual"]),
-        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
-    )(command)
-    return click.option(
-        "--format",
-        type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
-        show_default="suffix of the file",
-        help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
-        "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
-    )(command)
-
-
 def deviation_option(text: str, **settings: Any) -> Callable[[Command], Command]:
     """Option ``--deviation`` of a command: files by member, described by a text."""
     return click.option(
@@ -226,23 +230,16 @@ def deviation_option(text: str, **settings: Any) -> Callable[[Command], Command]
     )
 
 
-def case_argument(name: str = "case", *, complete: Any = case_names, **settings: Any) -> Callable[[Command], Command]:
+def case_argument(name: str = "case", *, complete: Any = case_names, **settings: Any) -> Callable[[Any], Any]:
     """Argument of a command that reads a case or design, with ``--allow-outside``; see ``outside_allowed``."""
-
-    def added(command: Command) -> Command:
-        return click.argument(name, shell_complete=complete, **settings)(_allow_outside_option(command))
-
-    return added
-
-
-def _allow_outside_option(command: Command) -> Command:
-    return click.option(
+    allow_outside = click.option(
         "--allow-outside",
         is_flag=True,
         expose_value=False,
         callback=_keep_allowed,
         help="Open files outside the folder of the case, too, if the case names them, such as that of an oil.",
-    )(command)
+    )
+    return adding(click.argument(name, shell_complete=complete, **settings), allow_outside)
 
 
 def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
@@ -254,21 +251,38 @@ def outside_allowed() -> bool:
     return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
 
 
-def opened_case(case: str, output: Path | None, *sources: object, supports: str | None = None) -> Case:
-    """The case of a name or path, on the supports of ``--supports``.
+def check_output(output: Path | None, *sources: object, suffix: str | None = None, force: bool | None = None) -> None:
+    """Refuse a file to write, if there is one, that cannot be written or is one of the files read.
 
-    Refused are an output that cannot be written as netCDF, or that is one of the files read, as far as there are any.
+    With ``force`` false a case file that was edited by hand, too.
     """
-    from ...cases import read_case, with_supports
     from ...core.output_file import check_writable
 
-    if output is not None:
-        files = [str(source) for source in (supports, *sources) if source is not None]
-        check_writable(output, case, *files, suffix=".nc")
+    if output is None:
+        return
+    check_writable(output, *(str(source) for source in sources if source is not None), suffix=suffix)
+    if force is not None:
+        from ...cases.writing import require_replaceable
+
+        require_replaceable(output, force)
+
+
+def opened_case(case: str, output: Path | None, *sources: object, supports: str | None = None) -> Case:
+    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`."""
+    from ...cases import read_case, with_supports
+
+    check_output(output, case, supports, *sources, suffix=".nc")
     checked = read_case(case, allow_outside=outside_allowed())
-    if output is not None and checked.friction is not None:
-        check_writable(output, checked.friction.oil_file)
+    if checked.friction is not None:
+        check_output(output, checked.friction.oil_file)
     return checked if supports is None else with_supports(checked, supports)
+
+
+def end_uncertified(failures: Sequence[str]) -> None:
+    """End by the exit code of an uncertified result if there are failures, and say them."""
+    if failures:
+        echo("\n".join(failures), err=True)
+        sys.exit(EXIT_UNCERTIFIED)
 
 
 def check_folders(output: Path | None, plots: Path | None, **folders: Path | None) -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import sys
+from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
+from ..progress import count
 from ..terminal_bar import terminal_bar
 from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
-from .command import EXIT_UNCERTIFIED, Command
+from .command import Command
 from .shared_options import (
     echo,
+    end_uncertified,
     next_commands,
     opened_case,
     output_option,
@@ -25,16 +28,8 @@ from .word_completion import solver_list
 
 #: Attributes of an analysis that files of its contact problems have as well.
 PROBLEM_ATTRIBUTES = (
-    "title",
-    "case",
-    "supports_name",
-    "flank",
-    "deflections",
-    "modification_um",
-    "compliance_model",
-    "edge_contact",
-    "solver",
-    "easeoff_version",
+    *("title", "case", "supports_name", "flank", "deflections", "modification_um", "compliance_model"),
+    *("edge_contact", "solver", "easeoff_version"),
 )
 
 
@@ -133,10 +128,7 @@ def library(output: Path, parts: str | None) -> None:
             f"rotations as the reference within {one.worst_difference:.1e}"
         )
     next_commands(("compare", *(one.path for one in written)))
-    faults = [fault for one in written for fault in one.faults]
-    if faults:
-        echo("\n".join(faults), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified([fault for one in written for fault in one.faults])
 
 
 @click.command(cls=Command)
@@ -194,21 +186,14 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     from ..report.written_comparison import is_of_another_study, write_comparison
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
-
-        def progress(done: int, total: int) -> None:
-            bar.total = total
-            bar.update(done - bar.n)
-
-        table = run_comparison(problems, output, progress=progress, **options)
+        table = run_comparison(problems, output, progress=partial(count, bar), **options)
     replaced = is_of_another_study(table, output)
-    folders: dict[Path, int] = {}
-    for path in write_comparison(table, output):
+    written = write_comparison(table, output)
+    for path in written:
         if path.parent == output:
             echo(f"wrote {path}")
-        else:
-            folders[path.parent] = folders.get(path.parent, 0) + 1
-    for folder, count in folders.items():
-        echo(f"wrote {folder}: {count} files")
+    for folder, files in Counter(path.parent for path in written if path.parent != output).items():
+        echo(f"wrote {folder}: {files} files")
     if replaced:
         echo(f"replaced the report of a former comparison in {output}, of other problems, solvers or settings")
     waited = waiting_note(table)

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -104,7 +104,6 @@ class _Assembly:
     def __init__(self, setup: SweepSetup, values: Mapping[str, Any]) -> None:
         self.setup = setup
         self._first = dict(values)
-        self._state: CaseInMesh | EaseoffError | None = None
         self._loaded: dict[tuple[Any, ...], Analysis] = {}
 
     def analysis(self, values: Mapping[str, Any]) -> Analysis:
@@ -126,7 +125,9 @@ class _Assembly:
         torques = [values["torque"]] if setup.torques is None else list(setup.torques)
         key = (*terms.items(), *torques)
         if key not in self._loaded:
-            state = self._in_mesh()
+            state = self._state
+            if isinstance(state, EaseoffError):
+                raise state
             if terms:
                 modification = setup.operating.flanks.modification
                 given = {} if modification is None else dict(modification.coefficients)
@@ -136,16 +137,13 @@ class _Assembly:
             self._loaded = {key: contact_analysis(state, torques, **setup.operating.contact)}
         return self._loaded[key]
 
-    def _in_mesh(self) -> CaseInMesh:
-        """The pair in its assembly."""
-        if self._state is None:
-            try:
-                self._state = _assembled(self.setup, self._first)
-            except EaseoffError as error:
-                self._state = error
-        if isinstance(self._state, EaseoffError):
-            raise self._state
-        return self._state
+    @cached_property
+    def _state(self) -> CaseInMesh | EaseoffError:
+        """The pair in its assembly, or why there is none."""
+        try:
+            return _assembled(self.setup, self._first)
+        except EaseoffError as error:
+            return error
 
 
 def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
