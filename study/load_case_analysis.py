@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -225,26 +225,28 @@ def analyze_load_cases(
     rows, given = _named(case, load_cases), flanks.errors(case)
     exponents = checked_exponents(damage_exponents)
     AnalysisSize.of(case, 1).require_memory()
-    frictions = {name: _friction(name, case, row, conditions) for name, row in rows.items()}
-    sides: dict[str, FlankName] = {name: row.flank or flank for name, row in rows.items()}
-    meshes = _Meshes(case, flanks, stage)
-    errors = {name: load_case_misalignment(row, case, given, sides[name]) for name, row in rows.items()}
-    trees: dict[str, xr.DataTree] = {}
-    reasons = dict.fromkeys(rows, "")
-    failures: list[EaseoffError] = []
+    runs: dict[str, _Run] = {}
     for name, row in rows.items():
+        side = row.flank or flank
+        errors = load_case_misalignment(row, case, given, side)
+        runs[name] = _Run(row, side, errors, _friction(name, case, row, conditions))
+    meshes = _Meshes(case, flanks, stage)
+    failures: list[EaseoffError] = []
+    for run in runs.values():
         try:
             # Without load a load case with deflections is in the assembly without torque, as in any analysis.
-            state = meshes.at(sides[name], errors[name] if has_own_misalignment(row) else given)
-            analysis = contact_analysis(state, [row.torque], **operating.contact, progress=told(progress), **options)
-            analysis = with_friction(analysis, frictions[name], solver, told(progress))
-            trees[name] = analysis.tree
+            state = meshes.at(run.flank, run.misalignment if has_own_misalignment(run.row) else given)
+            analysis = contact_analysis(
+                state, [run.row.torque], **operating.contact, progress=told(progress), **options
+            )
+            run.tree = with_friction(analysis, run.friction, solver, told(progress)).tree
         except EaseoffError as error:
-            reasons[name] = " ".join(str(error).split())
+            run.reason = " ".join(str(error).split())
             failures.append(error)
+    trees = {name: run.tree for name, run in runs.items() if run.tree is not None}
     if not trees:
         raise failures[0]
-    numbers = _numbers(errors, rows, sides, frictions, trees, reasons)
+    numbers = _numbers(runs)
     groups = {"/": xr.Dataset(attrs=_provenance(case, next(iter(trees.values())).attrs)), "/load_cases": numbers}
     if "share" in numbers:
         groups["/duty"] = labelled(duty_means(numbers, exponents))
@@ -252,6 +254,18 @@ def analyze_load_cases(
     for name, result in trees.items():
         tree[f"results/{name}"] = result
     return tree
+
+
+@dataclass
+class _Run:
+    """Analysis of a load case: its inputs, and what came of it."""
+
+    row: LoadCase
+    flank: FlankName
+    misalignment: Misalignment
+    friction: Friction | None
+    tree: xr.DataTree | None = None
+    reason: str = ""
 
 
 class _Meshes:
@@ -305,16 +319,9 @@ def _friction(name: str, case: Case, row: LoadCase, conditions: FrictionConditio
     return friction
 
 
-def _numbers(
-    errors: Mapping[str, Misalignment],
-    rows: Mapping[str, LoadCase],
-    sides: Mapping[str, FlankName],
-    frictions: Mapping[str, Friction | None],
-    trees: Mapping[str, xr.DataTree],
-    reasons: Mapping[str, str],
-) -> xr.Dataset:
+def _numbers(runs: Mapping[str, _Run]) -> xr.Dataset:
     """Inputs, status and key numbers of every load case, as one dataset."""
-    datasets = {name: _single(key_numbers(trees[name])) for name in trees}
+    datasets = {name: _single(key_numbers(run.tree)) for name, run in runs.items() if run.tree is not None}
     known: dict[str, xr.DataArray] = {}
     for dataset in datasets.values():
         known |= {str(name): variable for name, variable in dataset.data_vars.items() if str(name) not in known}
@@ -322,30 +329,31 @@ def _numbers(
     for variable, pattern in known.items():
         missing = np.full(pattern.shape, np.nan)
         values = np.array(
-            [datasets[n][variable].values if n in datasets and variable in datasets[n] else missing for n in rows]
+            [datasets[n][variable].values if n in datasets and variable in datasets[n] else missing for n in runs]
         )
         whole = values.dtype.kind == "f" and pattern.dtype.kind != "f"  # some have no value: no codes any more
         attributes = {} if whole else {key: v for key, v in pattern.attrs.items() if key.startswith("flag_")}
         data[variable] = (("load_case", *pattern.dims), values, attributes)
-    data["torque"] = ("load_case", [row.torque for row in rows.values()])
+    data["torque"] = ("load_case", [run.row.torque for run in runs.values()])
     for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle"):
-        data[f"misalignment_{key}"] = ("load_case", [getattr(errors[name], key) for name in rows])
-    if any(frictions.values()):
-        speeds = [np.nan if one is None else float(np.ravel(one.operation.speed)[0]) for one in frictions.values()]
+        data[f"misalignment_{key}"] = ("load_case", [getattr(run.misalignment, key) for run in runs.values()])
+    frictions = [run.friction for run in runs.values()]
+    if any(frictions):
+        speeds = [np.nan if one is None else float(np.ravel(one.operation.speed)[0]) for one in frictions]
         data["speed"] = ("load_case", speeds)
         data["input_power"] = ("load_case", data["torque"][1] * np.array(speeds) * np.pi / 30.0)
-    shares = np.array([np.nan if row.share is None else row.share for row in rows.values()])
+    shares = np.array([np.nan if run.row.share is None else run.row.share for run in runs.values()])
     if np.all(np.isfinite(shares)):
         data["share"] = ("load_case", shares / shares.sum())
-    data["flank"] = ("load_case", [sides[name] for name in rows])
-    status = [LoadCaseStatus.FAILED if name not in trees else _status(trees[name]) for name in rows]
+    data["flank"] = ("load_case", [run.flank for run in runs.values()])
+    status = [LoadCaseStatus.FAILED if run.tree is None else _status(run.tree) for run in runs.values()]
     data["status"] = (
         "load_case",
         np.array(status, dtype=np.int8),
         LoadCaseStatus.flag_attributes() | {"long_name": "how the analysis of the load case ended"},
     )
-    data["reason"] = ("load_case", list(reasons.values()))
-    return labelled(xr.Dataset(data, coords={"load_case": list(rows)}))
+    data["reason"] = ("load_case", [run.reason for run in runs.values()])
+    return labelled(xr.Dataset(data, coords={"load_case": list(runs)}))
 
 
 def _single(numbers: xr.Dataset) -> xr.Dataset:

@@ -36,7 +36,6 @@ from .word_completion import design_names, template_names
 if TYPE_CHECKING:
     from ...geometry.cutting.named_settings import MachineResolution
 
-KINDS = ("case", "design", "supports", "oil", "load-cases")
 #: The command that takes a file of each kind; ``FILE`` stands for it.
 TAKEN_BY = {
     "case": ("run", "FILE", "-o", "RESULT.nc"),
@@ -48,7 +47,7 @@ TAKEN_BY = {
 
 
 @click.command(cls=Command)
-@click.argument("kind", type=click.Choice(KINDS))
+@click.argument("kind", type=click.Choice(list(TAKEN_BY)))
 @click.argument("name", required=False, shell_complete=template_names)
 @output_option(
     "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"

@@ -179,15 +179,7 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
 @force_option
 @plots_option("Folder for topographies before and after.")
 def correct(
-    case: str,
-    flank: Any,
-    deviations: Any,
-    free: tuple[str, ...] | None,
-    set_up: str,
-    thickness: Any,
-    output: Path | None,
-    force: bool,
-    plots: Path | None,
+    case: str, deviations: Any, set_up: str, output: Path | None, force: bool, plots: Path | None, **options: Any
 ) -> None:
     """Correct the machine settings of CASE for measured flanks.
 
@@ -205,7 +197,7 @@ def correct(
     shared = {"auto": None, "shared": True, "own": False}[set_up]
     checked = read_case(case, allow_outside=outside_allowed())
     with working("settings fitted to the measured flanks"):
-        case_correction = correct_case(checked, deviations, flank=flank, free=free, shared=shared, thickness=thickness)
+        case_correction = correct_case(checked, deviations, shared=shared, **options)
     echo(correction_report(case_correction))
     if output is not None:
         write_case(case_correction.case, output, _executed(case, case_correction.corrections))

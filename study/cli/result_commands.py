@@ -185,19 +185,13 @@ def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None
 
 
 def end_with(
-    result: xr.DataTree | xr.Dataset,
-    output: Path,
-    plots: Path | None,
-    notes: Iterable[str] = (),
-    *,
-    shown: Path | None = None,
-    certified: bool,
+    result: xr.DataTree, output: Path, plots: Path | None, notes: Iterable[str] = (), *, certified: bool
 ) -> None:
     """Draw what was written if asked to, tell the notes and which commands take it, and end by the exit code."""
     if plots is not None:
         draw(result, plots)
     for note in notes:
         echo(note, err=True)
-    next_commands(("show", shown or output), *([] if plots is not None else [("plot", output, "FOLDER")]))
+    next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if not certified:
         sys.exit(EXIT_UNCERTIFIED)

@@ -38,15 +38,7 @@ PROBLEM_ATTRIBUTES = (
 @output_option("File to write, .nc or .mat; or, with --format, folder with a file for each problem.")
 @problem_format_options
 def problems(
-    case: str,
-    output: Path,
-    format: str | None,
-    form: str | None,
-    torques: Any,
-    edge_contact: bool | None,
-    supports: str | None,
-    solver: str,
-    **options: Any,
+    case: str, output: Path, format: str | None, form: str | None, supports: str | None, **options: Any
 ) -> None:
     """Write the contact problems of CASE to a file or folder.
 
@@ -55,23 +47,23 @@ def problems(
     """
     import numpy as np
 
-    from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.exchange.problem_file import ProblemSet
     from ...contact.solvers import require_solver
-    from ..analysis.contact_analysis import case_torques, contact_analysis
+    from ..analysis.contact_analysis import contact_analysis
+    from ..analysis.operating import Operating
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 
     support_files = [] if supports is None else [supports]
     check_problem_output(output, format, form, case, *support_files, *options["deviations"].values(), count=2)
     checked = opened_case(case, None, supports=supports)
-    require_solver(solver)
-    size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
-    check_cost(checked, size)
-    with progress_bar(checked, torques) as shown:
-        state = CaseInMesh.of(checked, **with_defaults(options), stage=shown.stage)
+    operating = Operating.of(**with_defaults(options))
+    require_solver(operating.solver)
+    check_cost(checked, operating.size(checked, None))
+    with progress_bar(checked, operating.torques) as shown:
+        state = CaseInMesh.meshed(checked, operating.flanks, shown.stage)
         shown.stage("loaded contact")
-        analysis = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=shown.step)
+        analysis = contact_analysis(state, operating.torques, **operating.contact, progress=shown.step)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values

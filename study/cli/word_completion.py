@@ -49,8 +49,8 @@ def _shipped(kind: str) -> Callable[[], list[str]]:
     def names() -> list[str]:
         from ...cases import reading
 
-        kinds = {"case": reading.CASE, "design": reading.DESIGN, "supports": reading.SUPPORT}
-        return kinds[kind].names()
+        known = {"case": reading.CASE.names, "design": reading.DESIGN.names, "supports": reading.SUPPORT.names}
+        return known[kind]()
 
     return names
 

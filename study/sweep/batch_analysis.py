@@ -68,9 +68,9 @@ def analyze_batch(batch: Batch) -> Block:
     point_numbers: dict[int, xr.Dataset] = {}
     status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)
     reasons = [[""] * loads for _ in batch.rows]
-    for together in assemblies(dict(batch.columns), batch.rows.size):
+    for together in assemblies(batch.columns, batch.rows.size):
         assembly = _Assembly(batch.setup, {name: values[together[0]].item() for name, values in batch.columns.items()})
-        for place in together:
+        for place in together.tolist():
             values = {name: column[place].item() for name, column in batch.columns.items()}
             try:
                 numbers, status[place], reasons[place] = assembly.numbers(values)
@@ -108,7 +108,8 @@ class _Assembly:
 
     def analysis(self, values: Mapping[str, Any]) -> Analysis:
         """The whole analysis at a point, as of ``analyze``."""
-        return with_friction(self._contact(values), self.setup.friction(values), self.setup.operating.solver)
+        friction = self.setup.friction(values)  # refused before the contact is solved
+        return with_friction(self._contact(values), friction, self.setup.operating.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib.metadata import version
@@ -152,13 +152,7 @@ class PointTable:
     @cached_property
     def starts(self) -> Array:
         """Places in the order of the work at which another assembly begins."""
-        changed = np.zeros(self.count, dtype=bool)
-        changed[0] = True
-        for name in self._by_stage:
-            if swept_quantity(name).stage <= Stage.ASSEMBLY:
-                sorted_codes = self._codes[name][self.order]
-                changed[1:] |= sorted_codes[1:] != sorted_codes[:-1]
-        return np.flatnonzero(changed)
+        return _beginnings({name: codes[self.order] for name, codes in self._codes.items()}, self.count)
 
     def bound(self, first: int, size: int) -> int:
         """End of a batch of about ``size`` rows from ``first`` on: between assemblies where possible."""
@@ -183,17 +177,19 @@ class PointTable:
         }
 
 
-def assemblies(columns: dict[str, Array], count: int) -> Iterator[list[int]]:
+def _beginnings(columns: Mapping[str, Array], count: int) -> Array:
+    """Places among rows (count) at which another assembly begins, from 0 on."""
+    changed = np.zeros(count, dtype=bool)
+    changed[0] = True
+    for name, values in columns.items():
+        if swept_quantity(name).stage <= Stage.ASSEMBLY:
+            changed[1:] |= values[1:] != values[:-1]
+    return np.flatnonzero(changed)
+
+
+def assemblies(columns: Mapping[str, Array], count: int) -> list[Array]:
     """Places of neighbouring rows that have the pair and the assembly in common."""
-    names = [name for name in columns if swept_quantity(name).stage <= Stage.ASSEMBLY]
-    together: list[int] = []
-    for place in range(count):
-        if together and any(columns[name][place] != columns[name][together[0]] for name in names):
-            yield together
-            together = []
-        together.append(place)
-    if together:
-        yield together
+    return np.split(np.arange(count), _beginnings(columns, count)[1:])
 
 
 SAMPLE = "sample"
