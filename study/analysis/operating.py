@@ -55,7 +55,8 @@ class FrictionConditions:
 def friction_of(
     case: Case, operation: Operation | None, model: FrictionModel | None = None, feedback: bool | None = None
 ) -> Friction | None:
-    """Friction under operating conditions: models and feedback that are given, or else the case's own."""
+    """Friction under operating conditions, with models and feedback; what is not given is the case's own."""
+    operation = operation_of(case.friction) if operation is None else operation
     if case.friction is not None:
         model = case.friction.model() if model is None else model
         feedback = case.friction.feedback if feedback is None else feedback
@@ -125,7 +126,11 @@ class Operating:
 
     def size(self, case: Case, friction: Friction | None) -> AnalysisSize:
         """Size of the analysis of a case, with its friction."""
-        torques = case_torques(case, self.torques).size
-        if friction is None:
-            return AnalysisSize.of(case, torques)
-        return AnalysisSize.of(case, torques, friction.operation.shape, feedback=friction.feedback)
+        return analysis_size(case, case_torques(case, self.torques).size, friction)
+
+
+def analysis_size(case: Case, torques: int, friction: Friction | None) -> AnalysisSize:
+    """Size of the analysis of a case at a number of torques, with its friction."""
+    if friction is None:
+        return AnalysisSize.of(case, torques)
+    return AnalysisSize.of(case, torques, friction.operation.shape, feedback=friction.feedback)

@@ -39,7 +39,7 @@ from ...geometry.pair.modification import TERM_POWERS, Modification
 from ...geometry.pair.near_pair import PairSetting, is_angle
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from .contact_analysis import case_torques
-from .operating import Friction, FrictionConditions, friction_of, operation_of
+from .operating import Friction, FrictionConditions, friction_of
 from .swept_quantity import swept_quantity
 
 if TYPE_CHECKING:
@@ -164,7 +164,6 @@ class SolvedContact:
         loaded, cases = state.cycle.loaded(load, edge_contact=edges)
         if not all(one.solution.status == Status.CERTIFIED for one in cases):
             raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-        operation = operation_of(case.friction) if operation is None else operation
         return cls(state, loaded, cases, edges, friction_of(case, operation, friction_model))
 
     def values(self, *, unloaded: bool = True) -> xr.Dataset:

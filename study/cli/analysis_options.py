@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -123,11 +124,7 @@ def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
     """Show a progress bar on a terminal, with the name of the stage; the case's own torques if ``None``."""
     total = len(torques or case.contact.torques) * case.contact.mesh_positions
     with terminal_bar(total=total, desc="geometry", unit="solve") as bar:
-        yield Progress(lambda: _step(bar), lambda name: show_stage(bar, name))
-
-
-def _step(bar: Any) -> None:
-    bar.update(1)
+        yield Progress(bar.update, partial(show_stage, bar))
 
 
 def show_stage(bar: Any, name: str) -> None:

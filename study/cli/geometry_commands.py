@@ -41,10 +41,7 @@ GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
 )
 @click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
 @click.option(
-    "--flank",
-    type=click.Choice(["concave", "convex", "both"]),
-    default="both",
-    help="Flank of the member to export.",
+    "--flank", type=click.Choice(["concave", "convex", "both"]), default="both", help="Flank of the member to export."
 )
 @click.option(
     "--rows", type=click.IntRange(2, 1001), metavar="N", show_default="5", help="Points: rows from root to tip."

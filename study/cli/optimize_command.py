@@ -96,10 +96,7 @@ def _ranges(texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
 )
 @click.option("--points", type=int, metavar="N", show_default="9", help="Points of the front.")
 @click.option(
-    "--flank",
-    type=click.Choice(["drive", "coast", "both"]),
-    default="drive",
-    help="Flanks in mesh that are analysed.",
+    "--flank", type=click.Choice(["drive", "coast", "both"]), default="drive", help="Flanks in mesh that are analysed."
 )
 @torque_option()
 @further_misalignments_option(

@@ -76,11 +76,7 @@ def show(result: Path) -> None:
     help="Flank to draw, of load cases or a sweep with both.",
 )
 @click.option(
-    "--format",
-    "file_format",
-    type=click.Choice(["png", "svg", "pdf"]),
-    default="png",
-    help="Format of the files.",
+    "--format", "file_format", type=click.Choice(["png", "svg", "pdf"]), default="png", help="Format of the files."
 )
 @click.option(
     "--dpi", type=click.IntRange(30, 1200), metavar="N", show_default="160", help="Dots per inch of PNG files."

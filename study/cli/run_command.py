@@ -12,14 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from .analysis_options import (
-    analysis_options,
-    check_cost,
-    friction_options,
-    given_model,
-    progress_bar,
-    with_defaults,
-)
+from .analysis_options import analysis_options, check_cost, friction_options, given_model, progress_bar, with_defaults
 from .command import Command, quick_start
 from .result_commands import end_with
 from .shared_options import check_folders, echo, marking_option, opened_case, output_option, plots_option
@@ -89,12 +82,7 @@ def _refuse_flank(rows: Sequence[LoadCase]) -> None:
 )
 @friction_options
 def run(
-    case: str,
-    output: Path,
-    plots: Path | None,
-    load_cases: str | None,
-    supports: str | None,
-    **options: Any,
+    case: str, output: Path, plots: Path | None, load_cases: str | None, supports: str | None, **options: Any
 ) -> None:
     """Analyse the contact of CASE and write the result.
 

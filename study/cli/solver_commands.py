@@ -135,19 +135,11 @@ def library(output: Path, parts: str | None) -> None:
     help="Solvers to compare; MODULE:FUNCTION for one of your own.",
 )
 @click.option(
-    "--repetitions",
-    type=int,
-    metavar="N",
-    default=3,
-    help="Attempts with the same solver, settings and start.",
+    "--repetitions", type=int, metavar="N", default=3, help="Attempts with the same solver, settings and start."
 )
 @click.option("--time-limit", type=float, metavar="S", default=10.0, help="Time limit of an attempt in s.")
 @click.option(
-    "--tolerance",
-    type=float,
-    metavar="X",
-    default=1e-5,
-    help="Largest violation of a condition in a certified answer.",
+    "--tolerance", type=float, metavar="X", default=1e-5, help="Largest violation of a condition in a certified answer."
 )
 @click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
 @click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")

@@ -64,12 +64,7 @@ def _counts(text: str) -> tuple[int, int]:
     show_default="5x5 with --plots, else none",
     help="Numbers of values of V and H at which patterns are computed besides.",
 )
-def vh(
-    case: str,
-    output: Path,
-    plots: Path | None,
-    **options: Any,
-) -> None:
+def vh(case: str, output: Path, plots: Path | None, **options: Any) -> None:
     """Shift the pattern of CASE to toe, middle and heel.
 
     This is the V-H check of the shop, without load.

@@ -64,7 +64,7 @@ def analyze_batch(batch: Batch) -> Block:
 
     Common parts of points are computed once; no number depends on their division into batches.
     """
-    loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
+    loads = math.prod(batch.setup.loads)
     point_numbers: dict[int, xr.Dataset] = {}
     status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)
     reasons = [[""] * loads for _ in batch.rows]
@@ -84,7 +84,7 @@ def analyze_batch(batch: Batch) -> Block:
                 reasons[place] = [_reason(f"{type(error).__name__}: {error}")] * loads
             else:
                 point_numbers[place] = numbers
-    shape = (batch.rows.size,) if batch.setup.torques is None else status.shape
+    shape = (batch.rows.size, *batch.setup.loads)
     return Block(
         batch.rows,
         status.reshape(shape),

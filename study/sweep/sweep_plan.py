@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -32,7 +33,7 @@ from ...core.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
 from ...geometry.deviation.deviation import Deviation
 from ..analysis.contact_analysis import case_torques
-from ..analysis.operating import Friction, FrictionConditions, Operating
+from ..analysis.operating import Friction, FrictionConditions, Operating, analysis_size
 from ..analysis.swept_quantity import CONDITIONS, Stage, swept_quantity
 from ..case_in_mesh import FlanksInMesh, checked_case, prepared_pair
 from ..deviation_source import flank_deviations
@@ -63,6 +64,11 @@ class SweepSetup:
             known["easeoff"] = version("easeoff")
             text = json.dumps(known, sort_keys=True)
             object.__setattr__(self, "digest", hashlib.sha256(text.encode()).hexdigest())
+
+    @property
+    def loads(self) -> tuple[int, ...]:
+        """Shape of the loads of one analysis: the number of its torques, or nothing where each row has its own."""
+        return () if self.torques is None else (len(self.torques),)
 
     def friction(self, values: Mapping[str, Any]) -> Friction | None:
         """Friction at a point with these values of its coordinates."""
@@ -241,15 +247,12 @@ class SweepPlan:
     @property
     def size(self) -> AnalysisSize:
         """Size of the analysis at one point."""
-        friction = self.friction
-        if friction is None:
-            return AnalysisSize.of(self.setup.case, self.loads)
-        return AnalysisSize.of(self.setup.case, self.loads, friction.operation.shape, feedback=friction.feedback)
+        return analysis_size(self.setup.case, self.loads, self.friction)
 
     @property
     def loads(self) -> int:
         """Number of torques of the analysis at one point."""
-        return 1 if self.setup.torques is None else len(self.setup.torques)
+        return math.prod(self.setup.loads)
 
     @property
     def points(self) -> int:
