@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from ..core.checks import instance, shown
 from ..core.errors import InputError
-from .terminal_bar import terminal_bar
+from .terminal_bar import count, terminal_bar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -84,10 +84,3 @@ def _notebook_bar(**options: Any) -> Iterator[Any]:
         finally:
             if shown_bar is not None:
                 shown_bar.update({"text/plain": ""}, raw=True)
-
-
-def count(bar: Any, *numbers: float) -> None:
-    """Count a step, or set the number of those that are done and of all."""
-    if len(numbers) > 1:
-        bar.total = numbers[1]
-    bar.update(numbers[0] - bar.n if numbers else 1)

@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from ..progress import count
-from ..terminal_bar import terminal_bar
+from ..terminal_bar import count, terminal_bar
 from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .shared_options import (

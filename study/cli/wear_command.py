@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ..terminal_bar import terminal_bar
+from ..terminal_bar import count, terminal_bar
 from .analysis_options import pair_options, show_stage, supports_option, with_defaults
 from .command import EXIT_UNCERTIFIED, Command
 from .shared_options import coefficients, duty_cycle, echo, next_commands, opened_case, output_option
@@ -73,7 +73,7 @@ def wear(case: str, coefficient: tuple[float, float], output: Path, supports: st
         history = worn(
             checked,
             law,
-            progress=lambda done: bar.update(done - bar.n),
+            progress=partial(count, bar),
             stage=partial(show_stage, bar),
             **with_defaults(options),
         )
