@@ -107,7 +107,7 @@ def run(
         return
     if checked.load_cases:
         echo(f"{case} has {len(checked.load_cases)} load cases: --load-cases case analyses them", err=True)
-    if options["speed"] is None and checked.friction is None:
+    if checked.friction is None and all(options[name] is None for name in ("speed", "oil", *SINGLE_CONDITIONS)):
         if models:
             raise click.UsageError(
                 "--friction-model, --film-heating, --clamp-temperature and --friction-feedback must go with --speed or "
