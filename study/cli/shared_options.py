@@ -271,10 +271,9 @@ def opened_case(case: str, output: Path | None, *sources: object, supports: str 
     """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`."""
     from ...cases import read_case, with_supports
 
-    check_output(output, case, supports, *sources, suffix=".nc")
     checked = read_case(case, allow_outside=outside_allowed())
-    if checked.friction is not None:
-        check_output(output, checked.friction.oil_file)
+    oil = None if checked.friction is None else checked.friction.oil_file
+    check_output(output, case, supports, oil, *sources, suffix=".nc")
     return checked if supports is None else with_supports(checked, supports)
 
 
