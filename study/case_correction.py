@@ -13,7 +13,7 @@ from typing import Any
 
 import xarray as xr
 
-from ..cases.conversion import gear_pair
+from ..cases.conversion import given_pair
 from ..cases.deflections import FLANKS
 from ..cases.schema.case_schema import Case
 from ..cases.writing import flank_settings
@@ -167,7 +167,7 @@ def correct_case(
     True
     """
     instance("case", case, Case)
-    pair = _pair(case)
+    pair = given_pair(case)
     measured = measured_flanks(pair, deviations, flank, interpolation)
     instance("thickness", thickness, Mapping | None)
     thicknesses = dict(thickness or {})
@@ -188,12 +188,6 @@ def correct_case(
     for name, member_corrections in corrections.items():
         corrected = _with_corrections(corrected, name, member_corrections)
     return CaseCorrection(corrected, corrections)
-
-
-def _pair(case: Case) -> GearPair:
-    """The pair seen from the drive flanks, or from the coast flanks of a case without them."""
-    drive = case.pinion.concave is not None and case.gear.convex is not None
-    return gear_pair(case, "drive" if drive else "coast")
 
 
 def _member_corrections(flanks: Sequence[MeasuredFlank], options: dict[str, Any]) -> tuple[Correction, ...]:

@@ -43,19 +43,27 @@ def checked_case(case: Case | str | Path) -> Case:
     return case if isinstance(case, Case) else read_case(case)
 
 
-def require_kinds(
-    *,
-    deviations: Any = None,
-    modification: Any = None,
-    edge_contact: Any = None,
-    friction_feedback: Any = None,
-    **_: Any,
-) -> None:
-    """Refuse arguments of ``analyze`` of wrong kinds, before any work is done."""
-    instance("deviations", deviations, Mapping | None)
-    instance("modification", modification, Modification | None)
-    instance("edge_contact", edge_contact, bool | None)
-    instance("friction_feedback", friction_feedback, bool | None)
+@dataclass(frozen=True)
+class FlanksInMesh:
+    """Flanks in mesh, their assembly and departures, as of ``analyze``; the case's own where ``None``."""
+
+    flank: FlankName = "drive"
+    misalignment: MisalignmentSource | None = None
+    deviations: Mapping[MemberName, Source] | None = None
+    deviated: Deviated = "ease_off"
+    interpolation: Method = "spline"
+    modification: Modification | None = None
+
+    def __post_init__(self) -> None:
+        instance("deviations", self.deviations, Mapping | None)
+        instance("modification", self.modification, Modification | None)
+        if self.misalignment is not None:  # a table is read once
+            object.__setattr__(self, "misalignment", misalignment_of(self.misalignment))
+
+    def errors(self, case: Case) -> Misalignment | Deflections:
+        """The misalignment, or that of a case."""
+        given = self.misalignment
+        return case_misalignment(case.misalignment) if given is None else misalignment_of(given)
 
 
 @cache
@@ -157,15 +165,21 @@ class CaseInMesh:
         stage: Callable[[str], None] | None = None,
     ) -> CaseInMesh:
         """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
+        flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
+        return cls.meshed(case, flanks, stage)
+
+    @classmethod
+    def meshed(cls, case: Case, flanks: FlanksInMesh, stage: Callable[[str], None] | None = None) -> CaseInMesh:
+        """The same, of flanks as one argument."""
         instance("case", case, Case)
-        instance("modification", modification, Modification | None)
         instance("stage", stage, Callable | None)
         AnalysisSize.of(case, 1).require_memory()
-        given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
-        pair, settings = prepared_pair(case, flank, given), case.contact
-        departures = flank_deviations(pair, deviations, interpolation)
+        given = flanks.errors(case)
+        pair, settings = prepared_pair(case, flanks.flank, given), case.contact
+        departures = flank_deviations(pair, flanks.deviations, flanks.interpolation)
         teeth = finite_elements(case, pair, stage)
-        geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
+        nodes = (settings.lengthwise_nodes, settings.profile_nodes)
+        geometry = deviated_geometry(pair, nodes, departures, flanks.deviated)
         cycle = MeshCycle.of(
             geometry,
             elastic_model(case, teeth),
@@ -173,7 +187,9 @@ class CaseInMesh:
             segments_per_line=settings.segments_per_line,
         )
         deflections = given if isinstance(given, Deflections) else None
-        return cls(case, flank, pair, teeth, departures, deviated, modification, cycle, deflections)
+        return cls(
+            case, flanks.flank, pair, teeth, departures, flanks.deviated, flanks.modification, cycle, deflections
+        )
 
     @cached_property
     def cycle(self) -> MeshCycle:

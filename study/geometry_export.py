@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..cases.conversion import gear_pair
+from ..cases.conversion import given_pair
 from ..cases.schema.case_schema import Case
 from ..core.checks import whole
 from ..core.errors import InputError
@@ -18,19 +18,12 @@ from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_
 from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
 from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
 from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES, require_opencascade
-from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
 from ..geometry.tooth.tooth_surface import tooth_patches
 
 FlankChoice = Literal["concave", "convex", "both"]
 POINT_SIZE = 2.5e3  # memory of a point or node while it is found and written [byte]
 SURFACE_NODES = (61, 31)  # splines through them are within 0.02 um of the flanks of the shipped cases
-
-
-def pair_of(case: Case) -> GearPair:
-    """Pair of a case, seen from the drive side, or from the coast side if only that is described."""
-    described = case.pinion.concave is not None and case.gear.convex is not None
-    return gear_pair(case, "drive" if described else "coast")
 
 
 def export_points(
@@ -48,7 +41,7 @@ def export_points(
     Margins are a tenth of face width and depth if left out; GeometryError if a point is not on the flank.
     """
     require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
-    pair = pair_of(case)
+    pair = given_pair(case)
     points = cmm_points(
         named_member(pair, member), rows, columns, margins, tooth_angle=tooth_angle(pair, member)
     ).assign_attrs({"member": member, "title": case.title})
@@ -81,7 +74,7 @@ def export_surfaces(
     step = path.suffix.lower() in STEP_SUFFIXES
     if step:
         require_opencascade()
-    pair = pair_of(case)
+    pair = given_pair(case)
     number = named_member(pair, member).teeth
     wanted = number if teeth is None else whole("teeth", teeth, 1, number)
     copies = 1 if step else wanted  # a STEP file has one tooth and where its copies stand

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +16,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.conversion import misalignment as case_misalignment
-from ..cases.deflection_table import MisalignmentSource, misalignment_of
+from ..cases.deflection_table import MisalignmentSource
 from ..cases.deflections import FLANKS, Deflections
 from ..cases.load_cases import has_own_misalignment, load_case_misalignment, read_load_cases
 from ..cases.schema.case_schema import Case
 from ..cases.schema.load_case_table import LoadCase, named_load_cases
-from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.solvers import Status
 from ..core.attributes import StoredStatus, labelled
 from ..core.checks import array, distinct, instance, one_of, positive
@@ -31,16 +30,17 @@ from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
-from .analysis.case_analysis import operation_of, require_solver_options, with_friction
+from .analysis.case_analysis import require_solver_options, with_friction
 from .analysis.contact_analysis import contact_analysis
 from .analysis.key_numbers import key_numbers
-from .case_in_mesh import CaseInMesh, case_attributes, checked_case, require_kinds
+from .analysis.operating import Friction, FrictionConditions, Operating
+from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviation_source import Deviated, Source
 from .progress import shows_progress, told
 from .result_layout import RESULT_SCHEMA_VERSION
 
 if TYPE_CHECKING:
-    from ..friction import FrictionModel, Lubricant, Operation
+    from ..friction import FrictionModel, Lubricant
 
 Array = NDArray[Any]
 
@@ -219,68 +219,34 @@ def analyze_load_cases(
     require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
     one_of("flank", flank, FLANKS)
-    require_kinds(
-        deviations=deviations,
-        modification=modification,
-        edge_contact=edge_contact,
-        friction_feedback=friction_feedback,
-    )
-    rows = _named(case, load_cases)
-    given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
+    flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
+    conditions = FrictionConditions(None, temperature, roughness, oil, friction_model, friction_feedback)
+    operating = Operating(flanks, None, edge_contact, marking, solver, conditions)
+    rows, given = _named(case, load_cases), flanks.errors(case)
     exponents = checked_exponents(damage_exponents)
     AnalysisSize.of(case, 1).require_memory()
-    if marking is not None:
-        checked_thickness(marking)
-    if case.friction is not None:
-        friction_model = friction_model or case.friction.model()
-        friction_feedback = case.friction.feedback if friction_feedback is None else friction_feedback
-    if friction_model is None and any(row.speed is not None for row in rows.values()):
-        from ..friction import FrictionModel
-
-        friction_model = FrictionModel()
-    conditions = {"temperature": temperature, "roughness": roughness, "oil": oil}
-    operations = {name: _operation(name, case, row, conditions, friction_model) for name, row in rows.items()}
-    sides: dict[str, FlankName] = {name: row.flank or flank for name, row in rows.items()}
-    meshes = _Meshes(
-        case,
-        {
-            "deviations": deviations,
-            "deviated": deviated,
-            "interpolation": interpolation,
-            "modification": modification,
-            "stage": stage,
-        },
-    )
-    errors = {name: load_case_misalignment(row, case, given, sides[name]) for name, row in rows.items()}
-    trees: dict[str, xr.DataTree] = {}
-    reasons = dict.fromkeys(rows, "")
-    failures: list[EaseoffError] = []
+    runs: dict[str, _Run] = {}
     for name, row in rows.items():
+        side = row.flank or flank
+        errors = load_case_misalignment(row, case, given, side)
+        runs[name] = _Run(row, side, errors, _friction(name, case, row, conditions))
+    meshes = _Meshes(case, flanks, stage)
+    failures: list[EaseoffError] = []
+    for run in runs.values():
         try:
             # Without load a load case with deflections is in the assembly without torque, as in any analysis.
-            state = meshes.at(sides[name], errors[name] if has_own_misalignment(row) else given)
+            state = meshes.at(run.flank, run.misalignment if has_own_misalignment(run.row) else given)
             analysis = contact_analysis(
-                state,
-                [row.torque],
-                edge_contact=edge_contact,
-                marking=marking,
-                solver=solver,
-                progress=told(progress),
-                **options,
+                state, [run.row.torque], **operating.contact, progress=told(progress), **options
             )
-            operation = operations[name]
-            if operation is not None:
-                fed_back = bool(friction_feedback)
-                analysis = with_friction(
-                    analysis, operation, friction_model, feedback=fed_back, solver=solver, progress=told(progress)
-                )
-            trees[name] = analysis.tree
+            run.tree = with_friction(analysis, run.friction, solver, told(progress)).tree
         except EaseoffError as error:
-            reasons[name] = " ".join(str(error).split())
+            run.reason = " ".join(str(error).split())
             failures.append(error)
+    trees = {name: run.tree for name, run in runs.items() if run.tree is not None}
     if not trees:
         raise failures[0]
-    numbers = _numbers(errors, rows, sides, operations, trees, reasons)
+    numbers = _numbers(runs)
     groups = {"/": xr.Dataset(attrs=_provenance(case, next(iter(trees.values())).attrs)), "/load_cases": numbers}
     if "share" in numbers:
         groups["/duty"] = labelled(duty_means(numbers, exponents))
@@ -290,11 +256,23 @@ def analyze_load_cases(
     return tree
 
 
+@dataclass
+class _Run:
+    """Analysis of a load case: its inputs, and what came of it."""
+
+    row: LoadCase
+    flank: FlankName
+    misalignment: Misalignment
+    friction: Friction | None
+    tree: xr.DataTree | None = None
+    reason: str = ""
+
+
 class _Meshes:
     """The pair in mesh by flank and misalignment; what does not change with the misalignment is computed once."""
 
-    def __init__(self, case: Case, given: dict[str, Any]) -> None:
-        self.case, self.given = case, given
+    def __init__(self, case: Case, flanks: FlanksInMesh, stage: Callable[[str], None] | None) -> None:
+        self.case, self.flanks, self.stage = case, flanks, stage
         self.first: dict[str, CaseInMesh] = {}
         self.last: dict[str, tuple[Misalignment | Deflections, CaseInMesh]] = {}
 
@@ -303,7 +281,8 @@ class _Meshes:
         kept = self.last.get(flank)
         if kept is None or kept[0] != misalignment:
             if flank not in self.first:
-                self.first[flank] = CaseInMesh.of(self.case, flank=flank, misalignment=misalignment, **self.given)
+                given = replace(self.flanks, flank=flank, misalignment=misalignment)
+                self.first[flank] = CaseInMesh.meshed(self.case, given, self.stage)
                 state = self.first[flank]
             else:
                 state = self.first[flank].misaligned(misalignment)
@@ -328,32 +307,21 @@ def _named(case: Case, load_cases: Sequence[LoadCase] | str | Path | None) -> di
         raise InputError(str(error)) from error
 
 
-def _operation(
-    name: str, case: Case, row: LoadCase, conditions: Mapping[str, Any], model: FrictionModel | None
-) -> Operation | None:
-    """Operating conditions of a load case; ``None`` if neither it nor the case has a speed."""
+def _friction(name: str, case: Case, row: LoadCase, conditions: FrictionConditions) -> Friction | None:
+    """Friction of a load case; ``None`` if neither it nor the case has a speed."""
     if row.speed is None and case.friction is None:
         return None
-    operation = operation_of(case.friction, speed=row.speed, **conditions)
-    assert operation is not None  # one of both has a speed
-    for what, count in zip(SINGLE[1:], operation.shape, strict=True):
+    friction = replace(conditions, speed=row.speed).of_case(case)
+    assert friction is not None  # one of both has a speed
+    for what, count in zip(SINGLE[1:], friction.operation.shape, strict=True):
         if count != 1:
             raise InputError(f"load case {name!r}: {what} has {count} values: must be one, here or in [friction]")
-    if model is not None:
-        model.oil_states(operation)  # a temperature the oil has no data for shows before the work
-    return operation
+    return friction
 
 
-def _numbers(
-    errors: Mapping[str, Misalignment],
-    rows: Mapping[str, LoadCase],
-    sides: Mapping[str, FlankName],
-    operations: Mapping[str, Operation | None],
-    trees: Mapping[str, xr.DataTree],
-    reasons: Mapping[str, str],
-) -> xr.Dataset:
+def _numbers(runs: Mapping[str, _Run]) -> xr.Dataset:
     """Inputs, status and key numbers of every load case, as one dataset."""
-    datasets = {name: _single(key_numbers(trees[name])) for name in trees}
+    datasets = {name: _single(key_numbers(run.tree)) for name, run in runs.items() if run.tree is not None}
     known: dict[str, xr.DataArray] = {}
     for dataset in datasets.values():
         known |= {str(name): variable for name, variable in dataset.data_vars.items() if str(name) not in known}
@@ -361,30 +329,31 @@ def _numbers(
     for variable, pattern in known.items():
         missing = np.full(pattern.shape, np.nan)
         values = np.array(
-            [datasets[n][variable].values if n in datasets and variable in datasets[n] else missing for n in rows]
+            [datasets[n][variable].values if n in datasets and variable in datasets[n] else missing for n in runs]
         )
         whole = values.dtype.kind == "f" and pattern.dtype.kind != "f"  # some have no value: no codes any more
         attributes = {} if whole else {key: v for key, v in pattern.attrs.items() if key.startswith("flag_")}
         data[variable] = (("load_case", *pattern.dims), values, attributes)
-    data["torque"] = ("load_case", [row.torque for row in rows.values()])
+    data["torque"] = ("load_case", [run.row.torque for run in runs.values()])
     for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle"):
-        data[f"misalignment_{key}"] = ("load_case", [getattr(errors[name], key) for name in rows])
-    if any(operations.values()):
-        speeds = [np.nan if one is None else float(np.ravel(one.speed)[0]) for one in operations.values()]
+        data[f"misalignment_{key}"] = ("load_case", [getattr(run.misalignment, key) for run in runs.values()])
+    frictions = [run.friction for run in runs.values()]
+    if any(frictions):
+        speeds = [np.nan if one is None else float(np.ravel(one.operation.speed)[0]) for one in frictions]
         data["speed"] = ("load_case", speeds)
         data["input_power"] = ("load_case", data["torque"][1] * np.array(speeds) * np.pi / 30.0)
-    shares = np.array([np.nan if row.share is None else row.share for row in rows.values()])
+    shares = np.array([np.nan if run.row.share is None else run.row.share for run in runs.values()])
     if np.all(np.isfinite(shares)):
         data["share"] = ("load_case", shares / shares.sum())
-    data["flank"] = ("load_case", [sides[name] for name in rows])
-    status = [LoadCaseStatus.FAILED if name not in trees else _status(trees[name]) for name in rows]
+    data["flank"] = ("load_case", [run.flank for run in runs.values()])
+    status = [LoadCaseStatus.FAILED if run.tree is None else _status(run.tree) for run in runs.values()]
     data["status"] = (
         "load_case",
         np.array(status, dtype=np.int8),
         LoadCaseStatus.flag_attributes() | {"long_name": "how the analysis of the load case ended"},
     )
-    data["reason"] = ("load_case", list(reasons.values()))
-    return labelled(xr.Dataset(data, coords={"load_case": list(rows)}))
+    data["reason"] = ("load_case", [run.reason for run in runs.values()])
+    return labelled(xr.Dataset(data, coords={"load_case": list(runs)}))
 
 
 def _single(numbers: xr.Dataset) -> xr.Dataset:

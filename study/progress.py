@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
+from functools import partial, wraps
 from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
 from ..core.checks import instance, shown
 from ..core.errors import InputError
-from .terminal_bar import terminal_bar
+from .terminal_bar import count, terminal_bar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -41,7 +41,7 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
                     raise InputError(f"progress = {shown(progress)}: {words}")
                 return function(*args, **kwargs)
             with _bar(desc=name, unit=unit) as bar:
-                given["progress"] = lambda *numbers: _count(bar, *numbers)
+                given["progress"] = partial(count, bar)
                 if staged and given.get("stage") is None:
                     given["stage"] = bar.set_description_str
                 return function(*args, **kwargs)
@@ -84,10 +84,3 @@ def _notebook_bar(**options: Any) -> Iterator[Any]:
         finally:
             if shown_bar is not None:
                 shown_bar.update({"text/plain": ""}, raw=True)
-
-
-def _count(bar: Any, *numbers: float) -> None:
-    """Count a step, or set the number of those that are done and of all."""
-    if len(numbers) > 1:
-        bar.total = numbers[1]
-    bar.update(numbers[0] - bar.n if numbers else 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,67 +22,195 @@ MAGNITUDE_LIMIT = 1e30
 Layout = dict[tuple[str, ...], tuple[str, ...]]
 AttributeKind = str | int | tuple[str, ...]  # in words, or the length of a vector, or the texts that it may be
 GRID = ("lengthwise", "profile")
-PAIRS = ("pair", "mesh_position")
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CONDITIONS = ("torque", "speed", "temperature", "roughness")
+PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
+PLACES = ("place_lengthwise", "place_profile")
 
-#: Variables of every result by group and dimensions.
-VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
-    "flanks": {("member", *GRID, "xyz"): ("position", "normal"), ("member", *GRID): ("inside",)},
-    "ease_off": {
-        GRID: (
-            *("ease_off", "ease_off_angle", "roll_angle", "lever_arm", "separation_curvature", "separation_skew"),
-            *("inside", "blade_distance"),
-            *("pinion_lengthwise", "pinion_profile", "pinion_lengthwise_rate", "pinion_profile_rate"),
-        ),
-        (*GRID, "space"): ("action_position", "action_normal"),
-    },
-    "teeth": {("member", *GRID): ("shell_height", "shell_arc", "depth")},
-    "unloaded": {
-        PAIRS: ("transmission_error", "path_lengthwise", "path_profile"),
-        (*PAIRS, "end"): ("line_lengthwise", "line_profile"),
-        ("mesh_position",): ("transmission_error_envelope", "carrying_pair", "pinion_rotation", "mesh_position"),
-    },
-    "loaded": {
-        LOADED: (
-            *("transmission_error", "status", "equilibrium", "negative_force", "negative_gap", "complementarity"),
-            "duality_gap",
-        ),
-        SEGMENTS: (
-            *("force", "pressure", "gap", "half_width", "length", "equivalent_radius", "tooth", "lengthwise"),
-            "profile",
-        ),
-        (*LOADED, "pair"): ("load_share",),
-        ("torque",): ("torque", "peak_to_peak", "mean_level", "max_pressure"),
-        ("mesh_position",): ("mesh_position", "pinion_rotation"),
-        ("torque", "order"): ("harmonic",),
-    },
-}
-#: Variables of groups that not every result has, by their dimensions.
-GROUPS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
-    "modification": {("term",): ("coefficient",), GRID: ("modification",)},
-    "optimization": {
-        ("stage", "assembly", "torque"): ("max_line_load", "max_pressure", "max_end_load", "peak_to_peak"),
-        ("assembly",): ("offset_error", "pinion_axial_error", "gear_axial_error", "shaft_angle_error"),
-        ("torque",): ("torque",),
-    },
-    "root_stress": {
-        ("torque", "member", "lengthwise"): ("root_stress",),
-        ("torque", "member", "mesh_position", "pair"): ("root_stress_history",),
-        ("torque", "member"): ("max_root_stress",),
-        ("lengthwise",): ("lengthwise",),
-    },
-    "optimal_settings": {("setting",): ("setting_start", "setting_value"), ("objective",): ("objective_start",)},
-    "front": {
-        ("point", "objective"): ("front_ratio", "front_value"),
-        ("point", "quantity_limit"): ("front_limited", "front_limit_multiplier"),
-        ("point", "setting"): ("front_setting", "front_found", "front_low_multiplier", "front_high_multiplier"),
-        ("point",): (
-            *("front_ceiling", "front_multiplier", "front_violation", "front_converged", "front_rounding_change"),
-            *("front_rounding_loss", "front_analyses"),
-        ),
-    },
-}
+#: Groups of results, V-H checks and wear: dimensions, and the variables over them. Those after + and & need not be
+#: there, but are there together; each of those after ? may be there alone.
+TABLE = """
+[flanks]
+member lengthwise profile xyz: position normal
+member lengthwise profile: inside
+? member lengthwise profile: flank_status
+? member lengthwise profile principal: principal_curvature
+? member lengthwise profile xyz: principal_direction
+[ease_off]
+lengthwise profile: ease_off ease_off_angle roll_angle lever_arm separation_curvature separation_skew inside
+lengthwise profile: blade_distance pinion_lengthwise pinion_profile pinion_lengthwise_rate pinion_profile_rate
+lengthwise profile space: action_position action_normal
+? lengthwise profile: pinion_deviation gear_deviation ease_off_change extrapolated status
+? lengthwise profile: pinion_lengthwise_acceleration pinion_profile_acceleration
+[teeth]
+member lengthwise profile: shell_height shell_arc depth
+? member: fanning trace_length trace_radius
+? member lengthwise profile shell_axis: shell_direction
+? member tooth_end: bulge tooth_height
+? member tooth_end plate_edge: fitted_thickness plate_thickness
+[unloaded]
+pair mesh_position: transmission_error path_lengthwise path_profile
+pair mesh_position end: line_lengthwise line_profile
+mesh_position: transmission_error_envelope carrying_pair pinion_rotation mesh_position
++ : contact_ratio pinion_peak_to_peak pattern_centre_lengthwise pattern_centre_profile pattern_length pattern_height
++ : geometric_contact_ratio
++ pair mesh_position: contact_edge line_length
++ lengthwise profile: least_gap
+? fine_position: fine_envelope
+[loaded]
+torque mesh_position: transmission_error status equilibrium negative_force negative_gap complementarity duality_gap
+torque mesh_position segment: force pressure gap half_width length equivalent_radius tooth lengthwise profile
+torque mesh_position pair: load_share
+torque: torque peak_to_peak mean_level max_pressure
+mesh_position: mesh_position pinion_rotation
+torque order: harmonic
++ torque: contact_ratio max_load_share pinion_mean_level pinion_peak_to_peak mean_mesh_stiffness
+& torque: max_pressure_position max_pressure_pair max_pressure_line_end max_pressure_lengthwise max_pressure_profile
+& torque: pattern_centre_lengthwise pattern_centre_profile pattern_length pattern_height
+& torque mesh_position: mesh_stiffness
++ torque mesh_position segment: overhang
+& torque mesh_position: edge_share
++ torque: rms
++ torque: load_centre_lengthwise load_centre_profile load_extent_lengthwise load_extent_profile
+? torque mesh_position: cancellation iterations resolution
+? torque mesh_position segment: lever_arm separation
+[misalignment]
+torque mesh_position: offset pinion_axial gear_axial shaft_angle
+[supports]
+torque mesh_position: transmission_error whole_rotation pinion_support_rotation gear_support_rotation teeth_rotation
+torque mesh_position: contact_rotation supports_rotation ease_off_rotation
+member torque mesh_position space: mesh_force mesh_moment
+member space: reference
+torque: support_rotation rounds last_change rounds_status
++ bearing torque mesh_position space: bearing_force bearing_moment
+& bearing space: bearing_position
+[friction]
+torque mesh_position segment speed temperature roughness: friction_coefficient
+torque speed temperature roughness: efficiency mean_power_loss mean_sliding_loss mean_rolling_loss
+torque speed temperature roughness: mean_friction_coefficient
+speed: speed
+temperature: temperature temperature_clamped
+roughness: roughness roughness_pinion roughness_gear
++ torque speed temperature roughness: extrapolated_share
+& formula_flag torque speed temperature roughness: flagged_share
+& formula_flag: formula_flag
++ torque speed temperature roughness: film_thinning thinned_share
++ torque speed temperature roughness: transition_share
++ torque speed temperature roughness: min_film_thickness min_film_lengthwise min_film_profile
++ torque speed temperature roughness: max_flash_temperature max_flash_lengthwise max_flash_profile
+& torque speed temperature roughness: max_contact_temperature max_pressure_velocity
++ torque mesh_position segment speed temperature roughness: flash_temperature
++ mesh_position segment speed: sliding_velocity rolling_velocity
++ torque mesh_position segment speed temperature roughness: lambda_ratio
++ torque mesh_position speed temperature roughness: mesh_power_loss mesh_efficiency
+? mesh_position segment: slide_to_roll
+? mesh_position segment speed: sliding_along sliding_across
+? temperature: bulk_temperature viscosity pressure_viscosity
+? torque mesh_position segment speed: pressure_velocity
+? torque mesh_position segment speed temperature: film_thickness
+? torque mesh_position segment speed temperature roughness: formula_flags power_loss force
+? torque mesh_position speed temperature roughness: output_torque energy_balance status
+? torque speed: input_power
+? torque speed temperature roughness: max_flash_position min_film_position
+[modification]
+term: coefficient
+lengthwise profile: modification
+[optimization]
+stage assembly torque: max_line_load max_pressure max_end_load peak_to_peak
+assembly: offset_error pinion_axial_error gear_axial_error shaft_angle_error
+torque: torque
+[root_stress]
+torque member lengthwise: root_stress
+torque member mesh_position pair: root_stress_history
+torque member: max_root_stress
+lengthwise: lengthwise
+[optimal_settings]
+setting: setting_start setting_value
+objective: objective_start
+[front]
+point objective: front_ratio front_value
+point quantity_limit: front_limited front_limit_multiplier
+point setting: front_setting front_found front_low_multiplier front_high_multiplier
+point: front_ceiling front_multiplier front_violation front_converged front_rounding_change front_rounding_loss
+point: front_analyses
+[load_cases]
+load_case: torque status peak_to_peak max_pressure max_pressure_lengthwise pattern_centre_lengthwise
+load_case: pattern_centre_profile pattern_length pattern_height misalignment_offset misalignment_pinion_axial
+load_case: misalignment_gear_axial misalignment_shaft_angle
+[duty]
+flank damage_exponent: equivalent_torque
+load_case damage_exponent: damage_share
+damage_exponent: damage_exponent
++ : duty_power_loss duty_input_power duty_efficiency
+[V-H check]
+place lengthwise profile: print_excess
+lengthwise: lengthwise
+profile: profile
+plane_axis lengthwise profile: in_plane
+place: v h place_lengthwise place_profile status peak_to_peak pattern_centre_lengthwise pattern_centre_profile
+place: pattern_from pattern_to pattern_height
+: total_v total_h h_over_v
++ v_grid h_grid lengthwise profile: grid_print_excess
+& v_grid h_grid: grid_pattern_centre_lengthwise grid_pattern_centre_profile
+& v_grid: v_grid
+& h_grid: h_grid
+[wear]
+step member lengthwise profile: wear_depth
+member lengthwise profile xyz: position
+step: revolutions
+torque: torque
+lengthwise: lengthwise
+profile: profile
+step member: largest_depth
+step torque: peak_to_peak max_pressure
+"""
+
+
+class GroupLayout(NamedTuple):
+    """Variables of a group: those that it must have, and sets of those that it need not have."""
+
+    needed: Layout
+    optional: list[Layout]
+
+    def faults(self, group: xr.Dataset) -> Iterator[str]:
+        """Variables that a group lacks or has in another form, of sets that it has a part of, too."""
+        yield from variable_faults(group, self.needed)
+        for together in self.optional:
+            if any(name in group.variables for names in together.values() for name in names):
+                yield from variable_faults(group, together)
+
+
+def _layouts(table: str) -> dict[str, GroupLayout]:
+    """Layouts by group from a table of the form of ``TABLE``."""
+    layouts: dict[str, GroupLayout] = {}
+    for row in table.strip().splitlines():
+        if row.startswith("["):
+            needed, optional = layouts[row.strip("[]")] = GroupLayout({}, [])
+            continue
+        words, names = row.split(":")
+        mark, *dimensions = words.split() if row[0] in "+&?" else ("", *words.split())
+        over, variables = tuple(dimensions), tuple(names.split())
+        if mark == "?":
+            optional += [{over: (one,)} for one in variables]
+        else:
+            if mark == "+":
+                optional.append({})
+            rows = optional[-1] if mark else needed
+            rows[over] = (*rows.get(over, ()), *variables)
+    return layouts
+
+
+_LAYOUTS = _layouts(TABLE)
+#: Variables of every result by group and dimensions; of groups computed with the loaded contact, of which older results
+#: lack ``misalignment``; and of groups that not every result has.
+VARIABLES, COMPUTED, GROUPS = (
+    {name: _LAYOUTS[name].needed for name in names}
+    for names in (
+        ("flanks", "ease_off", "teeth", "unloaded", "loaded"),
+        ("misalignment", "supports", "friction"),
+        ("modification", "optimization", "root_stress", "optimal_settings", "front"),
+    )
+)
 #: Texts of those groups by their dimensions, and variables that must be finite.
 GROUP_TEXTS: dict[str, dict[str, str]] = {
     "optimal_settings": {name: name for name in ("setting", "objective", "quantity_limit")},
@@ -96,28 +224,6 @@ FINITE: dict[str, tuple[str, ...]] = {
 PERHAPS_EMPTY = ("quantity_limit", "programme")
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
 OF_EACH_GROUP = {"pair"}
-#: Those of the group ``misalignment``, which older results lack.
-MISALIGNMENT: dict[tuple[str, ...], tuple[str, ...]] = {LOADED: ("offset", "pinion_axial", "gear_axial", "shaft_angle")}
-#: Those of the group ``supports`` of a pair on supports.
-SUPPORTS: dict[tuple[str, ...], tuple[str, ...]] = {
-    LOADED: (
-        *("transmission_error", "whole_rotation", "pinion_support_rotation", "gear_support_rotation"),
-        *("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation"),
-    ),
-    ("member", *LOADED, "space"): ("mesh_force", "mesh_moment"),
-    ("member", "space"): ("reference",),
-    ("torque",): ("support_rotation", "rounds", "last_change", "rounds_status"),
-}
-#: Further ones of the group ``friction``, if there is one.
-FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
-    (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
-    CONDITIONS: (
-        *("efficiency", "mean_power_loss", "mean_sliding_loss", "mean_rolling_loss", "mean_friction_coefficient"),
-    ),
-    ("speed",): ("speed",),
-    ("temperature",): ("temperature", "temperature_clamped"),
-    ("roughness",): ("roughness", "roughness_pinion", "roughness_gear"),
-}
 #: Attributes of whatever is of one pair: whether they are a text or a number.
 OF_A_PAIR: dict[str, AttributeKind] = {
     **dict.fromkeys(("title", "flank"), "text"),
@@ -158,105 +264,7 @@ OPTIONAL_ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
     "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
 }
 
-LOAD_SPOT = ("load_centre_lengthwise", "load_centre_profile", "load_extent_lengthwise", "load_extent_profile")
-PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
-EVALUATION: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("torque",): (
-        *("contact_ratio", "max_load_share", "pinion_mean_level", "pinion_peak_to_peak", "mean_mesh_stiffness"),
-        *("max_pressure_position", "max_pressure_pair", "max_pressure_line_end"),
-        *("max_pressure_lengthwise", "max_pressure_profile", *PATTERN),
-    ),
-    LOADED: ("mesh_stiffness",),
-}
-#: Variables that a result need not have, by group; those of one set are there together.
-OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]] = {
-    "unloaded": (
-        {(): ("contact_ratio", "pinion_peak_to_peak", *PATTERN)},
-        {(): ("geometric_contact_ratio",)},
-        {PAIRS: ("contact_edge", "line_length")},
-        {GRID: ("least_gap",)},
-    ),
-    "loaded": (
-        EVALUATION,
-        {SEGMENTS: ("overhang",), LOADED: ("edge_share",)},
-        {("torque",): ("rms",)},
-        {("torque",): LOAD_SPOT},
-    ),
-    "supports": (
-        {
-            ("bearing", *LOADED, "space"): ("bearing_force", "bearing_moment"),
-            ("bearing", "space"): ("bearing_position",),
-        },
-    ),
-    "friction": (
-        {
-            CONDITIONS: ("extrapolated_share",),
-            ("formula_flag", *CONDITIONS): ("flagged_share",),
-            ("formula_flag",): ("formula_flag",),
-        },
-        {CONDITIONS: ("film_thinning", "thinned_share")},
-        {CONDITIONS: ("transition_share",)},
-        {CONDITIONS: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
-        {
-            CONDITIONS: (
-                *("max_flash_temperature", "max_flash_lengthwise", "max_flash_profile"),
-                *("max_contact_temperature", "max_pressure_velocity"),
-            ),
-        },
-        {(*SEGMENTS, *CONDITIONS[1:]): ("flash_temperature",)},
-        {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
-        {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
-        {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss", "mesh_efficiency")},
-    ),
-}
-#: Further ones, each of which may be there alone.
-OTHER_VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
-    "flanks": {
-        ("member", *GRID): ("flank_status",),
-        ("member", *GRID, "principal"): ("principal_curvature",),
-        ("member", *GRID, "xyz"): ("principal_direction",),
-    },
-    "ease_off": {
-        GRID: (
-            *("pinion_deviation", "gear_deviation", "ease_off_change", "extrapolated", "status"),
-            *("pinion_lengthwise_acceleration", "pinion_profile_acceleration"),
-        ),
-    },
-    "teeth": {
-        ("member",): ("fanning", "trace_length", "trace_radius"),
-        ("member", *GRID, "shell_axis"): ("shell_direction",),
-        ("member", "tooth_end"): ("bulge", "tooth_height"),
-        ("member", "tooth_end", "plate_edge"): ("fitted_thickness", "plate_thickness"),
-    },
-    "unloaded": {("fine_position",): ("fine_envelope",)},
-    "loaded": {LOADED: ("cancellation", "iterations", "resolution"), SEGMENTS: ("lever_arm", "separation")},
-    "friction": {
-        ("mesh_position", "segment"): ("slide_to_roll",),
-        ("mesh_position", "segment", "speed"): ("sliding_along", "sliding_across"),
-        ("temperature",): ("bulk_temperature", "viscosity", "pressure_viscosity"),
-        (*SEGMENTS, "speed"): ("pressure_velocity",),
-        (*SEGMENTS, "speed", "temperature"): ("film_thickness",),
-        (*SEGMENTS, *CONDITIONS[1:]): ("formula_flags", "power_loss", "force"),
-        (*LOADED, *CONDITIONS[1:]): ("output_torque", "energy_balance", "status"),
-        ("torque", "speed"): ("input_power",),
-        CONDITIONS: ("max_flash_position", "min_film_position"),
-    },
-}
-#: Of a result over load cases, in the group ``load_cases`` and in that of the means.
-LOAD_CASES: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("load_case",): (
-        *("torque", "status", "peak_to_peak", "max_pressure", "max_pressure_lengthwise", *PATTERN),
-        *(f"misalignment_{key}" for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle")),
-    )
-}
 LOAD_CASE_TEXTS = ("load_case", "flank", "reason")
-DUTY: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("flank", "damage_exponent"): ("equivalent_torque",),
-    ("load_case", "damage_exponent"): ("damage_share",),
-    ("damage_exponent",): ("damage_exponent",),
-}
-#: Those of the losses, of which all are there or none.
-DUTY_LOSS: dict[tuple[str, ...], tuple[str, ...]] = {(): ("duty_power_loss", "duty_input_power", "duty_efficiency")}
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
 FLAGS: dict[str, type[StoredStatus]] = {
     "status": Status,
@@ -271,37 +279,6 @@ LIGHT_LOAD = {"torque", "segment"}
 
 COMMANDS = {"V-H check": "vh", "wear": "wear"}
 
-PLACES = ("place_lengthwise", "place_profile")
-#: Variables of a V-H check and of wear by their dimensions.
-LAYOUTS: dict[str, Layout] = {
-    "V-H check": {
-        ("place", *GRID): ("print_excess",),
-        ("lengthwise",): ("lengthwise",),
-        ("profile",): ("profile",),
-        ("plane_axis", *GRID): ("in_plane",),
-        ("place",): (
-            *("v", "h", *PLACES, "status", "peak_to_peak"),
-            *(f"pattern_{name}" for name in ("centre_lengthwise", "centre_profile", "from", "to", "height")),
-        ),
-        (): ("total_v", "total_h", "h_over_v"),
-    },
-    "wear": {
-        ("step", "member", *GRID): ("wear_depth",),
-        ("member", *GRID, "xyz"): ("position",),
-        ("step",): ("revolutions",),
-        ("torque",): ("torque",),
-        ("lengthwise",): ("lengthwise",),
-        ("profile",): ("profile",),
-        ("step", "member"): ("largest_depth",),
-        ("step", "torque"): ("peak_to_peak", "max_pressure"),
-    },
-}
-VH_GRID: Layout = {
-    ("v_grid", "h_grid", *GRID): ("grid_print_excess",),
-    ("v_grid", "h_grid"): ("grid_pattern_centre_lengthwise", "grid_pattern_centre_profile"),
-    ("v_grid",): ("v_grid",),
-    ("h_grid",): ("h_grid",),
-}
 #: What dimensions of V-H checks, of wear, and of flanks and teeth of results count, in this order.
 COUNTED = {
     "place": ["toe", "middle", "heel"],
@@ -319,32 +296,19 @@ FAULT_COUNT_LIMIT = 3  # that a message names
 
 def faults(tree: xr.DataTree) -> list[str]:
     """Parts that a result lacks, or has in another form, one phrase each; empty if it is whole."""
-    layout = dict(VARIABLES)
-    if "misalignment" in tree.children:
-        layout["misalignment"] = MISALIGNMENT
-    if "supports" in tree.children:
-        layout["supports"] = SUPPORTS
-    if "friction" in tree.children:
-        layout["friction"] = FRICTION
+    layout = {name: _LAYOUTS[name] for name in (*VARIABLES, *(name for name in COMPUTED if name in tree.children))}
     if "light_load" in tree.children:
-        layout["light_load"] = VARIABLES["loaded"] | {
-            dimensions: (*VARIABLES["loaded"][dimensions], *names) for dimensions, names in EVALUATION.items()
-        }
+        loaded = _LAYOUTS["loaded"]
+        evaluated = {over: (*loaded.needed.get(over, ()), *names) for over, names in loaded.optional[0].items()}
+        layout["light_load"] = GroupLayout(loaded.needed | evaluated, loaded.optional)
     defects = [f"no group {name}" for name in layout if name not in tree.children]
     if defects:
         return defects
     sizes: dict[str, int] = {}
     for name, variables in layout.items():
         group = tree[name].to_dataset()
-        defects += [f"{name}: {fault}" for fault in variable_faults(group, variables)]
-        like = "loaded" if name == "light_load" else name
-        further: list[Layout] = [
-            {over: (one,)} for over, names in OTHER_VARIABLES.get(like, {}).items() for one in names
-        ]
-        for together in (*OPTIONAL_VARIABLES.get(like, ()), *further):
-            if any(variable in group.variables for names in together.values() for variable in names):
-                defects += [f"{name}: {fault}" for fault in variable_faults(group, together)]
-        counted = {dimension for dimensions in variables for dimension in dimensions}
+        defects += [f"{name}: {fault}" for fault in variables.faults(group)]
+        counted = {dimension for dimensions in variables.needed for dimension in dimensions}
         for dimension, length in group.sizes.items():
             alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
             size = length if alone or dimension not in counted else sizes.setdefault(str(dimension), length)
@@ -357,8 +321,8 @@ def faults(tree: xr.DataTree) -> list[str]:
     for name in ("flanks", "ease_off", "teeth"):
         grid = tree[name].to_dataset()
         defects += [f"{name}: {fault}" for fault in _counted_faults(grid)]
-        known = (*VARIABLES[name].values(), *OTHER_VARIABLES[name].values())
-        present = [one for names in known for one in names if one in grid]
+        rows = (layout[name].needed, *layout[name].optional)
+        present = [one for known in rows for names in known.values() for one in names if one in grid]
         empty = [one for one in present if not (_share(grid, one) and (one != "inside" or grid[one].values.any()))]
         defects += [f"{name}: no values in {one!r}" for one in empty]
         for dimension in GRID:
@@ -378,9 +342,9 @@ def faults(tree: xr.DataTree) -> list[str]:
                     for fault in attribute_faults(group_attributes, attributes, needed=needed)
                 ]
     if not defects:
-        loaded = tree.children["loaded"].dataset.variables
+        segments = tree.children["loaded"].dataset.variables
         for one in ("length", "tooth", "lengthwise", "profile"):
-            if ((loaded["force"] > 0.0) & np.isnan(loaded[one])).any():
+            if ((segments["force"] > 0.0) & np.isnan(segments[one])).any():
                 defects.append(f"loaded: {one!r} must hold numbers where a segment carries")
     return defects
 
@@ -434,8 +398,7 @@ def _front_faults(tree: xr.DataTree) -> Iterator[str]:
 
 def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
     """Refuse a V-H check or wear (``kind``) that lacks a part to be shown or drawn, or has it in another form."""
-    layout = LAYOUTS[kind] | (VH_GRID if "grid_print_excess" in found or "v_grid" in found.sizes else {})
-    faults = [*variable_faults(found, layout), *form_faults(found)]
+    faults = [*_LAYOUTS[kind].faults(found), *form_faults(found)]
     faults += attribute_faults(found.attrs, OF_A_PAIR, needed=True)
     faults += attribute_faults(found.attrs, OPTIONAL_ATTRIBUTES[""], needed=False)
     faults += attribute_faults(found.attrs, {"separation": "number"}, needed=kind == "V-H check")
@@ -484,7 +447,7 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
     numbers = tree["load_cases"].to_dataset()
     if not numbers.sizes.get("load_case"):
         return ["load_cases: no load cases"]
-    defects = [f"load_cases: {fault}" for fault in (*variable_faults(numbers, LOAD_CASES), *form_faults(numbers))]
+    defects = [f"load_cases: {fault}" for fault in (*_LAYOUTS["load_cases"].faults(numbers), *form_faults(numbers))]
     defects += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
     over = [name for name, one in numbers.data_vars.items() if one.dims[:1] != ("load_case",)]
     defects += [f"load_cases: {name!r} must be over load_case" for name in over]
@@ -494,8 +457,7 @@ def load_case_faults(tree: xr.DataTree) -> list[str]:
         return defects
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset()
-        layout = DUTY | (DUTY_LOSS if any(name in duty for name in DUTY_LOSS[()]) else {})
-        defects += [f"duty: {fault}" for fault in (*variable_faults(duty, layout), *form_faults(duty))]
+        defects += [f"duty: {fault}" for fault in (*_LAYOUTS["duty"].faults(duty), *form_faults(duty))]
         defects += [f"duty: no text {name!r}" for name in ("load_case", "flank") if not _is_text(duty, name)]
         defects += [f"duty: 0 values along {name}" for name, size in duty.sizes.items() if not size]
         if not defects and duty["load_case"].values.tolist() != numbers["load_case"].values.tolist():

@@ -43,6 +43,13 @@ def working(what: str) -> Iterator[None]:
         yield
 
 
+def count(bar: Any, *numbers: float) -> None:
+    """Count a step, or set the number of those that are done and of all."""
+    if len(numbers) > 1:
+        bar.total = numbers[1]
+    bar.update(numbers[0] - bar.n if numbers else 1)
+
+
 class ProgressLines:
     """Progress as lines on the standard error output: the first after two seconds, then ever fewer."""
 

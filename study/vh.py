@@ -35,7 +35,7 @@ from ..geometry.deviation.deviation import Method
 from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
-from .case_in_mesh import CaseInMesh, case_attributes, checked_case
+from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviation_source import Deviated, Source
 from .progress import shows_progress, told
 
@@ -369,16 +369,9 @@ def vh_check(
     height = number("height", height, above=0.0, below=1.0)
     thickness = checked_thickness(case.contact.separation if marking is None else marking)
     counts = None if grid is None else _counts(grid)
-    given: dict[str, Any] = {
-        "flank": flank,
-        "misalignment": misalignment,
-        "deviations": deviations,
-        "deviated": deviated,
-        "interpolation": interpolation,
-        "modification": modification,
-    }
-    fine = CaseInMesh.of(_unloaded(case, NODES, case.contact.mesh_positions), **given)
-    coarse = CaseInMesh.of(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), **given)
+    given = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
+    fine = CaseInMesh.meshed(_unloaded(case, NODES, case.contact.mesh_positions), given)
+    coarse = CaseInMesh.meshed(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), given)
     exact = ShiftedPatterns(fine, thickness, progress=told(progress))
     estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, told(progress))
     size = exact.size

@@ -30,8 +30,8 @@ from easeoff.friction.operation import named_models
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh
-from easeoff.study.analysis.case_analysis import operation_of
 from easeoff.study.analysis.contact_analysis import contact_analysis
+from easeoff.study.analysis.operating import operation_of
 from easeoff.study.summary.result_summary import result_summary, uncertified
 
 POSITIONS = 4

@@ -14,7 +14,7 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import case_text, case_toml, parse_case
 from easeoff.friction import FILMS, THERMAL_FACTORS, FrictionModel, Operation, friction
-from easeoff.study.analysis.case_analysis import operation_of
+from easeoff.study.analysis.operating import operation_of
 
 TABLE = """
 [friction]

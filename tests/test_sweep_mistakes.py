@@ -21,6 +21,7 @@ from easeoff.core.output_file import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.analysis.key_numbers import number_names
+from easeoff.study.analysis.operating import Operating
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep
 from easeoff.study.sweep.batch_store import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
@@ -247,7 +248,7 @@ def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monk
 
 @pytest.mark.usefixtures("points_once")
 def test_batches_are_removed_but_not_what_another_run_writes(tmp_path: Path) -> None:
-    plan = planned_sweep(CASE, {"E": [0.0]}, torques=[100.0])
+    plan = planned_sweep(CASE, {"E": [0.0]}, Operating(torques=[100.0]))
     run_plan(plan, workers=1, store=tmp_path / "store")
     with private_folder(tmp_path / "store") as other:
         batch_store(plan, tmp_path / "store").remove()

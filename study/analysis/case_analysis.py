@@ -1,7 +1,5 @@
 """The whole analysis of a case: geometry, unloaded contact, loaded contact, friction, as one tree.
 
-Friction added to an analysis: its operating conditions and models, from what is given and else from the case.
-
 Further keywords of an analysis: settings of its solver, told from misspelt arguments before any work.
 """
 
@@ -19,11 +17,10 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 from pydantic import BaseModel
 
-from ...cases.analysis_size import KEPT_VALUES_LIMIT, AnalysisSize
+from ...cases.analysis_size import KEPT_VALUES_LIMIT
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.reading import with_supports
 from ...cases.schema.case_schema import Case, ComplianceTable, ContactTable
-from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import SOLVERS, SolverChoice, require_solver
 from ...contact.solvers.solver_limits import Limits
 from ...core.checks import instance, one_of, shown
@@ -32,97 +29,49 @@ from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import CaseInMesh, checked_case, require_kinds
+from ..case_in_mesh import CaseInMesh, FlanksInMesh, checked_case
 from ..deviation_source import Deviated, Source
 from ..progress import shows_progress, told
-from .contact_analysis import OVER_TORQUE, Analysis, case_torques, contact_analysis, joined_analysis
+from .contact_analysis import OVER_TORQUE, Analysis, contact_analysis, joined_analysis
+from .operating import Friction, FrictionConditions, Operating
 
 if TYPE_CHECKING:
-    from ...cases.schema.friction_table import FrictionTable
     from ...contact.supports.assembly_rounds import AssemblyRounds
     from ...contact.supports.support import LoadedSupports
-    from ...friction import FrictionModel, Lubricant, Operation
+    from ...friction import FrictionModel, Lubricant
     from ...friction.operation import Array, Numbers, Roughness
 
 
 def with_friction(
     found: Analysis,
-    operation: Operation,
-    model: FrictionModel | None = None,
-    *,
-    feedback: bool = False,
+    given: Friction | None,
     solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> Analysis:
-    """An analysis with the group ``friction`` added; without a model with that of the dissertation."""
+    """An analysis with the group ``friction`` added, if there are operating conditions."""
+    if given is None:
+        return found
     if stage is not None:
         stage("friction")
+    from ...friction import friction, friction_feedback
+
+    def losses(part: Analysis, segment_fields: bool | None = None) -> xr.Dataset:
+        tree = xr.DataTree.from_dict({name: part.groups[name] for name in ("ease_off", "loaded")})
+        if given.feedback:
+            return friction_feedback(tree, part.cases, given.operation, given.model, solver=solver, progress=progress)
+        return friction(tree, given.operation, given.model, segment_fields=segment_fields, progress=progress)
+
     if not found.parts:
-        losses = _losses(found, operation, model, feedback, solver, progress)
-        return Analysis({**found.groups, "friction": losses}, found.cases)
+        return Analysis({**found.groups, "friction": losses(found)}, found.cases)
     # All parts keep fields over the segments, or none, by the size of the whole.
     loaded = found.groups["loaded"].sizes
-    size = loaded["torque"] * loaded["mesh_position"] * loaded["segment"] * math.prod(operation.shape)
-    parts = []
-    for places, part in found.parts:
-        losses = _losses(part, operation, model, feedback, solver, progress, segment_fields=size <= KEPT_VALUES_LIMIT)
-        parts.append((places, replace(part, groups={**part.groups, "friction": losses})))
+    size = loaded["torque"] * loaded["mesh_position"] * loaded["segment"] * math.prod(given.operation.shape)
+    parts = [
+        (places, replace(part, groups={**part.groups, "friction": losses(part, size <= KEPT_VALUES_LIMIT)}))
+        for places, part in found.parts
+    ]
     return joined_analysis(parts, {name: group for name, group in found.groups.items() if name not in OVER_TORQUE})
-
-
-def _losses(
-    found: Analysis,
-    operation: Operation,
-    model: FrictionModel | None,
-    feedback: bool,
-    solver: SolverChoice,
-    progress: Callable[[], None] | None,
-    segment_fields: bool | None = None,
-) -> xr.Dataset:
-    """The group ``friction`` of an analysis whose ease-off is that of all its torques."""
-    from ...friction import friction, friction_feedback as with_feedback
-
-    tree = xr.DataTree.from_dict({name: found.groups[name] for name in ("ease_off", "loaded")})
-    if feedback:
-        return with_feedback(tree, found.cases, operation, model, solver=solver, progress=progress)
-    return friction(tree, operation, model, segment_fields=segment_fields, progress=progress)
-
-
-def friction_settings(
-    case: Case, operation: Operation | None, model: FrictionModel | None, feedback: bool | None
-) -> tuple[FrictionModel | None, bool]:
-    """Friction models, and True for friction fed back: given with operating conditions, or else the case's own."""
-    if case.friction is not None:
-        model = case.friction.model() if model is None else model
-        feedback = case.friction.feedback if feedback is None else feedback
-    if operation is not None:
-        from ...friction import FrictionModel, Operation
-
-        model = FrictionModel() if model is None else model
-        instance("operation", operation, Operation)
-        instance("friction_model", model, FrictionModel)
-        model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
-    elif model is not None or feedback:
-        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
-    return model, bool(feedback)
-
-
-def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
-    """Operating conditions that are given, not ``None``, or else the case's own; ``None`` without any speed."""
-    given = {name: value for name, value in conditions.items() if value is not None}
-    if table is not None:
-        return table.operation(**given)
-    if "speed" not in given:
-        if given:
-            raise InputError(
-                f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min, here or in a "
-                "table [friction] of the case"
-            )
-        return None
-    from ...friction import Operation
-
-    return Operation(**given)
 
 
 #: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.
@@ -289,12 +238,9 @@ def analyze(
     """
     require_solver_options(options, solver, analyze)
     case = checked_case(case)
-    require_kinds(
-        deviations=deviations,
-        modification=modification,
-        edge_contact=edge_contact,
-        friction_feedback=friction_feedback,
-    )
+    flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
+    conditions = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)
+    operating = Operating(flanks, torques, edge_contact, marking, solver, conditions)
     if isinstance(supports, str | bytes | PathLike):
         case, supports = with_supports(case, supports), None
     if supports is not None or rounds is not None:
@@ -303,38 +249,13 @@ def analyze(
 
         instance("supports", supports, LoadedSupports | None)
         instance("rounds", rounds, AssemblyRounds | None)
-    operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
-    friction_model, feedback = friction_settings(case, operation, friction_model, friction_feedback)
-    load = case_torques(case, torques)  # a torque given twice shows before the work, too
-    conditions = (0, 0, 0) if operation is None else operation.shape
-    AnalysisSize.of(case, load.size, conditions, feedback=feedback).require_memory()
-    if marking is not None:
-        checked_thickness(marking)
-    state = CaseInMesh.of(
-        case,
-        flank=flank,
-        misalignment=misalignment,
-        deviations=deviations,
-        deviated=deviated,
-        interpolation=interpolation,
-        modification=modification,
-        stage=stage,
-    )
+    friction = conditions.of_case(case)
+    operating.size(case, friction).require_memory()  # a torque given twice shows before the work, too
+    state = CaseInMesh.meshed(case, flanks, stage)
     if stage is not None:
         stage("loaded contact")
+    report = told(progress)
     analysis = contact_analysis(
-        state,
-        torques,
-        edge_contact=edge_contact,
-        marking=marking,
-        solver=solver,
-        supports=supports,
-        rounds=rounds,
-        progress=told(progress),
-        **options,
+        state, torques, **operating.contact, supports=supports, rounds=rounds, progress=report, **options
     )
-    if operation is None:
-        return analysis.tree
-    return with_friction(
-        analysis, operation, friction_model, feedback=feedback, solver=solver, progress=told(progress), stage=stage
-    ).tree
+    return with_friction(analysis, friction, solver, report, stage).tree

@@ -38,8 +38,8 @@ from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import TERM_POWERS, Modification
 from ...geometry.pair.near_pair import PairSetting, is_angle
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
-from .case_analysis import friction_settings, operation_of
 from .contact_analysis import case_torques
+from .operating import Friction, FrictionConditions, friction_of
 from .swept_quantity import swept_quantity
 
 if TYPE_CHECKING:
@@ -136,8 +136,7 @@ class SolvedContact:
     loaded: xr.Dataset
     cases: list[LoadedCase]
     edge_contact: bool
-    operation: Operation | None  # of friction; without it no losses
-    friction_model: FrictionModel | None
+    friction: Friction | None  # without it no losses
 
     @classmethod
     @one_blas_thread()
@@ -165,20 +164,16 @@ class SolvedContact:
         loaded, cases = state.cycle.loaded(load, edge_contact=edges)
         if not all(one.solution.status == Status.CERTIFIED for one in cases):
             raise InputError(f"torques = {shown(load.tolist())}: must be such that every contact problem is certified")
-        operation = operation_of(case.friction) if operation is None else operation
-        model, _ = friction_settings(case, operation, friction_model, None)
-        return cls(state, loaded, cases, edges, operation, model)
+        return cls(state, loaded, cases, edges, friction_of(case, operation, friction_model))
 
     def values(self, *, unloaded: bool = True) -> xr.Dataset:
         """The ``values`` of ``contact_derivatives``; those without load only if asked."""
         cycle = self.state.cycle
         errors = unloaded_slopes(cycle.geometry, cycle.lines, (), {}) if unloaded else None
         values = cycle_values(cycle, self.loaded, self.cases, self._roots, errors)
-        if self.operation is None:
+        if self.friction is None:
             return values
-        from ...friction import FrictionModel
-
-        return values.merge(loss_values(cycle, self.loaded, self.operation, self.friction_model or FrictionModel()))
+        return values.merge(loss_values(cycle, self.loaded, self.friction.operation, self.friction.model))
 
     @one_blas_thread()
     def differentiated(
@@ -188,10 +183,8 @@ class SolvedContact:
         chosen, names = chosen_settings(self.state.pair, self.state.flank, settings)
         cycle_slopes = CycleSlopes.of(self.state.cycle, [one.setting for one in chosen], self.cases)
         values, slopes = cycle_slopes.datasets(self.loaded, self._roots, unloaded=unloaded)
-        if self.operation is not None:
-            from ...friction import FrictionModel
-
-            of_loss = loss_slopes(cycle_slopes, self.loaded, self.operation, self.friction_model or FrictionModel())
+        if self.friction is not None:
+            of_loss = loss_slopes(cycle_slopes, self.loaded, self.friction.operation, self.friction.model)
             values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
         order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
         factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
@@ -270,11 +263,12 @@ def derivatives(
     (('torque', 'setting'), ['mm', 'degree', 'N m'])
     """
     case = checked_case(case)
-    operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
-    friction_model, _ = friction_settings(case, operation, friction_model, None)
+    friction = FrictionConditions(speed, temperature, roughness, oil, friction_model).of_case(case)
     state = CaseInMesh.of(case, flank=flank, misalignment=misalignment, modification=modification)
-    given: dict[str, Any] = {"edge_contact": edge_contact, "operation": operation, "friction_model": friction_model}
-    return contact_derivatives(state, settings, torques, **given)
+    operation, model = (None, None) if friction is None else (friction.operation, friction.model)
+    return contact_derivatives(
+        state, settings, torques, edge_contact=edge_contact, operation=operation, friction_model=model
+    )
 
 
 @one_blas_thread()
@@ -311,9 +305,10 @@ def contact_derivatives(
     ('torque', 'mesh_position')
     """
     instance("state", state, CaseInMesh)
-    given: dict[str, Any] = {"edge_contact": edge_contact, "operation": operation, "friction_model": friction_model}
     chosen_settings(state.pair, state.flank, settings)  # refused before anything is solved
-    solved = SolvedContact.of(state, torques, **given)
+    solved = SolvedContact.of(
+        state, torques, edge_contact=edge_contact, operation=operation, friction_model=friction_model
+    )
     values, changes = solved.differentiated(settings)
     attributes: dict[str, Any] = {
         **case_attributes(state.case, "derivatives"),

@@ -109,7 +109,7 @@ def _discard_output() -> None:
         os.close(nowhere)
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
 @click.version_option(package_name="easeoff")
 def main() -> None:
     """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
@@ -120,29 +120,8 @@ def main() -> None:
 
 
 for _command in (
-    run,
-    show,
-    plot,
-    report,
-    sweep,
-    verify,
-    vh,
-    modify,
-    optimize,
-    cases,
-    new,
-    design,
-    sheet,
-    problems,
-    library,
-    compare,
-    export,
-    convert,
-    correct,
-    wear,
-    oil,
-    cite,
-    completion,
+    *(run, show, plot, report, sweep, verify, vh, modify, optimize, cases, new, design, sheet, problems, library),
+    *(compare, export, convert, correct, wear, oil, cite, completion),
 ):
     main.add_command(_command)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -14,23 +15,22 @@ import click
 from ...core.errors import time_in_words
 from ..terminal_bar import terminal_bar
 from .shared_options import (
-    DEFLECTION_FILE,
-    MISALIGNMENT,
-    allow_outside_option,
+    adding,
+    case_argument,
     deviation_option,
     flank_option,
-    misalignment,
+    misalignment_option,
     numbers,
-    outside_allowed,
+    reader,
     roughnesses,
-    torques,
+    solver_option,
+    torque_option,
 )
-from .word_completion import case_names, friction_models, oil_names, solver_names, support_names
+from .word_completion import friction_models, oil_names, support_names
 
 if TYPE_CHECKING:
     from ...cases import Case
     from ...cases.analysis_size import AnalysisSize
-    from ...cases.schema.friction_table import FrictionTable
     from ...friction import FrictionModel
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
@@ -38,17 +38,10 @@ if TYPE_CHECKING:
 #: How the stages begin in which teeth are built; see ``cases.conversion.finite_elements``.
 TOOTH_STAGES = ("solid shell", "finite elements")
 
-_PAIR = (
-    click.argument("case", shell_complete=case_names),
-    allow_outside_option,
+_PAIR: tuple[Any, ...] = (
+    case_argument(),
     flank_option,
-    click.option(
-        "--misalignment",
-        callback=misalignment,
-        metavar=MISALIGNMENT,
-        show_default="from the case",
-        help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
-    ),
+    misalignment_option,
     deviation_option(
         "Deviation of a member's flank from the designed one: a measured grid (a file, or the name of a shipped one) "
         "or a file of 'easeoff wear'. May be given for both members."
@@ -59,14 +52,6 @@ _PAIR = (
         show_default="spline",
         help="Interpolation between the nodes of measured grids; smooth evens out their scatter.",
     ),
-)
-_SOLVER = click.option(
-    "--solver",
-    metavar="NAME",
-    shell_complete=solver_names,
-    default="auto",
-    show_default=True,
-    help="Contact solver; MODULE:FUNCTION for one of your own.",
 )
 _DEVIATED = click.option(
     "--deviated",
@@ -81,7 +66,7 @@ supports_option = click.option(
     shell_complete=support_names,
     help="Shafts, bearings and housing that hold pinion and gear: a file, or the name of shipped ones.",
 )
-_ANALYSIS = (
+_ANALYSIS: tuple[Any, ...] = (
     click.option(
         "--edge-contact/--lines-only",
         "edge_contact",
@@ -89,14 +74,7 @@ _ANALYSIS = (
         show_default="edges, unless the case says lines only",
         help="Contact of tooth edges beside the contact lines, or of the lines only.",
     ),
-    click.option(
-        "--torque",
-        "torques",
-        callback=torques,
-        metavar="T1,T2,...",
-        show_default="from the case",
-        help="Torques at the pinion in N m.",
-    ),
+    torque_option(),
     supports_option,
     _DEVIATED,
 )
@@ -105,25 +83,11 @@ TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told befor
 DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 
-def pair_options(command: Any) -> Any:
-    """Add the argument CASE and the options of its pair to a command: flank, misalignment, deviations, solver."""
-    for option in reversed((*_PAIR, _SOLVER)):
-        command = option(command)
-    return command
-
-
-def unloaded_options(command: Any) -> Any:
-    """Add the argument CASE and the options of its pair without load to a command: those of a pair but the solver."""
-    for option in reversed((*_PAIR, _DEVIATED)):
-        command = option(command)
-    return command
-
-
-def analysis_options(command: Any) -> Any:
-    """Add the argument CASE and the options of an analysis to a command."""
-    for option in reversed(_ANALYSIS):
-        command = option(command)
-    return pair_options(command)
+#: The argument CASE and the options of its pair: flank, misalignment, deviations; with a solver, without load, and of
+#: a whole analysis.
+pair_options = adding(*_PAIR, solver_option())
+unloaded_options = adding(*_PAIR, _DEVIATED)
+analysis_options = adding(*_PAIR, solver_option(), *_ANALYSIS)
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
@@ -133,18 +97,6 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
         if options[name] is not None and not options["deviations"]:
             raise click.UsageError(f"--{name} = {options[name]}: must go with --deviation")
     return options | {name: value for name, value in defaults.items() if options[name] is None}
-
-
-def chosen_case(case: str, supports: str | None) -> Case:
-    """The case of a name or path, with the supports of ``--supports``."""
-    from ...cases import read_case
-
-    checked = read_case(case, allow_outside=outside_allowed())
-    if supports is None:
-        return checked
-    from ...cases import with_supports
-
-    return with_supports(checked, supports)
 
 
 class Progress(NamedTuple):
@@ -172,11 +124,7 @@ def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
     """Show a progress bar on a terminal, with the name of the stage; the case's own torques if ``None``."""
     total = len(torques or case.contact.torques) * case.contact.mesh_positions
     with terminal_bar(total=total, desc="geometry", unit="solve") as bar:
-        yield Progress(lambda: _step(bar), lambda name: show_stage(bar, name))
-
-
-def _step(bar: Any) -> None:
-    bar.update(1)
+        yield Progress(bar.update, partial(show_stage, bar))
 
 
 def show_stage(bar: Any, name: str) -> None:
@@ -189,12 +137,10 @@ def show_stage(bar: Any, name: str) -> None:
     bar.set_description_str(name)
 
 
-# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
-
 _FRICTION = (
     click.option(
         "--speed",
-        callback=numbers,
+        callback=reader(numbers),
         metavar="N1,N2,...",
         help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
         "[friction] of the case replaces the defaults of this and the following options.",
@@ -208,14 +154,14 @@ _FRICTION = (
     ),
     click.option(
         "--temperature",
-        callback=numbers,
+        callback=reader(lambda text: numbers(text, from_zero=True)),
         metavar="T1,T2,...",
         show_default="90",
         help="Oil temperatures in degC, or FROM:TO:COUNT.",
     ),
     click.option(
         "--roughness",
-        callback=roughnesses,
+        callback=reader(roughnesses),
         metavar="R1,R2,...",
         show_default="0.8",
         help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
@@ -249,17 +195,15 @@ _FRICTION = (
 )
 
 
-def friction_options(command: Any) -> Any:
-    """Add the options of friction to a command: operating conditions and models."""
-    for option in reversed(_FRICTION):
-        command = option(command)
-    return command
+#: Options of friction: operating conditions and models.
+friction_options = adding(*_FRICTION)
 
 
-def chosen_model(
-    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
-) -> FrictionModel:
-    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
+def given_model(case: Case, options: dict[str, Any]) -> FrictionModel | None:
+    """Friction models of the case with what options say of them, which is taken out; ``None`` if nothing is said."""
+    name, film_heating, clamp = (options.pop(key) for key in ("friction_model", "film_heating", "clamp_temperature"))
+    if name is None and film_heating is None and clamp is None:
+        return None
     from ...friction import FrictionModel
 
     changed: dict[str, Any] = {}
@@ -271,4 +215,4 @@ def chosen_model(
         changed["film_heating"] = film_heating
     if clamp is not None:
         changed["out_of_range"] = "clamp" if clamp else "error"
-    return FrictionModel(**changed) if table is None else table.model(**changed)
+    return FrictionModel(**changed) if case.friction is None else case.friction.model(**changed)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,7 +20,8 @@ from ...core.errors import EaseoffError, InputError
 from ..terminal_bar import working
 from .command import EXIT_UNCERTIFIED, Command, quick_start
 from .shared_options import (
-    allow_outside_option,
+    case_argument,
+    check_output,
     echo,
     force_option,
     keyed_numbers,
@@ -28,13 +29,13 @@ from .shared_options import (
     output_option,
     outside_allowed,
     problem_format_options,
+    reader,
 )
-from .word_completion import case_names, design_names, template_names
+from .word_completion import design_names, template_names
 
 if TYPE_CHECKING:
     from ...geometry.cutting.named_settings import MachineResolution
 
-KINDS = ("case", "design", "supports", "oil", "load-cases")
 #: The command that takes a file of each kind; ``FILE`` stands for it.
 TAKEN_BY = {
     "case": ("run", "FILE", "-o", "RESULT.nc"),
@@ -46,15 +47,10 @@ TAKEN_BY = {
 
 
 @click.command(cls=Command)
-@click.argument("kind", type=click.Choice(KINDS))
+@click.argument("kind", type=click.Choice(list(TAKEN_BY)))
 @click.argument("name", required=False, shell_complete=template_names)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    show_default="NAME, if it is that of a file",
-    help="File to write: .toml, of load cases .csv.",
+@output_option(
+    "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
 def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
@@ -68,8 +64,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
     take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
     """
     from ...cases.schema.file_templates import TEMPLATE_KINDS, template
-    from ...cases.writing import require_replaceable, write_sealed
-    from ...core.output_file import check_writable
+    from ...cases.writing import write_sealed
 
     if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
         output, name = Path(name), None
@@ -78,8 +73,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
             f"-o: must be given, as in 'easeoff new {kind} -o my{TEMPLATE_KINDS[kind].suffix}', or short 'easeoff new "
             f"{kind} my{TEMPLATE_KINDS[kind].suffix}'"
         )
-    check_writable(output, suffix=TEMPLATE_KINDS[kind].suffix)
-    require_replaceable(output, force)
+    check_output(output, suffix=TEMPLATE_KINDS[kind].suffix, force=force)
     write_sealed(template(kind, name), output)
     echo(f"wrote {output}")
     next_commands([output if word == "FILE" else word for word in TAKEN_BY[kind]])
@@ -93,40 +87,20 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
 @click.option("--density", type=float, required=True, metavar="RHO", help="Density at 15 degC in kg/m3.")
 @click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
 @click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")
-@click.option(
-    "--source", metavar="TEXT", default="its data sheet", show_default=True, help="Where the numbers are from."
-)
+@click.option("--source", metavar="TEXT", default="its data sheet", help="Where the numbers are from.")
 @output_option("TOML file to write, for --oil and the table [friction].")
-def oil(
-    viscosity_40: float,
-    viscosity_100: float,
-    density: float,
-    base_oil: str,
-    title: str | None,
-    source: str,
-    output: Path,
-) -> None:
+def oil(output: Path, **numbers: Any) -> None:
     """Make a lubricant's file from the numbers of a data sheet.
 
     The pressure-viscosity coefficient is estimated from viscosity and base oil; if you have measured values, write them
     into the file.
     """
-    from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ...friction import data_sheet_lubricant, write_lubricant
 
-    check_writable(output)
+    check_output(output)
     if output.suffix.lower() != ".toml":
         raise InputError(f"{output}: must be a name that ends in .toml")
-    made = data_sheet_lubricant(
-        output.stem,
-        viscosity_40=viscosity_40,
-        viscosity_100=viscosity_100,
-        density=density,
-        base_oil=base_oil,
-        title=title,
-        source=source,
-    )
+    made = data_sheet_lubricant(output.stem, **numbers)
     write_lubricant(made, output)
     for temperature in (40.0, 70.0, 100.0):
         state = made.at(temperature)
@@ -141,11 +115,12 @@ def oil(
 STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
 
 
-def resolution(_ctx: click.Context, _param: click.Parameter, text: str | None) -> MachineResolution | None:
+@reader
+def resolution(text: str) -> MachineResolution:
     """Resolution of settings from an option."""
     from ...geometry.cutting.named_settings import MachineResolution
 
-    return None if text is None else MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
+    return MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
 
 
 resolution_option = click.option(
@@ -158,8 +133,7 @@ resolution_option = click.option(
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @output_option("Sheet to write, .txt, .html or .rexs.")
 @resolution_option
 def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
@@ -172,12 +146,11 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     quick_start()
     from ...cases import read_case, write_rexs
     from ...cases.writing import with_blanks
-    from ...core.errors import InputError
-    from ...core.output_file import check_writable, whole_file
+    from ...core.output_file import whole_file
     from ..design.rounded_settings import rounded_case
     from ..summary.summary_sheet import summary_sheet
 
-    check_writable(output, case)
+    check_output(output, case)
     suffix = output.suffix.lower()
     if suffix not in (".txt", ".html", ".rexs"):
         raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
@@ -228,8 +201,7 @@ def _measured_title(name: str) -> str:
 
 
 @click.command(cls=Command)
-@click.argument("design", shell_complete=design_names)
-@allow_outside_option
+@case_argument("design", complete=design_names)
 @output_option("Case file to write, .toml.")
 @force_option
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
@@ -246,8 +218,6 @@ def design(
     quick_start()
     from ...cases import read_design, write_case
     from ...cases.conversion import machine_resolution
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..design.case_design import design_case
     from ..design.design_check import rounding_limits
     from ..design.rounded_settings import rounded_case, rounding_effect
@@ -256,8 +226,7 @@ def design(
 
     if resolution is not None and not rounding:
         raise InputError("--resolution: must go with --round")
-    check_writable(output, design, suffix=".toml")
-    require_replaceable(output, force)
+    check_output(output, design, suffix=".toml", force=force)
     checked = read_design(design, allow_outside=outside_allowed())
     with working("blanks, gear, and a pinion fitted to the ease-off"):
         case, findings = design_case(checked)
@@ -280,8 +249,7 @@ def design(
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="INPUT", shell_complete=case_names)
-@allow_outside_option
+@case_argument("source", metavar="INPUT")
 @output_option(
     "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
 )
@@ -296,8 +264,6 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
     """
     from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
     from ...cases.conversion import given_pair
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ...geometry.pair.tooth_thickness import contradictions
     from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES, convert_problems
 
@@ -309,9 +275,7 @@ def convert(source: str, output: Path, force: bool, format: str | None, form: st
         raise InputError(f"{source}: suffix = {suffix!r}: must be that of contact problems, with --format or --form")
     if target not in (".toml", ".rexs", ".xml"):
         raise InputError(f"{output}: suffix = {target!r}: must be .toml, .rexs or .xml")
-    check_writable(output, source)
-    if target == ".toml":
-        require_replaceable(output, force)
+    check_output(output, source, force=force if target == ".toml" else None)
     notes: list[str] = []
     if suffix in ("", ".toml"):
         case = read_case(source, allow_outside=outside_allowed())

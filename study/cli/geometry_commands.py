@@ -11,7 +11,10 @@ from click.core import ParameterSource
 from ..terminal_bar import working
 from .command import Command
 from .shared_options import (
-    allow_outside_option,
+    case_argument,
+    check_folders,
+    check_output,
+    deviation_option,
     echo,
     flank_files,
     force_option,
@@ -20,11 +23,10 @@ from .shared_options import (
     nodes,
     output_option,
     outside_allowed,
-    refuse_name_of_output,
+    plots_option,
     teeth,
     thicknesses,
 )
-from .word_completion import case_names, deviation_names
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
@@ -32,21 +34,14 @@ GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
 
 
 @click.command(cls=Command)
-@click.argument("source", metavar="CASE|RESULT", shell_complete=case_names)
-@allow_outside_option
+@case_argument("source", metavar="CASE|RESULT")
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
     "(meshes). Of a RESULT: .vtu."
 )
+@click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
 @click.option(
-    "--member", type=click.Choice(["pinion", "gear"]), default="pinion", show_default=True, help="Member to export."
-)
-@click.option(
-    "--flank",
-    type=click.Choice(["concave", "convex", "both"]),
-    default="both",
-    show_default=True,
-    help="Flank of the member to export.",
+    "--flank", type=click.Choice(["concave", "convex", "both"]), default="both", help="Flank of the member to export."
 )
 @click.option(
     "--rows", type=click.IntRange(2, 1001), metavar="N", show_default="5", help="Points: rows from root to tip."
@@ -106,7 +101,6 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
     from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ...core.regular_file import named
     from ..report.contact_mesh import export_contact
     from ..result import read_result
@@ -115,7 +109,7 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
     foreign = [name for name in GEOMETRY_OPTIONS if context.get_parameter_source(name) == ParameterSource.COMMANDLINE]
     if foreign:
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
-    check_writable(output, source)
+    check_output(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
     tree = read_result(source)
     try:
@@ -128,11 +122,10 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
 
 def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: dict[str, Any]) -> None:
     from ...cases import read_case
-    from ...core.output_file import check_writable
     from ...geometry.formats import EdgeMargins
     from ..geometry_export import export as write
 
-    check_writable(output, case)
+    check_output(output, case)
     given = {name: value for name, value in options.items() if value is not None}
     if "margins" in given:
         given["margins"] = EdgeMargins(**given["margins"])
@@ -145,24 +138,18 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @click.option(
     "--flank",
     type=click.Choice(["drive", "coast"]),
     show_default="all that the files hold",
     help="Correct these flanks only: drive (concave pinion, convex gear) or coast.",
 )
-@click.option(
-    "--deviation",
-    "deviations",
-    multiple=True,
+@deviation_option(
+    "Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
+    "each flank of a member.",
     required=True,
     callback=flank_files,
-    shell_complete=deviation_names,
-    metavar="MEMBER=FILE",
-    help="Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
-    "each flank of a member.",
 )
 @click.option(
     "--free",
@@ -175,7 +162,6 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     "--set-up",
     type=click.Choice(["auto", "shared", "own"]),
     default="auto",
-    show_default=True,
     help="Whether both flanks of a member are cut in one set-up: auto, if their settings are equal.",
 )
 @click.option(
@@ -186,30 +172,11 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     help="By how much the normal thickness of the tooth was measured to be above the one designed, in um; of a shared "
     "set-up with both flanks measured.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Case file to write with the corrected settings.",
-)
+@output_option("Case file to write with the corrected settings.", required=False)
 @force_option
-@click.option(
-    "--plots",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="FOLDER",
-    help="Folder for topographies before and after.",
-)
+@plots_option("Folder for topographies before and after.")
 def correct(
-    case: str,
-    flank: Any,
-    deviations: Any,
-    free: tuple[str, ...] | None,
-    set_up: str,
-    thickness: Any,
-    output: Path | None,
-    force: bool,
-    plots: Path | None,
+    case: str, deviations: Any, set_up: str, output: Path | None, force: bool, plots: Path | None, **options: Any
 ) -> None:
     """Correct the machine settings of CASE for measured flanks.
 
@@ -217,23 +184,17 @@ def correct(
     set, rounded to what the machine can be set to, and the deviations predicted on the flanks cut with them.
     """
     from ...cases import read_case, write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_folder, check_writable
     from ..case_correction import correct_case
     from ..summary.correction_report import correction_report
 
     if force and output is None:
         raise click.UsageError("--force: must go with --output")
-    if output is not None:
-        check_writable(output, case, *(file for files in deviations.values() for file in files), suffix=".toml")
-        require_replaceable(output, force)
-        refuse_name_of_output(output, plots=plots)
-    if plots is not None:
-        check_folder(plots, "pictures")
+    check_output(output, case, *(file for files in deviations.values() for file in files), suffix=".toml", force=force)
+    check_folders(output, plots)
     shared = {"auto": None, "shared": True, "own": False}[set_up]
     checked = read_case(case, allow_outside=outside_allowed())
     with working("settings fitted to the measured flanks"):
-        case_correction = correct_case(checked, deviations, flank=flank, free=free, shared=shared, thickness=thickness)
+        case_correction = correct_case(checked, deviations, shared=shared, **options)
     echo(correction_report(case_correction))
     if output is not None:
         write_case(case_correction.case, output, _executed(case, case_correction.corrections))

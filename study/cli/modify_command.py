@@ -2,63 +2,48 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
 from ..terminal_bar import terminal_bar, working
-from .analysis_options import chosen_case, show_stage, supports_option
-from .command import EXIT_UNCERTIFIED, Command
+from .analysis_options import show_stage, supports_option
+from .command import Command
 from .shared_options import (
     DEFLECTION_FILE,
     MISALIGNMENT,
-    allow_outside_option,
+    case_argument,
+    check_output,
     echo,
+    end_uncertified,
     flank_option,
     force_option,
-    misalignments,
+    further_misalignments_option,
     next_commands,
+    opened_case,
     output_option,
-    torques,
+    solver_option,
+    torque_option,
 )
-from .word_completion import case_names, solver_names
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @output_option("netCDF file to write.")
 @flank_option
-@click.option(
-    "--torque",
-    "torques",
-    callback=torques,
-    metavar="T1,T2,...",
-    show_default="from the case",
-    help="Torques at the pinion in N m, all of equal weight.",
-)
-@click.option(
-    "--misalignment",
-    "misalignments",
-    callback=misalignments,
-    multiple=True,
-    metavar=MISALIGNMENT,
-    help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "
-    "repeated.",
+@torque_option("Torques at the pinion in N m, all of equal weight.")
+@further_misalignments_option(
+    f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}.", MISALIGNMENT
 )
 @supports_option
 @click.option(
     "--objective",
     type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
     default="peak_load",
-    show_default=True,
     help="Quantity to minimise.",
 )
-@click.option(
-    "--order", type=click.IntRange(2, 4), metavar="N", default=3, show_default=True, help="Greatest order of the terms."
-)
+@click.option("--order", type=click.IntRange(2, 4), metavar="N", default=3, help="Greatest order of the terms.")
 @click.option(
     "--transmission-error",
     type=float,
@@ -73,17 +58,8 @@ from .word_completion import case_names, solver_names
     show_default="that of the present ease-off",
     help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
 )
-@click.option(
-    "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
-)
-@click.option(
-    "--solver",
-    metavar="NAME",
-    default="auto",
-    show_default=True,
-    shell_complete=solver_names,
-    help="Contact solver; MODULE:FUNCTION for your own.",
-)
+@click.option("--largest", type=float, metavar="UM", default=50.0, help="Limit of the modification in um.")
+@solver_option("Contact solver; MODULE:FUNCTION for your own.")
 @click.option(
     "--fitted-case",
     type=click.Path(path_type=Path),
@@ -100,19 +76,14 @@ def modify(
     The contact is that on lines alone, without tooth edges.
     """
     from ...cases import write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
     from ..design.case_design import fit_modification, recorded_modification
     from ..design.optimal_modification import modify as modified
     from ..result import write_result
     from ..summary.correction_report import modification_report
     from ..summary.result_summary import uncertified
 
-    check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
-    if fitted_case is not None:
-        check_writable(fitted_case, case, *([] if supports is None else [supports]), suffix=".toml")
-        require_replaceable(fitted_case, force)
-    checked = chosen_case(case, supports)
+    checked = opened_case(case, output, supports=supports)
+    check_output(fitted_case, case, supports, suffix=".toml", force=force)
     bar: Any
     with terminal_bar(desc="convex programmes", unit="programme") as bar:
         tree = modified(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
@@ -128,7 +99,4 @@ def modify(
         echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
     fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
-    failures = uncertified(tree)
-    if failures:
-        echo("\n".join(failures), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified(uncertified(tree))

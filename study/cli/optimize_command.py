@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,25 +11,28 @@ import click
 from ..terminal_bar import terminal_bar
 from .analysis_options import show_stage
 from .case_commands import resolution_option
-from .command import EXIT_UNCERTIFIED, Command
+from .command import Command
 from .shared_options import (
-    allow_outside_option,
+    case_argument,
+    check_output,
     echo,
+    end_uncertified,
     force_option,
-    misalignments,
+    further_misalignments_option,
     next_commands,
     number_list,
+    opened_case,
     output_option,
-    outside_allowed,
-    torques,
+    reader,
+    torque_option,
 )
-from .word_completion import case_names
 
 SPREAD = re.compile(r"(E|P|G|Sigma)\s*~\s*(.+)")
 RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
 
 
-def _spread(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+@reader
+def _spread(texts: tuple[str, ...]) -> dict[str, str]:
     """Distributions of assembly errors."""
     distributions: dict[str, str] = {}
     for text in texts:
@@ -43,7 +45,8 @@ def _spread(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]
     return distributions
 
 
-def _ranges(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+@reader
+def _ranges(texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     """Least and greatest value of settings by key."""
     ranges: dict[str, tuple[float, float]] = {}
     for text in texts:
@@ -57,19 +60,8 @@ def _ranges(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]
     return ranges
 
 
-def _patterns(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...] | None:
-    """Patterns of free settings; none for the usual ones."""
-    return texts or None
-
-
-def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float] | None:
-    """Weights of the objectives."""
-    return None if text is None else number_list(text, "numbers separated by commas, such as 1,0.5")
-
-
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @output_option("netCDF file to write.")
 @click.option(
     "--minimize",
@@ -93,33 +85,22 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     "--form",
     type=click.Choice(["worst", "weighted", "pareto"]),
     default="worst",
-    show_default=True,
     help="The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
 )
-@click.option("--weight", "weights", callback=_weights, metavar="W1,W2,...", help="Weights of the objectives.")
+@click.option(
+    "--weight",
+    "weights",
+    callback=reader(lambda text: number_list(text, "numbers separated by commas, such as 1,0.5")),
+    metavar="W1,W2,...",
+    help="Weights of the objectives.",
+)
 @click.option("--points", type=int, metavar="N", show_default="9", help="Points of the front.")
 @click.option(
-    "--flank",
-    type=click.Choice(["drive", "coast", "both"]),
-    default="drive",
-    show_default=True,
-    help="Flanks in mesh that are analysed.",
+    "--flank", type=click.Choice(["drive", "coast", "both"]), default="drive", help="Flanks in mesh that are analysed."
 )
-@click.option(
-    "--torque",
-    "torques",
-    callback=torques,
-    metavar="T1,T2,...",
-    show_default="from the case",
-    help="Torques at the pinion in N m.",
-)
-@click.option(
-    "--misalignment",
-    "misalignments",
-    callback=misalignments,
-    multiple=True,
-    metavar="E=..,P=..,G=..,Sigma=..",
-    help="Further assembly in mm, Sigma in degrees, that counts as much as the case's own. May be repeated.",
+@torque_option()
+@further_misalignments_option(
+    "Further assembly in mm, Sigma in degrees, that counts as much as the case's own.", "E=..,P=..,G=..,Sigma=.."
 )
 @click.option(
     "--spread",
@@ -129,10 +110,10 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     help="Distribution of an assembly error in mm, Sigma in degrees: normal, uniform or triangular. May be repeated.",
 )
 @click.option("--samples", type=int, metavar="N", help="Number of assemblies drawn from the distributions.")
-@click.option("--seed", type=int, metavar="S", default=0, show_default=True, help="Seed of the samples.")
+@click.option("--seed", type=int, metavar="S", default=0, help="Seed of the samples.")
 @click.option(
     "--free",
-    callback=_patterns,
+    callback=reader(lambda texts: texts or None),
     multiple=True,
     metavar="PATTERN",
     show_default="machine settings that the pinion's set-up uses",
@@ -151,11 +132,10 @@ def _weights(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
     type=float,
     metavar="UM",
     default=100.0,
-    show_default=True,
     help="By how much one setting alone may change the ease-off in um, where it has no limits of its own.",
 )
 @resolution_option
-@click.option("--steps", type=int, metavar="N", default=30, show_default=True, help="Programmes for one optimum.")
+@click.option("--steps", type=int, metavar="N", default=30, help="Programmes for one optimum.")
 @click.option(
     "--case",
     "best_case",
@@ -171,19 +151,14 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     Convex programmes propose, certified analyses judge. The settings found are rounded to the machine's resolution and
     analysed rounded.
     """
-    from ...cases import parse_case, read_case, write_case
-    from ...cases.writing import require_replaceable
-    from ...core.output_file import check_writable
+    from ...cases import parse_case, write_case
     from ..design.optimization.setting_optimization import USUAL_OBJECTIVES, optimize as optimized
     from ..result import read_result, write_result
     from ..summary.correction_report import setting_report
     from ..summary.result_summary import uncertified
 
-    check_writable(output, case, suffix=".nc")
-    if best_case is not None:
-        check_writable(best_case, case, suffix=".toml")
-        require_replaceable(best_case, force)
-    checked = read_case(case, allow_outside=outside_allowed())
+    checked = opened_case(case, output)
+    check_output(best_case, case, suffix=".toml", force=force)
     earlier = None if resume is None else read_result(resume)
     bar: Any
     with terminal_bar(desc="search", unit="programme") as bar:
@@ -204,7 +179,4 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
         echo(f"wrote {best_case}")
     sheet = [] if best_case is None else [("sheet", best_case, "-o", "SHEET.html")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *sheet)
-    failures = uncertified(tree)
-    if failures:
-        echo("\n".join(failures), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified(uncertified(tree))

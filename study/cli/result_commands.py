@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +11,8 @@ import click
 
 from ...core.errors import printable
 from ..terminal_bar import working
-from .command import Command, quick_start
-from .shared_options import echo, marking, names, torques
+from .command import EXIT_UNCERTIFIED, Command, quick_start
+from .shared_options import check_output, echo, marking_option, names, next_commands, output_option, torque_option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +58,7 @@ def show(result: Path) -> None:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path), required=False)
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder to write.")
+@output_option("Folder to write.", required=False, metavar="FOLDER")
 @click.option(
     "--pictures",
     callback=names,
@@ -64,13 +66,8 @@ def show(result: Path) -> None:
     show_default="all",
     help="Pictures to draw, such as pressure,transmission_error; a wrong name lists those of the result.",
 )
-@click.option(
-    "--torque",
-    "torques",
-    callback=torques,
-    metavar="T1,T2,...",
-    show_default="up to six, spread evenly",
-    help="Torques of the result at the pinion in N m, for the pictures that show torques.",
+@torque_option(
+    "Torques of the result at the pinion in N m, for the pictures that show torques.", "up to six, spread evenly"
 )
 @click.option(
     "--flank",
@@ -79,24 +76,12 @@ def show(result: Path) -> None:
     help="Flank to draw, of load cases or a sweep with both.",
 )
 @click.option(
-    "--format",
-    "file_format",
-    type=click.Choice(["png", "svg", "pdf"]),
-    default="png",
-    show_default=True,
-    help="Format of the files.",
+    "--format", "file_format", type=click.Choice(["png", "svg", "pdf"]), default="png", help="Format of the files."
 )
 @click.option(
     "--dpi", type=click.IntRange(30, 1200), metavar="N", show_default="160", help="Dots per inch of PNG files."
 )
-@click.option(
-    "--marking",
-    type=float,
-    callback=marking,
-    metavar="THICKNESS",
-    show_default="that of the result",
-    help="Thickness of the marking compound of the unloaded pattern in um.",
-)
+@marking_option(default="that of the result")
 def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None, **options: Any) -> None:
     """Draw pictures of RESULT into FOLDER.
 
@@ -124,15 +109,8 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 
 @click.command(cls=Command)
 @click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    show_default="RESULT.html, if there is one",
-    help="HTML file to write.",
-)
-@click.option("--author", metavar="NAME", default="", help="Who made the report, for its head.")
+@output_option("HTML file to write.", required=False, show_default="RESULT.html, if there is one")
+@click.option("--author", metavar="NAME", default="", show_default=False, help="Who made the report, for its head.")
 def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
@@ -143,14 +121,13 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """
     quick_start()
     from ...core.errors import InputError
-    from ...core.output_file import check_writable
     from ..report.report_file import read_given, write_report
 
     if output is None:
         if len(results) > 1:
             raise click.UsageError("-o: must be given with several results, as in -o report.html")
         output = results[0].with_suffix(".html")
-    check_writable(output, *results, suffix=".html")
+    check_output(output, *results, suffix=".html")
     names = [path.stem for path in results]
     if len(set(names)) < len(names):
         names = [str(path.with_suffix("")) for path in results]
@@ -201,3 +178,16 @@ def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None
     for picture in ours:
         if not picture.exists():
             echo(f"removed {printable(str(picture))}, a picture of an earlier result")
+
+
+def end_with(
+    result: xr.DataTree, output: Path, plots: Path | None, notes: Iterable[str] = (), *, certified: bool
+) -> None:
+    """Draw what was written if asked to, tell the notes and which commands take it, and end by the exit code."""
+    if plots is not None:
+        draw(result, plots)
+    for note in notes:
+        echo(note, err=True)
+    next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
+    if not certified:
+        sys.exit(EXIT_UNCERTIFIED)

@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import sys
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,14 +18,24 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ...core.errors import printable_lines
-from .command import as_given
-from .word_completion import deviation_names
+from .command import EXIT_UNCERTIFIED, as_given
+from .word_completion import case_names, deviation_names, solver_names
 
 if TYPE_CHECKING:
+    from ...cases import Case
     from ...cases.deflections import Deflections
     from ...geometry.pair.assembly import Misalignment
 
 WHOLE_NUMBER = re.compile(r"[+-]?\d+")
+
+
+def reader(read: Callable[[Given], Value]) -> Callable[[click.Context, click.Parameter, Given | None], Value | None]:
+    """Callback of an option by the function that reads what is given; ``None`` where the option is left out."""
+
+    def callback(_ctx: click.Context, _param: click.Parameter, given: Given | None) -> Value | None:
+        return None if given is None else read(given)
+
+    return callback
 
 
 def number_list(text: str, wanted: str, *, from_zero: bool = True) -> list[float]:
@@ -99,6 +111,8 @@ THINNEST_COMPOUND = 0.5  # [um]; below it a thickness looks like mm
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+Given = TypeVar("Given")
+Value = TypeVar("Value")
 
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 MISALIGNMENT = "E=..,P=..,G=..,Sigma=..|FILE"
@@ -108,80 +122,124 @@ EDGES = ("toe", "heel", "root", "tip")
 ALLOW_OUTSIDE = "easeoff.allow_outside"
 
 
-def flank_option(command: Command) -> Command:
-    """Option ``--flank`` of a command: drive or coast."""
-    return click.option(
-        "--flank",
-        type=click.Choice(["drive", "coast"]),
-        default="drive",
-        show_default=True,
-        help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
-    )(command)
+def adding(*options: Any) -> Callable[[Any], Any]:
+    """Decorator that adds options to a command, in their order."""
+
+    def added(command: Any) -> Any:
+        return reduce(lambda so_far, option: option(so_far), reversed(options), command)
+
+    return added
 
 
-def output_option(text: str) -> Callable[[Command], Command]:
-    """Option ``--output`` of a command: a file, described by a text."""
-    return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
-
-
-def force_option(command: Command) -> Command:
-    """Option ``--force`` of a command that writes a case file."""
-    return click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")(
-        command
-    )
-
-
-def problem_format_options(command: Command) -> Command:
-    """Options ``--format`` and ``--form`` of a command that writes contact problems."""
-    command = click.option(
-        "--form",
-        type=click.Choice(["dense", "lifted", "dual"]),
-        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
-    )(command)
-    return click.option(
+#: Option ``--flank`` of a command: drive or coast.
+flank_option = click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast"]),
+    default="drive",
+    help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
+)
+#: Option ``--force`` of a command that writes a case file.
+force_option = click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")
+#: Options ``--format`` and ``--form`` of a command that writes contact problems.
+problem_format_options = adding(
+    click.option(
         "--format",
         type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
         show_default="suffix of the file",
         help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
         "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
+    ),
+    click.option(
+        "--form",
+        type=click.Choice(["dense", "lifted", "dual"]),
+        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
+    ),
+)
+
+
+def output_option(text: str, *, required: bool = True, **settings: Any) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command: a file, described by a text; or a folder, by its ``metavar``."""
+    return click.option(
+        *("-o", "--output"),
+        type=click.Path(path_type=Path),
+        required=required,
+        help=text,
+        **{"metavar": "FILE", **settings},
+    )
+
+
+def plots_option(text: str = "Folder for pictures.") -> Callable[[Command], Command]:
+    """Option ``--plots`` of a command that draws what it has computed."""
+    return click.option("--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help=text)
+
+
+def torque_option(
+    text: str = "Torques at the pinion in N m.", default: str = "from the case"
+) -> Callable[[Command], Command]:
+    """Option ``--torque`` of a command: torques, which are the argument ``torques``."""
+    return click.option("--torque", "torques", callback=torques, metavar="T1,T2,...", show_default=default, help=text)
+
+
+def misalignment_option(command: Command) -> Command:
+    """Option ``--misalignment`` of a command: assembly errors, or deflections."""
+    return click.option(
+        "--misalignment",
+        callback=reader(misalignment),
+        metavar=MISALIGNMENT,
+        show_default="from the case",
+        help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
     )(command)
 
 
-def folder_option(default: str) -> Callable[[Command], Command]:
-    """Option ``--output`` of a command that writes a folder."""
+def further_misalignments_option(text: str, metavar: str) -> Callable[[Command], Command]:
+    """Option ``--misalignment`` of a search, which may be repeated: further assemblies."""
     return click.option(
-        "-o",
-        "--output",
-        type=click.Path(path_type=Path),
-        metavar="FOLDER",
-        default=default,
-        show_default=True,
-        help="Folder to write.",
+        "--misalignment",
+        "misalignments",
+        callback=reader(lambda texts: [misalignment(text) for text in texts]),
+        multiple=True,
+        metavar=metavar,
+        help=f"{text} May be repeated.",
     )
 
 
-def deviation_option(text: str) -> Callable[[Command], Command]:
+def marking_option(
+    text: str = "Thickness of the marking compound of the unloaded pattern in um.",
+    default: str = "contact.separation of the case",
+) -> Callable[[Command], Command]:
+    """Option ``--marking`` of a command: thickness of the marking compound."""
+    return click.option(
+        "--marking", type=float, callback=reader(_thickness), metavar="THICKNESS", show_default=default, help=text
+    )
+
+
+def solver_option(text: str = "Contact solver; MODULE:FUNCTION for one of your own.") -> Callable[[Command], Command]:
+    """Option ``--solver`` of a command: a contact solver."""
+    return click.option("--solver", metavar="NAME", shell_complete=solver_names, default="auto", help=text)
+
+
+def deviation_option(text: str, **settings: Any) -> Callable[[Command], Command]:
     """Option ``--deviation`` of a command: files by member, described by a text."""
     return click.option(
-        "--deviation",
-        "deviations",
+        *("--deviation", "deviations"),
         multiple=True,
-        callback=deviations,
         shell_complete=deviation_names,
         metavar="MEMBER=FILE",
         help=text,
+        **{"callback": reader(deviations), **settings},
     )
 
 
-def allow_outside_option(command: Command) -> Command:
-    """Option ``--allow-outside`` of a command that reads a case or design; see ``outside_allowed``."""
-    return click.option(
+def case_argument(name: str = "case", *, complete: Any = case_names, **settings: Any) -> Callable[[Any], Any]:
+    """Argument of a command that reads a case or design, with ``--allow-outside``; see ``outside_allowed``."""
+    allow_outside = click.option(
         "--allow-outside",
         is_flag=True,
         expose_value=False,
         callback=_keep_allowed,
         help="Open files outside the folder of the case, too, if the case names them, such as that of an oil.",
-    )(command)
+    )
+    return adding(click.argument(name, shell_complete=complete, **settings), allow_outside)
 
 
 def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
@@ -193,11 +251,48 @@ def outside_allowed() -> bool:
     return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
 
 
-def refuse_name_of_output(output: Path, **folders: Path | None) -> None:
-    """Refuse folders, by the names of their options, that have the name of the file to be written."""
-    for option, folder in folders.items():
-        if folder is not None and os.path.abspath(folder) == os.path.abspath(output):
+def check_output(output: Path | None, *sources: object, suffix: str | None = None, force: bool | None = None) -> None:
+    """Refuse a file to write, if there is one, that cannot be written or is one of the files read.
+
+    With ``force`` false a case file that was edited by hand, too.
+    """
+    from ...core.output_file import check_writable
+
+    if output is None:
+        return
+    check_writable(output, *(str(source) for source in sources if source is not None), suffix=suffix)
+    if force is not None:
+        from ...cases.writing import require_replaceable
+
+        require_replaceable(output, force)
+
+
+def opened_case(case: str, output: Path | None, *sources: object, supports: str | None = None) -> Case:
+    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`."""
+    from ...cases import read_case, with_supports
+
+    checked = read_case(case, allow_outside=outside_allowed())
+    oil = None if checked.friction is None else checked.friction.oil_file
+    check_output(output, case, supports, oil, *sources, suffix=".nc")
+    return checked if supports is None else with_supports(checked, supports)
+
+
+def end_uncertified(failures: Sequence[str]) -> None:
+    """End by the exit code of an uncertified result if there are failures, and say them."""
+    if failures:
+        echo("\n".join(failures), err=True)
+        sys.exit(EXIT_UNCERTIFIED)
+
+
+def check_folders(output: Path | None, plots: Path | None, **folders: Path | None) -> None:
+    """Refuse folders, by the names of their options, with the name of the output, and pictures that have no place."""
+    from ...core.output_file import check_folder
+
+    for option, folder in {**folders, "plots": plots}.items():
+        if folder is not None and output is not None and os.path.abspath(folder) == os.path.abspath(output):
             raise click.UsageError(f"--{option} = {str(folder)!r}: must be another name than that of the file")
+    if plots is not None:
+        check_folder(plots, "pictures")
 
 
 def echo(text: str, *, err: bool = False) -> None:
@@ -211,10 +306,9 @@ def next_commands(*commands: Sequence[object]) -> None:
     echo(f"next: {', or '.join(words)}")
 
 
-def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
+@reader
+def torques(text: str) -> tuple[float, ...]:
     """Torques at the pinion [N m], rising; a line says so of those that were given otherwise."""
-    if text is None:
-        return None
     values = number_list(text, "numbers in N m separated by commas, such as 50,250,500", from_zero=False)
     for value in values:
         if not 0.0 < value < 1e7:
@@ -227,17 +321,15 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
     return tuple(sorted(values))
 
 
-def marking(_ctx: click.Context, _param: click.Parameter, value: float | None) -> float | None:
+def _thickness(value: float) -> float:
     """Thickness of the marking compound [um]; a line says so of one that looks like mm."""
-    if value is not None and 0.0 < value < THINNEST_COMPOUND:
+    if 0.0 < value < THINNEST_COMPOUND:
         echo(f"--marking = {value:g}: thinner than any marking compound; um are meant, not mm?", err=True)
     return value
 
 
-def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | Deflections | None:
+def misalignment(text: str) -> Misalignment | Deflections:
     """Assembly errors [mm, rad], from mm and degrees, or from the file of a table over the torque."""
-    if text is None:
-        return None
     import math
 
     if os.path.isfile(text):
@@ -258,14 +350,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
     return Misalignment(offset, pinion_axial, gear_axial, math.radians(shaft_angle))
 
 
-def misalignments(
-    ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]
-) -> list[Misalignment | Deflections | None]:
-    """Assembly errors of an option that is given several times, see ``misalignment``."""
-    return [misalignment(ctx, param, text) for text in texts]
-
-
-def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+def deviations(texts: tuple[str, ...]) -> dict[str, str]:
     """Files of deviations by member."""
     values: dict[str, str] = {}
     for text in texts:
@@ -278,21 +363,21 @@ def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, .
     return values
 
 
-def flank_files(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+@reader
+def flank_files(texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
     """Files of measured flanks by member, at most one a flank."""
     values: dict[str, tuple[str, ...]] = {}
     for text in texts:
-        for member, file in deviations(_ctx, _param, (text,)).items():
+        for member, file in deviations((text,)).items():
             values[member] = (*values.get(member, ()), file)
             if len(values[member]) > 2:
                 raise click.BadParameter(f"{text!r}: {member} comes more than twice; it has two flanks")
     return values
 
 
-def thicknesses(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+@reader
+def thicknesses(text: str) -> dict[str, float]:
     """Measured excess of the tooth thickness by member [um]."""
-    if text is None:
-        return None
     values = keyed_numbers(text, ("pinion", "gear"), "gear=12.5")
     for member, value in values.items():
         if not abs(value) <= THICKNESS_LIMIT:
@@ -302,39 +387,42 @@ def thicknesses(_ctx: click.Context, _param: click.Parameter, text: str | None) 
     return values
 
 
-def nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
-    """Numbers of nodes, lengthwise and along the profile."""
-    if text is None:
-        return None
+def two_counts(text: str, wanted: str) -> tuple[int, int]:
+    """Two whole numbers with an x between them; ``wanted`` says in messages what the text must be."""
     first, _, second = text.lower().partition("x")
     try:
-        nodes = int(first), int(second)
+        return int(first), int(second)
     except ValueError as error:
-        raise click.BadParameter(f"{text!r}: must be LENGTHWISExPROFILE, such as 61x31") from error
+        raise click.BadParameter(f"{text!r}: must be {wanted}") from error
+
+
+@reader
+def nodes(text: str) -> tuple[int, int]:
+    """Numbers of nodes, lengthwise and along the profile."""
+    nodes = two_counts(text, "LENGTHWISExPROFILE, such as 61x31")
     if min(nodes) < 5 or max(nodes) > 1001:
         raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
     return nodes
 
 
-def teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
+@reader
+def teeth(text: str) -> int | str:
     """Number of teeth, or ``all``."""
-    if text is None or text == "all":
-        return text
     try:
-        return int(text)
+        return text if text == "all" else int(text)
     except ValueError as error:
         raise click.BadParameter(f"{text!r}: must be a number of teeth, or all") from error
 
 
-def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+@reader
+def margins(text: str) -> dict[str, float]:
     """Margins of a measuring grid [mm], by edge of the flank."""
-    return None if text is None else keyed_numbers(text, EDGES, "toe=3,root=1.2")
+    return keyed_numbers(text, EDGES, "toe=3,root=1.2")
 
 
-def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
+@reader
+def solvers(text: str) -> list[str]:
     """Names of solvers, each once."""
-    if text is None:
-        return None
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name and names.count(name) > 1:
@@ -342,10 +430,9 @@ def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> l
     return names
 
 
-def names(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
+@reader
+def names(text: str) -> tuple[str, ...]:
     """Names separated by commas, each once."""
-    if text is None:
-        return None
     words = tuple(name.strip() for name in text.split(","))
     for name in words:
         if not name:
@@ -355,7 +442,8 @@ def names(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tup
     return words
 
 
-def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Path, ...]) -> tuple[Path, ...]:
+@reader
+def problem_files(paths: tuple[Path, ...]) -> tuple[Path, ...]:
     """Files of contact problems, each once."""
     whole = [os.path.realpath(path) for path in paths]
     for path, real_path in zip(paths, whole, strict=True):
@@ -373,13 +461,11 @@ def tolerances(_ctx: click.Context, _param: click.Parameter, text: str | None) -
     return [] if text is None else number_list(text, "tolerances separated by commas, such as 1e-3,1e-6,1e-9")
 
 
-def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
+def numbers(text: str, *, from_zero: bool = False) -> list[float]:
     """Numbers separated by commas, or FROM:TO:COUNT, evenly spaced."""
-    if text is None:
-        return None
     wanted = "numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
     if ":" not in text:
-        return number_list(text, wanted, from_zero=param.name == "temperature")
+        return number_list(text, wanted, from_zero=from_zero)
     try:
         first, last, count = text.split(":")
         start, span, steps = float(first), float(last) - float(first), int(count) - 1
@@ -390,20 +476,18 @@ def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> li
     return [start + span * i / steps for i in range(steps + 1)]
 
 
-def roughnesses(
-    ctx: click.Context, param: click.Parameter, text: str | None
-) -> list[float | tuple[float, float]] | None:
+def roughnesses(text: str) -> Sequence[float | tuple[float, float]]:
     """RMS roughnesses [um] separated by commas, each a number or PINION/GEAR."""
-    if text is None or "/" not in text:
-        values = numbers(ctx, param, text)
-        return None if values is None else list(values)
+    if "/" not in text:
+        return numbers(text)
     for member in text.split("/"):
         refuse_decimal_commas(member, from_zero=False)
     members = [by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
     return [entries[0] if len(entries) == 1 else (entries[0], entries[1]) for entries in members]
 
 
-def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
+@reader
+def duty_cycle(text: str) -> dict[float, float]:
     """Shares of the revolutions by torque [N m], from a torque alone or TORQUE=SHARE separated by commas."""
     wanted = "a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3; a decimal has a point"
     shares: dict[float, float] = {}
@@ -422,7 +506,8 @@ def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[
     return shares
 
 
-def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
+@reader
+def coefficients(text: str) -> tuple[float, float]:
     """Wear coefficients of pinion and gear [mm^2/N]."""
     entries = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
     if not any(entries):

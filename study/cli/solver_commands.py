@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import sys
+from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..terminal_bar import terminal_bar
-from .analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
-from .command import EXIT_UNCERTIFIED, Command
+from ..terminal_bar import count, terminal_bar
+from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .command import Command
 from .shared_options import (
     echo,
-    folder_option,
+    end_uncertified,
     next_commands,
+    opened_case,
     output_option,
     problem_files,
     problem_format_options,
@@ -25,16 +27,8 @@ from .word_completion import solver_list
 
 #: Attributes of an analysis that files of its contact problems have as well.
 PROBLEM_ATTRIBUTES = (
-    "title",
-    "case",
-    "supports_name",
-    "flank",
-    "deflections",
-    "modification_um",
-    "compliance_model",
-    "edge_contact",
-    "solver",
-    "easeoff_version",
+    *("title", "case", "supports_name", "flank", "deflections", "modification_um", "compliance_model"),
+    *("edge_contact", "solver", "easeoff_version"),
 )
 
 
@@ -43,15 +37,7 @@ PROBLEM_ATTRIBUTES = (
 @output_option("File to write, .nc or .mat; or, with --format, folder with a file for each problem.")
 @problem_format_options
 def problems(
-    case: str,
-    output: Path,
-    format: str | None,
-    form: str | None,
-    torques: Any,
-    edge_contact: bool | None,
-    supports: str | None,
-    solver: str,
-    **options: Any,
+    case: str, output: Path, format: str | None, form: str | None, supports: str | None, **options: Any
 ) -> None:
     """Write the contact problems of CASE to a file or folder.
 
@@ -60,23 +46,23 @@ def problems(
     """
     import numpy as np
 
-    from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.exchange.problem_file import ProblemSet
     from ...contact.solvers import require_solver
-    from ..analysis.contact_analysis import case_torques, contact_analysis
+    from ..analysis.contact_analysis import contact_analysis
+    from ..analysis.operating import Operating
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 
     support_files = [] if supports is None else [supports]
     check_problem_output(output, format, form, case, *support_files, *options["deviations"].values(), count=2)
-    checked = chosen_case(case, supports)
-    require_solver(solver)
-    size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
-    check_cost(checked, size)
-    with progress_bar(checked, torques) as shown:
-        state = CaseInMesh.of(checked, **with_defaults(options), stage=shown.stage)
+    checked = opened_case(case, None, supports=supports)
+    operating = Operating.of(**with_defaults(options))
+    require_solver(operating.solver)
+    check_cost(checked, operating.size(checked, None))
+    with progress_bar(checked, operating.torques) as shown:
+        state = CaseInMesh.meshed(checked, operating.flanks, shown.stage)
         shown.stage("loaded contact")
-        analysis = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=shown.step)
+        analysis = contact_analysis(state, operating.torques, **operating.contact, progress=shown.step)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values
@@ -104,7 +90,7 @@ def problems(
 
 
 @click.command(cls=Command)
-@folder_option("library")
+@output_option("Folder to write.", required=False, metavar="FOLDER", default="library")
 @click.option(
     "--parts",
     metavar="A,B,...",
@@ -133,15 +119,12 @@ def library(output: Path, parts: str | None) -> None:
             f"rotations as the reference within {one.worst_difference:.1e}"
         )
     next_commands(("compare", *(one.path for one in written)))
-    faults = [fault for one in written for fault in one.faults]
-    if faults:
-        echo("\n".join(faults), err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+    end_uncertified([fault for one in written for fault in one.faults])
 
 
 @click.command(cls=Command)
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
-@folder_option("comparison")
+@output_option("Folder to write.", required=False, metavar="FOLDER", default="comparison")
 @click.option(
     "--solvers",
     callback=solvers,
@@ -151,23 +134,11 @@ def library(output: Path, parts: str | None) -> None:
     help="Solvers to compare; MODULE:FUNCTION for one of your own.",
 )
 @click.option(
-    "--repetitions",
-    type=int,
-    metavar="N",
-    default=3,
-    show_default=True,
-    help="Attempts with the same solver, settings and start.",
+    "--repetitions", type=int, metavar="N", default=3, help="Attempts with the same solver, settings and start."
 )
+@click.option("--time-limit", type=float, metavar="S", default=10.0, help="Time limit of an attempt in s.")
 @click.option(
-    "--time-limit", type=float, metavar="S", default=10.0, show_default=True, help="Time limit of an attempt in s."
-)
-@click.option(
-    "--tolerance",
-    type=float,
-    metavar="X",
-    default=1e-5,
-    show_default=True,
-    help="Largest violation of a condition in a certified answer.",
+    "--tolerance", type=float, metavar="X", default=1e-5, help="Largest violation of a condition in a certified answer."
 )
 @click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
 @click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")
@@ -177,14 +148,11 @@ def library(output: Path, parts: str | None) -> None:
     metavar="X,Y,...",
     help="Also run the backends with these tolerances: time over certified accuracy.",
 )
-@click.option(
-    "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
-)
+@click.option("--threads", type=int, metavar="N", default=1, help="Threads for linear algebra of each solver.")
 @click.option(
     "--time",
     type=click.Choice(["wall", "processor"]),
     default="wall",
-    show_default=True,
     help="Time of a call that order, tables and profiles go by.",
 )
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
@@ -201,21 +169,14 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     from ..report.written_comparison import is_of_another_study, write_comparison
 
     with terminal_bar(desc="comparison", unit="measurement") as bar:
-
-        def progress(done: int, total: int) -> None:
-            bar.total = total
-            bar.update(done - bar.n)
-
-        table = run_comparison(problems, output, progress=progress, **options)
+        table = run_comparison(problems, output, progress=partial(count, bar), **options)
     replaced = is_of_another_study(table, output)
-    folders: dict[Path, int] = {}
-    for path in write_comparison(table, output):
+    written = write_comparison(table, output)
+    for path in written:
         if path.parent == output:
             echo(f"wrote {path}")
-        else:
-            folders[path.parent] = folders.get(path.parent, 0) + 1
-    for folder, count in folders.items():
-        echo(f"wrote {folder}: {count} files")
+    for folder, files in Counter(path.parent for path in written if path.parent != output).items():
+        echo(f"wrote {folder}: {files} files")
     if replaced:
         echo(f"replaced the report of a former comparison in {output}, of other problems, solvers or settings")
     waited = waiting_note(table)

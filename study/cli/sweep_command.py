@@ -14,10 +14,20 @@ import click
 from ...core.errors import time_in_words
 from ...core.process_settings import THREAD_VARIABLES
 from ..terminal_bar import terminal_bar, working
-from .analysis_options import TOLD_TIME, analysis_options, chosen_case, chosen_model, friction_options, with_defaults
+from .analysis_options import TOLD_TIME, analysis_options, friction_options, given_model, with_defaults
 from .command import EXIT_UNCERTIFIED, Command
 from .result_commands import draw
-from .shared_options import echo, marking, next_commands, output_option, outside_allowed, refuse_name_of_output
+from .shared_options import (
+    check_folders,
+    echo,
+    marking_option,
+    next_commands,
+    opened_case,
+    output_option,
+    outside_allowed,
+    plots_option,
+    reader,
+)
 
 if TYPE_CHECKING:
     from ..sweep.sweep_plan import SweepPlan
@@ -26,7 +36,8 @@ OVER = re.compile(r"([A-Za-z][\w.]*)\s*(=|~)\s*(.+)")
 KEEP = re.compile(r"(worst|least)\s*=\s*(\w+)\s*:\s*(\d+)")
 
 
-def _swept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+@reader
+def _swept(texts: tuple[str, ...]) -> dict[str, str]:
     """Values or distributions by the name of the coordinate."""
     coordinates: dict[str, str] = {}
     for text in texts:
@@ -42,7 +53,8 @@ def _swept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...])
     return coordinates
 
 
-def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
+@reader
+def _kept(texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
     """Which points to keep whole: worst or least, the name of the number, and how many."""
     choices = []
     for text in texts:
@@ -73,18 +85,12 @@ def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) 
     help="CSV file of load cases, a row a point: torque, E, P, G, Sigma, speed, ..., share.",
 )
 @click.option("--samples", type=int, metavar="N", help="Number of samples of what is distributed.")
-@click.option("--seed", type=int, metavar="S", default=0, show_default=True, help="Seed of the samples.")
+@click.option("--seed", type=int, metavar="S", default=0, help="Seed of the samples.")
 @click.option(
-    "--sampler",
-    type=click.Choice(["sobol", "latin_hypercube"]),
-    default="sobol",
-    show_default=True,
-    help="How samples are drawn.",
+    "--sampler", type=click.Choice(["sobol", "latin_hypercube"]), default="sobol", help="How samples are drawn."
 )
 @output_option("netCDF file to write.")
-@click.option(
-    "--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help="Folder for pictures."
-)
+@plots_option()
 @click.option(
     "--keep",
     multiple=True,
@@ -92,14 +98,7 @@ def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) 
     metavar="worst=NUMBER:COUNT",
     help="Write whole results of the points with the greatest (least=: least) values of a number.",
 )
-@click.option(
-    "--marking",
-    type=float,
-    callback=marking,
-    metavar="THICKNESS",
-    show_default="contact.separation of the case",
-    help="Thickness of the marking compound of the unloaded pattern in um.",
-)
+@marking_option()
 @friction_options
 @click.option("--workers", type=int, metavar="N", show_default="one a core", help="Processes; 1: this one alone.")
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of a dask cluster, in place of processes here.")
@@ -116,15 +115,9 @@ def sweep(
     over: dict[str, str],
     load_cases: Path | None,
     supports: str | None,
-    samples: int | None,
-    seed: int,
-    sampler: str,
     output: Path,
     plots: Path | None,
     keep: list[tuple[str, str, int]],
-    film_heating: str | None,
-    friction_model: str | None,
-    clamp_temperature: bool | None,
     workers: int | None,
     scheduler: str | None,
     store: Path | None,
@@ -139,38 +132,24 @@ def sweep(
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     from ...core.errors import EaseoffError
-    from ...core.output_file import check_folder, check_writable
+    from ..analysis.operating import Operating
     from ..summary.sweep_report import outcome, sweep_summary
     from ..sweep.parameter_sweep import batch_store, run_plan
     from ..sweep.sweep_file import write_sweep
     from ..sweep.sweep_plan import planned_sweep
 
-    files = [one for one in (load_cases, supports, options["oil"], *options["deviations"].values()) if one is not None]
-    check_writable(output, case, *files, suffix=".nc")
+    checked = opened_case(case, output, load_cases, options["oil"], *options["deviations"].values(), supports=supports)
     folder = store if store is not None else output.with_name(f"{output.name}.batches")
-    refuse_name_of_output(output, store=store, plots=plots)
-    if plots is not None:
-        check_folder(plots, "pictures")
-    checked = chosen_case(case, supports)
-    options = with_defaults(options)
-    if friction_model is not None or film_heating is not None or clamp_temperature is not None:
-        options["friction_model"] = chosen_model(checked.friction, friction_model, film_heating, clamp_temperature)
-    plan = planned_sweep(
-        checked,
-        over,
-        load_cases=load_cases,
-        samples=samples,
-        seed=seed,
-        sampler=_sampler(sampler),
-        allow_outside=outside_allowed(),
-        **options,
-    )
+    check_folders(output, plots, store=store)
+    drawn = {name: options.pop(name) for name in ("samples", "seed", "sampler")}
+    options["friction_model"] = given_model(checked, options)
+    operating = Operating.of(**with_defaults(options))
+    plan = planned_sweep(checked, over, operating, load_cases=load_cases, allow_outside=outside_allowed(), **drawn)
     _check_kept(plan, keep)
     _tell_cost(plan)
-    total = plan.points
     done = 0
     try:
-        with terminal_bar(total=total, desc="sweep", unit="point") as bar:
+        with terminal_bar(total=plan.points, desc="sweep", unit="point") as bar:
 
             def progress(number: int, _: int) -> None:
                 nonlocal done
@@ -198,10 +177,6 @@ def sweep(
         sys.exit(EXIT_UNCERTIFIED)
 
 
-def _sampler(name: str) -> Any:
-    return name
-
-
 def _tell_cost(plan: SweepPlan) -> None:
     """Say on stderr how long a sweep may take that is long."""
     from ..sweep.parameter_sweep import usable_cores
@@ -220,7 +195,7 @@ def _check_kept(plan: SweepPlan, keep: Sequence[tuple[str, str, int]]) -> None:
     """Refuse a number that no point will have."""
     from ..analysis.key_numbers import number_names
 
-    names = number_names(friction=plan.operation is not None)
+    names = number_names(friction=plan.friction is not None)
     for side, name, count in keep:
         if name not in names:
             raise click.UsageError(f"--keep = '{side}={name}:{count}': must name one of {', '.join(names)}")

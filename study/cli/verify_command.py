@@ -9,63 +9,35 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..terminal_bar import terminal_bar
-from .analysis_options import chosen_case, supports_option
+from .analysis_options import supports_option
 from .command import EXIT_UNCERTIFIED, Command
 from .shared_options import (
-    DEFLECTION_FILE,
-    MISALIGNMENT,
-    allow_outside_option,
+    case_argument,
     echo,
     flank_option,
-    misalignment,
-    torques,
+    misalignment_option,
+    opened_case,
+    output_option,
+    torque_option,
 )
-from .word_completion import case_names
 
 if TYPE_CHECKING:
-    from ...cases.deflections import Deflections
-    from ...geometry.pair.assembly import Misalignment
     from ...verification.verification_row import VerificationRow
 
 
 @click.command(cls=Command)
-@click.argument("case", shell_complete=case_names)
-@allow_outside_option
+@case_argument()
 @flank_option
-@click.option(
-    "--misalignment",
-    "errors",
-    callback=misalignment,
-    metavar=MISALIGNMENT,
-    show_default="from the case",
-    help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
-)
-@click.option(
-    "--torque",
-    "loads",
-    callback=torques,
-    metavar="T1,T2,...",
-    show_default="from the case",
-    help="Torques at the pinion in N m.",
-)
+@misalignment_option
+@torque_option()
 @supports_option
 @click.option(
     "--without-split",
     is_flag=True,
     help="Solve the contact without the split into bending and indentation at some mesh positions, too; takes minutes.",
 )
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="netCDF file to write the table to."
-)
-def verify(
-    case: str,
-    flank: Any,
-    errors: Misalignment | Deflections | None,
-    loads: Any,
-    supports: str | None,
-    without_split: bool,
-    output: Path | None,
-) -> None:
+@output_option("netCDF file to write the table to.", required=False)
+def verify(case: str, flank: Any, supports: str | None, output: Path | None, **options: Any) -> None:
     """Check CASE by independent methods, row by row.
 
     A row of the table is a comparison: what was compared, the difference, and whether it is within the limit; below one
@@ -73,12 +45,9 @@ def verify(
     its limit.
     """
     from ...core.netcdf_file import write_netcdf
-    from ...core.output_file import check_writable
     from ...verification.case_verification import closing, head_lines, row_lines, verify as run_verification
 
-    if output is not None:
-        check_writable(output, case, *([] if supports is None else [supports]), suffix=".nc")
-    checked = chosen_case(case, supports)
+    checked = opened_case(case, output, supports=supports)
     echo(f"{checked.title}, {flank} flanks\n\n{head_lines()}")
     with terminal_bar(desc="verification", unit="step") as bar:
 
@@ -91,15 +60,7 @@ def verify(
             bar.clear()
             echo(row_lines(row))
 
-        verification = run_verification(
-            checked,
-            flank=flank,
-            misalignment=errors,
-            torques=loads,
-            without_split=without_split,
-            progress=progress,
-            on_row=told,
-        )
+        verification = run_verification(checked, flank=flank, progress=progress, on_row=told, **options)
     if verification.passed:
         echo("\nevery comparison that applies is within its limit")
     else:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..terminal_bar import terminal_bar
-from .analysis_options import chosen_case, pair_options, show_stage, supports_option, with_defaults
+from ..terminal_bar import count, terminal_bar
+from .analysis_options import pair_options, show_stage, supports_option, with_defaults
 from .command import EXIT_UNCERTIFIED, Command
-from .shared_options import coefficients, duty_cycle, echo, next_commands, output_option
+from .shared_options import coefficients, duty_cycle, echo, next_commands, opened_case, output_option
+
+OF_THE_LAW = ("revolutions", "largest_step", "largest_depth", "most_steps")  # options that a ``WearLaw`` takes
 
 
 @click.command(cls=Command)
@@ -31,7 +34,6 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     "--coefficient",
     callback=coefficients,
     default="1e-12",
-    show_default=True,
     metavar="K|PINION/GEAR",
     help="Archard's wear coefficient in mm^2/N; greater by orders of magnitude for lapping.",
 )
@@ -40,7 +42,6 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     type=float,
     metavar="UM",
     default=0.5,
-    show_default=True,
     help="Wear depth in um after which the contact is computed anew.",
 )
 @click.option(
@@ -51,22 +52,10 @@ from .shared_options import coefficients, duty_cycle, echo, next_commands, outpu
     type=int,
     metavar="N",
     default=1000,
-    show_default=True,
     help="The most steps to take; wear that needs more is refused before it begins.",
 )
 @output_option("netCDF file to write.")
-def wear(
-    case: str,
-    torque: dict[float, float],
-    revolutions: float,
-    coefficient: tuple[float, float],
-    largest_step: float,
-    largest_depth: float | None,
-    most_steps: int,
-    output: Path,
-    supports: str | None,
-    **options: Any,
-) -> None:
+def wear(case: str, coefficient: tuple[float, float], output: Path, supports: str | None, **options: Any) -> None:
     """Wear the flanks of CASE step by step.
 
     The file holds depth and contact of every step; the contact is that on lines alone, without tooth edges. The worn
@@ -74,34 +63,30 @@ def wear(
     in 'easeoff run'.
     """
     from ...core.netcdf_file import write_netcdf
-    from ...core.output_file import check_writable
     from ..summary.sweep_report import wear_summary
     from ..wear_simulation import WearLaw, wear as worn
 
-    support_files = [] if supports is None else [supports]
-    check_writable(output, case, *support_files, *options["deviations"].values(), suffix=".nc")
-    checked = chosen_case(case, supports)
-    law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
+    checked = opened_case(case, output, *options["deviations"].values(), supports=supports)
+    law = WearLaw(*coefficient, **{name: options.pop(name) for name in OF_THE_LAW})
     bar: Any
-    with terminal_bar(total=revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
+    with terminal_bar(total=law.revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
         history = worn(
             checked,
             law,
-            torque=torque,
-            progress=lambda done: bar.update(done - bar.n),
-            stage=lambda name: show_stage(bar, name),
+            progress=partial(count, bar),
+            stage=partial(show_stage, bar),
             **with_defaults(options),
         )
     write_netcdf(history, output)
-    last = history.isel(step=-1)
     echo(wear_summary(history))
     echo(f"wrote {output}")
     worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
     on_supports = [] if supports is None else ["--supports", supports]
     next_commands(("run", case, *on_supports, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
+        share = 100 * float(history["revolutions"][-1]) / law.revolutions
         echo(
-            f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "
+            f"the wear ended early, after {share:.3g} % of the revolutions; "
             "the file holds the steps that were solved. A smaller --largest-step may help",
             err=True,
         )

@@ -43,22 +43,16 @@ def words_in_list(names: Callable[[], Iterable[str]]) -> Complete:
     return complete
 
 
-def _cases() -> list[str]:
-    from ...cases.reading import CASE
+def _shipped(kind: str) -> Callable[[], list[str]]:
+    """Names of what is shipped of a kind of ``cases.reading``."""
 
-    return CASE.names()
+    def names() -> list[str]:
+        from ...cases import reading
 
+        known = {"case": reading.CASE.names, "design": reading.DESIGN.names, "supports": reading.SUPPORT.names}
+        return known[kind]()
 
-def _designs() -> list[str]:
-    from ...cases.reading import DESIGN
-
-    return DESIGN.names()
-
-
-def _supports() -> list[str]:
-    from ...cases.reading import SUPPORT
-
-    return SUPPORT.names()
+    return names
 
 
 def _oils() -> list[str]:
@@ -95,9 +89,9 @@ def template_names(ctx: click.Context, _param: click.Parameter, incomplete: str)
     return [CompletionItem(name) for name in (kind.names() if kind else []) if name.startswith(incomplete)]
 
 
-case_names = words_or_files(_cases)
-design_names = words_or_files(_designs)
-support_names = words_or_files(_supports)
+case_names = words_or_files(_shipped("case"))
+design_names = words_or_files(_shipped("design"))
+support_names = words_or_files(_shipped("supports"))
 oil_names = words_or_files(_oils)
 deviation_names = words_or_files(_deviations)
 solver_names = words_or_files(_solvers)

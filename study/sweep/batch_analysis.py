@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...cases.conversion import misalignment as own_misalignment
+from ...cases.deflection_table import MisalignmentSource
 from ...cases.deflections import Deflections
 from ...cases.writing import changed_case
 from ...contact.solvers import Status
@@ -23,7 +23,7 @@ from ...core.errors import EaseoffError, GeometryError, InputError, printable, s
 from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis.case_analysis import friction_settings, operation_of, with_friction
+from ..analysis.case_analysis import with_friction
 from ..analysis.contact_analysis import Analysis, contact_analysis
 from ..analysis.key_numbers import key_numbers
 from ..analysis.swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
@@ -64,13 +64,13 @@ def analyze_batch(batch: Batch) -> Block:
 
     Common parts of points are computed once; no number depends on their division into batches.
     """
-    loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
+    loads = math.prod(batch.setup.loads)
     point_numbers: dict[int, xr.Dataset] = {}
     status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)
     reasons = [[""] * loads for _ in batch.rows]
-    for together in assemblies(dict(batch.columns), batch.rows.size):
+    for together in assemblies(batch.columns, batch.rows.size):
         assembly = _Assembly(batch.setup, {name: values[together[0]].item() for name, values in batch.columns.items()})
-        for place in together:
+        for place in together.tolist():
             values = {name: column[place].item() for name, column in batch.columns.items()}
             try:
                 numbers, status[place], reasons[place] = assembly.numbers(values)
@@ -84,7 +84,7 @@ def analyze_batch(batch: Batch) -> Block:
                 reasons[place] = [_reason(f"{type(error).__name__}: {error}")] * loads
             else:
                 point_numbers[place] = numbers
-    shape = (batch.rows.size,) if batch.setup.torques is None else status.shape
+    shape = (batch.rows.size, *batch.setup.loads)
     return Block(
         batch.rows,
         status.reshape(shape),
@@ -104,19 +104,12 @@ class _Assembly:
     def __init__(self, setup: SweepSetup, values: Mapping[str, Any]) -> None:
         self.setup = setup
         self._first = dict(values)
-        self._state: CaseInMesh | EaseoffError | None = None
         self._loaded: dict[tuple[Any, ...], Analysis] = {}
 
     def analysis(self, values: Mapping[str, Any]) -> Analysis:
         """The whole analysis at a point, as of ``analyze``."""
-        setup = self.setup
-        conditions = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
-        operation = operation_of(setup.case.friction, **{**setup.conditions, **conditions})
-        model, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
-        analysis = self._contact(values)
-        if operation is None:
-            return analysis
-        return with_friction(analysis, operation, model, feedback=feedback, solver=setup.solver)
+        friction = self.setup.friction(values)  # refused before the contact is solved
+        return with_friction(self._contact(values), friction, self.setup.operating.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""
@@ -133,28 +126,25 @@ class _Assembly:
         torques = [values["torque"]] if setup.torques is None else list(setup.torques)
         key = (*terms.items(), *torques)
         if key not in self._loaded:
-            state = self._in_mesh()
+            state = self._state
+            if isinstance(state, EaseoffError):
+                raise state
             if terms:
-                given = {} if setup.modification is None else dict(setup.modification.coefficients)
+                modification = setup.operating.flanks.modification
+                given = {} if modification is None else dict(modification.coefficients)
                 coefficients = {name.removeprefix("modification."): value for name, value in terms.items()}
                 state = state.modified(Modification(given | coefficients))
-            self._loaded = {  # of the last load alone: rows are sorted, and an analysis is large
-                key: contact_analysis(
-                    state, torques, edge_contact=setup.edge_contact, marking=setup.marking, solver=setup.solver
-                )
-            }
+            # Of the last load alone: rows are sorted, and an analysis is large.
+            self._loaded = {key: contact_analysis(state, torques, **setup.operating.contact)}
         return self._loaded[key]
 
-    def _in_mesh(self) -> CaseInMesh:
-        """The pair in its assembly."""
-        if self._state is None:
-            try:
-                self._state = _assembled(self.setup, self._first)
-            except EaseoffError as error:
-                self._state = error
-        if isinstance(self._state, EaseoffError):
-            raise self._state
-        return self._state
+    @cached_property
+    def _state(self) -> CaseInMesh | EaseoffError:
+        """The pair in its assembly, or why there is none."""
+        try:
+            return _assembled(self.setup, self._first)
+        except EaseoffError as error:
+            return error
 
 
 def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
@@ -171,7 +161,7 @@ def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
 
 def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment | Deflections:
     """The assembly of a point: that of the setup with some errors in place of its constant ones."""
-    given = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
+    given = setup.operating.flanks.errors(setup.case)
     base = given.constant if isinstance(given, Deflections) else given
     misalignment = Misalignment(
         errors.get("E", base.offset),
@@ -186,30 +176,21 @@ def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignm
 def _pair_in_mesh(setup: SweepSetup, pair: tuple[tuple[str, Any], ...]) -> CaseInMesh | EaseoffError:
     """The pair of a point in the assembly of the setup, kept by the process; or why there is none."""
     try:
-        return _made(setup, pair, setup.misalignment)
+        return _made(setup, pair, setup.operating.flanks.misalignment)
     except EaseoffError as error:
         return error
 
 
-def _made(
-    setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Misalignment | Deflections | None
-) -> CaseInMesh:
+def _made(setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: MisalignmentSource | None) -> CaseInMesh:
     """The pair in mesh from its case: settings, flanks and deviations of a point."""
-    values = dict(pair)
-    flank = values.pop("flank", setup.flank)
-    deviations: dict[Any, Any] = dict(setup.deviations)
+    values, given = dict(pair), setup.operating.flanks
+    deviations: dict[Any, Any] = dict(given.deviations or {})
     for member in ("pinion", "gear"):
         if f"deviation.{member}" in values:
             deviations[member] = values.pop(f"deviation.{member}")
-    return CaseInMesh.of(
-        changed_case(setup.case, values) if values else setup.case,
-        flank=flank,
-        misalignment=misalignment,
-        deviations=deviations,
-        deviated=setup.deviated,
-        interpolation=setup.interpolation,
-        modification=setup.modification,
-    )
+    flank = values.pop("flank", given.flank)
+    flanks = replace(given, flank=flank, misalignment=misalignment, deviations=deviations)
+    return CaseInMesh.meshed(changed_case(setup.case, values) if values else setup.case, flanks)
 
 
 def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:

@@ -229,7 +229,7 @@ def _cluster_fault(error: BaseException) -> EaseoffError:
 
 def _lost(batch: Batch) -> Block:
     """Rows of a batch whose process ends whenever it is begun, as for want of memory."""
-    shape = (batch.rows.size,) if batch.setup.torques is None else (batch.rows.size, len(batch.setup.torques))
+    shape = (batch.rows.size, *batch.setup.loads)
     reason = f"the process that computed it ended {ATTEMPT_COUNT} times, as for want of memory"
     return Block(batch.rows, np.full(shape, PointStatus.FAILED, np.int8), np.full(shape, reason), {}, "")
 

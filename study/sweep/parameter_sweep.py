@@ -20,8 +20,9 @@ from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..analysis.operating import FrictionConditions, Operating
 from ..analysis.swept_quantity import Stage, swept_quantity
-from ..case_in_mesh import case_attributes, deflection_attributes, prepared_pair
+from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, prepared_pair
 from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from ..progress import shows_progress, told
 from .axis import Sampler
@@ -139,30 +140,10 @@ def sweep(
     >>> found["peak_to_peak"].dims, found["status"].values.tolist()
     (('E', 'torque'), [[0, 0], [0, 0]])
     """
-    plan = planned_sweep(
-        case,
-        over,
-        load_cases=load_cases,
-        samples=samples,
-        seed=seed,
-        sampler=sampler,
-        flank=flank,
-        torques=torques,
-        misalignment=misalignment,
-        deviations=deviations,
-        deviated=deviated,
-        interpolation=interpolation,
-        modification=modification,
-        edge_contact=edge_contact,
-        marking=marking,
-        solver=solver,
-        speed=speed,
-        temperature=temperature,
-        roughness=roughness,
-        oil=oil,
-        friction_model=friction_model,
-        friction_feedback=friction_feedback,
-    )
+    flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
+    friction = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)
+    operating = Operating(flanks, torques, edge_contact, marking, solver, friction)
+    plan = planned_sweep(case, over, operating, load_cases=load_cases, samples=samples, seed=seed, sampler=sampler)
     return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=told(progress))
 
 
@@ -250,7 +231,7 @@ def _batch(setup: SweepSetup, table: PointTable, bounds: list[int], number: int)
 
 def _attributes(plan: SweepPlan) -> dict[str, Any]:
     """Origin of the dataset, as netCDF attributes."""
-    setup, case = plan.setup, plan.setup.case
+    operating, case = plan.setup.operating, plan.setup.case
     return {
         **case_attributes(case, "sweep"),
         "sweep_schema_version": SWEEP_SCHEMA_VERSION,
@@ -258,12 +239,12 @@ def _attributes(plan: SweepPlan) -> dict[str, Any]:
         "swept": json.dumps(
             [name for axis in plan.axes for name in axis.columns if swept_quantity(name).stage < Stage.NOTHING]
         ),
-        "solver": setup.solver,
-        "flank": setup.flank,
+        "solver": operating.solver,
+        "flank": operating.flanks.flank,
         "compliance_model": case.compliance.model,
         "pinion_teeth": case.pinion.number_of_teeth,
         "gear_teeth": case.gear.number_of_teeth,
-        "edge_contact": int(case.contact.edge_contact if setup.edge_contact is None else setup.edge_contact),
+        "edge_contact": int(case.contact.edge_contact if operating.edge_contact is None else operating.edge_contact),
         **_misalignment(plan),
         **_departures(plan),
         **plan.sampling,
@@ -272,7 +253,7 @@ def _attributes(plan: SweepPlan) -> dict[str, Any]:
 
 def _misalignment(plan: SweepPlan) -> dict[str, Any]:
     """Assembly errors of every point that are not swept, without torque; and the torques of deflections."""
-    given, flank = assembly_errors(plan.setup, {}), plan.setup.flank
+    given, flank = assembly_errors(plan.setup, {}), plan.setup.operating.flanks.flank
     if isinstance(given, Deflections) and given.flank and "flank" in plan.table.names:
         return {}
     misalignment = misalignment_at(given, 0.0, flank)
@@ -289,14 +270,12 @@ def _misalignment(plan: SweepPlan) -> dict[str, Any]:
 
 def _departures(plan: SweepPlan) -> dict[str, Any]:
     """Modification and deviations of every point that are not swept."""
-    setup, swept = plan.setup, plan.table.names
-    given = {} if setup.modification is None else dict(setup.modification.coefficients)
-    terms = {name: value for name, value in given.items() if f"modification.{name}" not in swept}
-    sources: dict[Any, Source] = {
-        member: one for member, one in setup.deviations.items() if f"deviation.{member}" not in swept
-    }
+    given, swept = plan.setup.operating.flanks, plan.table.names
+    coefficients = {} if given.modification is None else given.modification.coefficients
+    terms = {name: value for name, value in coefficients.items() if f"modification.{name}" not in swept}
+    sources = {member: one for member, one in (given.deviations or {}).items() if f"deviation.{member}" not in swept}
     attributes: dict[str, Any] = {"modification_um": json.dumps(terms)} if terms else {}
     if sources and "flank" not in swept:
-        pair = prepared_pair(setup.case, setup.flank, setup.misalignment)
-        attributes |= deviation_attributes(flank_deviations(pair, sources, setup.interpolation), setup.deviated)
+        pair = prepared_pair(plan.setup.case, given.flank, given.misalignment)
+        attributes |= deviation_attributes(flank_deviations(pair, sources, given.interpolation), given.deviated)
     return attributes

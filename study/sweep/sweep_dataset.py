@@ -25,9 +25,8 @@ class SweepNumbers:
 
     def __init__(self, table: PointTable, setup: SweepSetup) -> None:
         self.table, self.setup = table, setup
-        loads = () if setup.torques is None else (len(setup.torques),)
-        self.status = np.full((table.count, *loads), PointStatus.FAILED, dtype=np.int8)
-        self.reason = np.full((table.count, *loads), "", dtype=object)
+        self.status = np.full((table.count, *setup.loads), PointStatus.FAILED, dtype=np.int8)
+        self.reason = np.full(self.status.shape, "", dtype=object)
         self._numbers: dict[str, Array] = {}
         self._variables: dict[str, Any] = {}
         self._coordinates: dict[str, list[Any]] = {}

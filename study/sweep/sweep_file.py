@@ -3,8 +3,6 @@
 Dataset of a sweep as a netCDF-4 file.
 
 Layout of the dataset of a sweep: what must be in it for its table and pictures.
-
-Dataset of a sweep, filled batch by batch: key numbers and status over the swept coordinates.
 """
 
 from __future__ import annotations
@@ -15,31 +13,31 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...core.attributes import StoredStatus
 from ...core.errors import InputError
 from ...core.file_origin import layout_fault, unreadable
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.regular_file import named
-from ..result_layout import MAGNITUDE_LIMIT, attribute_faults, form_faults
+from ..result_layout import (
+    MAGNITUDE_LIMIT,
+    OF_A_PAIR,
+    OPTIONAL_ATTRIBUTES,
+    AttributeKind,
+    attribute_faults,
+    form_faults,
+)
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
 SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
-ATTRIBUTES: dict[str, str | int] = {
+ATTRIBUTES: dict[str, AttributeKind] = {
     **dict.fromkeys(("title", "easeoff_version", "flank", "solver"), "text"),
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
 }
-OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
-    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated", "deflections"), "text"),
-    **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
-    "modification_um": "table of numbers",
-    **dict.fromkeys(
-        (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
-        "number",
-    ),
-    "deflection_torques_N_m": 2,
-    "seed": "number",
+SWEEP_ATTRIBUTES: dict[str, AttributeKind] = {
+    **OPTIONAL_ATTRIBUTES[""],
+    **{name: kind for name, kind in OF_A_PAIR.items() if name.startswith("misalignment_")},
+    **{"sampler": "text", "distributions": "text", "seed": "number"},
 }
 #: Dimensions that a number may have beside those of the points and of the loads.
 OTHER_DIMENSIONS = ("order", "member")
@@ -58,7 +56,7 @@ class PointStatus(StoredStatus):
 def sweep_faults(dataset: xr.Dataset) -> list[str]:
     """Parts that the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole."""
     faults = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
-    faults += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES, needed=False)
+    faults += attribute_faults(dataset.attrs, SWEEP_ATTRIBUTES, needed=False)
     try:
         names = swept_names(dataset)
     except InputError:
@@ -161,6 +159,3 @@ def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Datas
         if variable.dtype.kind == "O"
     }
     return dataset.assign(texts)
-
-
-Array = NDArray[Any]

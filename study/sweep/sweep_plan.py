@@ -9,39 +9,34 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
-from ...cases.deflection_table import misalignment_of
-from ...cases.deflections import Deflections
 from ...cases.reading import shipped_deviations
 from ...cases.schema.case_schema import Case
-from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import require_solver
 from ...core.checks import instance, shown
 from ...core.errors import InputError
 from ...core.memory import require_memory
 from ...core.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
-from ...geometry.deviation.deviation import Deviation, Method
-from ...geometry.pair.assembly import Misalignment
-from ...geometry.pair.gear_pair import FlankName
-from ...geometry.pair.modification import Modification
-from ..analysis.case_analysis import friction_settings, operation_of
+from ...geometry.deviation.deviation import Deviation
 from ..analysis.contact_analysis import case_torques
+from ..analysis.operating import Friction, FrictionConditions, Operating, analysis_size
 from ..analysis.swept_quantity import CONDITIONS, Stage, swept_quantity
-from ..case_in_mesh import checked_case, prepared_pair, require_kinds
-from ..deviation_source import Deviated, Source, flank_deviations
+from ..case_in_mesh import FlanksInMesh, checked_case, prepared_pair
+from ..deviation_source import flank_deviations
 from .axis import (
     Axis,
     Distribution,
@@ -53,28 +48,14 @@ from .axis import (
     sample_values,
 )
 
-if TYPE_CHECKING:
-    from ...friction import FrictionModel, Operation
-
 
 @dataclass(frozen=True, eq=False)
 class SweepSetup:
     """Case and arguments of ``analyze`` that are the same at every point of a sweep; equal if the digests are."""
 
     case: Case
+    operating: Operating
     torques: tuple[float, ...] | None  # of every analysis [N m]; None where each row has its own
-    conditions: Mapping[str, Any] = field(default_factory=dict)  # arguments of ``friction.Operation``
-    flank: FlankName = "drive"
-    misalignment: Misalignment | Deflections | None = None
-    deviations: Mapping[str, Source] = field(default_factory=dict)
-    deviated: Deviated = "ease_off"
-    interpolation: Method = "spline"
-    modification: Modification | None = None
-    edge_contact: bool | None = None
-    marking: float | None = None
-    solver: str = "auto"
-    friction_model: FrictionModel | None = None
-    friction_feedback: bool | None = None
     digest: str = ""
 
     def __post_init__(self) -> None:
@@ -83,6 +64,16 @@ class SweepSetup:
             known["easeoff"] = version("easeoff")
             text = json.dumps(known, sort_keys=True)
             object.__setattr__(self, "digest", hashlib.sha256(text.encode()).hexdigest())
+
+    @property
+    def loads(self) -> tuple[int, ...]:
+        """Shape of the loads of one analysis: the number of its torques, or nothing where each row has its own."""
+        return () if self.torques is None else (len(self.torques),)
+
+    def friction(self, values: Mapping[str, Any]) -> Friction | None:
+        """Friction at a point with these values of its coordinates."""
+        conditions = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
+        return replace(self.operating.friction, **conditions).of_case(self.case)
 
     def __hash__(self) -> int:
         return hash(self.digest)
@@ -99,7 +90,7 @@ def _stable(value: Any) -> Any:
         return [str(value.dtype), list(value.shape), hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()]
     if isinstance(value, xr.Dataset):
         return {str(name): _stable(variable.values) for name, variable in value.variables.items()}
-    if isinstance(value, Deviation):
+    if isinstance(value, Deviation | Operating | FlanksInMesh | FrictionConditions):
         return {one.name: _stable(getattr(value, one.name)) for one in fields(value)}
     if isinstance(value, Mapping):
         return {str(name): _stable(item) for name, item in value.items()}
@@ -167,13 +158,7 @@ class PointTable:
     @cached_property
     def starts(self) -> Array:
         """Places in the order of the work at which another assembly begins."""
-        changed = np.zeros(self.count, dtype=bool)
-        changed[0] = True
-        for name in self._by_stage:
-            if swept_quantity(name).stage <= Stage.ASSEMBLY:
-                sorted_codes = self._codes[name][self.order]
-                changed[1:] |= sorted_codes[1:] != sorted_codes[:-1]
-        return np.flatnonzero(changed)
+        return _beginnings({name: codes[self.order] for name, codes in self._codes.items()}, self.count)
 
     def bound(self, first: int, size: int) -> int:
         """End of a batch of about ``size`` rows from ``first`` on: between assemblies where possible."""
@@ -198,17 +183,19 @@ class PointTable:
         }
 
 
-def assemblies(columns: dict[str, Array], count: int) -> Iterator[list[int]]:
+def _beginnings(columns: Mapping[str, Array], count: int) -> Array:
+    """Places among rows (count) at which another assembly begins, from 0 on."""
+    changed = np.zeros(count, dtype=bool)
+    changed[0] = True
+    for name, values in columns.items():
+        if swept_quantity(name).stage <= Stage.ASSEMBLY:
+            changed[1:] |= values[1:] != values[:-1]
+    return np.flatnonzero(changed)
+
+
+def assemblies(columns: Mapping[str, Array], count: int) -> list[Array]:
     """Places of neighbouring rows that have the pair and the assembly in common."""
-    names = [name for name in columns if swept_quantity(name).stage <= Stage.ASSEMBLY]
-    together: list[int] = []
-    for place in range(count):
-        if together and any(columns[name][place] != columns[name][together[0]] for name in names):
-            yield together
-            together = []
-        together.append(place)
-    if together:
-        yield together
+    return np.split(np.arange(count), _beginnings(columns, count)[1:])
 
 
 SAMPLE = "sample"
@@ -253,24 +240,19 @@ class SweepPlan:
         return digest.hexdigest()
 
     @property
-    def operation(self) -> Operation | None:
-        """Operating conditions of the first point; none without friction."""
-        first = self.table.values(0)
-        conditions = {name: first[name] for name in (*CONDITIONS, "oil") if name in first}
-        return operation_of(self.setup.case.friction, **{**self.setup.conditions, **conditions})
+    def friction(self) -> Friction | None:
+        """Friction of the first point."""
+        return self.setup.friction(self.table.values(0))
 
     @property
     def size(self) -> AnalysisSize:
         """Size of the analysis at one point."""
-        setup, operation = self.setup, self.operation
-        _, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
-        shape = (0, 0, 0) if operation is None else operation.shape
-        return AnalysisSize.of(setup.case, self.loads, shape, feedback=feedback)
+        return analysis_size(self.setup.case, self.loads, self.friction)
 
     @property
     def loads(self) -> int:
         """Number of torques of the analysis at one point."""
-        return 1 if self.setup.torques is None else len(self.setup.torques)
+        return math.prod(self.setup.loads)
 
     @property
     def points(self) -> int:
@@ -289,55 +271,43 @@ class SweepPlan:
 
 def planned_sweep(
     case: Case | str | Path,
-    over: Mapping[str, Any] | None = None,
+    over: Mapping[str, Any] | None,
+    operating: Operating,
     *,
     load_cases: str | Path | Mapping[str, Sequence[Any]] | None = None,
     samples: int | None = None,
     seed: int = 0,
     sampler: Sampler = "sobol",
-    torques: float | Sequence[float] | None = None,
-    speed: Any = None,
-    temperature: Any = None,
-    roughness: Any = None,
-    oil: Any = None,
-    deviations: Mapping[Any, Any] | None = None,
     allow_outside: bool = False,
-    **options: Any,
 ) -> SweepPlan:
     """Plan a sweep, as of ``sweep``; only with ``allow_outside`` may load cases name files outside their folder."""
-    checked = checked_case(case)
-    solver = options.get("solver", "auto")
-    if not isinstance(solver, str):
-        raise InputError(f"solver = {shown(solver)}: must be a name or MODULE:FUNCTION, which every process can find")
-    require_solver(solver)
-    if options.get("marking") is not None:
-        checked_thickness(options["marking"])
-    if options.get("misalignment") is not None:
-        options["misalignment"] = misalignment_of(options["misalignment"])
+    checked, given = checked_case(case), operating
+    if not isinstance(given.solver, str):
+        raise InputError(
+            f"solver = {shown(given.solver)}: must be a name or MODULE:FUNCTION, which every process can find"
+        )
+    require_solver(given.solver)
     instance("over", over, Mapping | None)
-    require_kinds(deviations=deviations, **options)
     axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)
-    single = {"torque": torques, "speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
-    single |= {f"deviation.{member}": source for member, source in (deviations or {}).items()}
+    single = {
+        "torque": given.torques,
+        **{one.name: getattr(given.friction, one.name) for one in fields(given.friction)},
+    }
+    single |= {f"deviation.{member}": source for member, source in (given.flanks.deviations or {}).items()}
     for name in (name for axis in axes for name in axis.columns):
         if single.get(name) is not None:
             raise InputError(f"{name} = {shown(single[name])}: must be left out, as {name} is swept")
     inner = {axis.name: axis.columns[axis.name].tolist() for axis in axes if _is_inner(axis)}
     table = _table(axes)
-    own_torques = case_torques(checked, inner.get("torque", torques))
-    given = {name: single[name] for name in (*CONDITIONS, "oil")} | inner
-    setup = SweepSetup(
-        checked,
-        None if "torque" in table.names else tuple(own_torques.tolist()),
-        {name: value for name, value in given.items() if value is not None and name not in (*table.names, "torque")},
-        deviations={str(name): source for name, source in (deviations or {}).items()},
-        **options,
-    )
+    torques = case_torques(checked, inner.pop("torque", given.torques))
+    given = replace(given, torques=None, friction=replace(given.friction, **inner))
+    setup = SweepSetup(checked, given, None if "torque" in table.names else tuple(torques.tolist()))
     _require_files(table)
     if "flank" not in table.names:
-        pair = prepared_pair(checked, setup.flank, setup.misalignment)
+        pair = prepared_pair(checked, given.flanks.flank, given.flanks.misalignment)
         if not any(swept_quantity(name).stage == Stage.PAIR for name in table.names):
-            flank_deviations(pair, cast(Any, setup.deviations), setup.interpolation)  # a mistake shows before the work
+            # a mistake shows before the work
+            flank_deviations(pair, given.flanks.deviations, given.flanks.interpolation)
     return SweepPlan(setup, tuple(axes), sampling)
 
 

@@ -21,8 +21,9 @@ from ....core.checks import array, instance, number, one_of, shown, whole, words
 from ....core.errors import EaseoffError, InputError
 from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
 from ....geometry.pair.gear_pair import FlankName, GearPair
-from ...analysis.case_analysis import analyze, operation_of
+from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
+from ...analysis.operating import operation_of
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...progress import shows_progress, told
 from ...sweep.axis import Distribution
