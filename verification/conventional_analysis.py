@@ -251,17 +251,6 @@ class RelativeCurvature:
         return np.asarray(np.sqrt(2.0 * separation / np.abs(self.along_line)))
 
 
-def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array:
-    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis, in one frame, normals opposite.
-
-    Each counts its own body convex, so it is S_gear - S_pinion for one common normal.
-    """
-    # Columns: the gear's tangents in the pinion's basis.
-    turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
-    matrix, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
-    return np.asarray(matrix + np.einsum("kan,kln,lbn->abn", turn, other, turn))
-
-
 def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -> RelativeCurvature:
     """Directions of stationary relative curvature in closed form, Kolivand 2009, Eq. 2.15 to 2.18.
 

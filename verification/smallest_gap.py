@@ -102,9 +102,7 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     instance("geometry", geometry, PairGeometry)
     rotations = np.atleast_1d(array("rotations", rotations, "rad", fewest=1))
     flanks = _Flanks(geometry)
-    gaps = [flanks.smallest(rotation) for rotation in rotations.ravel().tolist()]
-    angle, gear, pinion, edge = zip(*gaps, strict=True)
-    return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
+    return _together([flanks.smallest(rotation) for rotation in rotations.ravel().tolist()])
 
 
 def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, NDArray[np.int64]]:
@@ -123,13 +121,16 @@ def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[Smalles
                     break
         best.append(gap)
         carrying.append(carrier)
-    angle, gear, pinion, edge = zip(*best, strict=True)
-    smallest = SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
-    return smallest, np.array(carrying)
+    return _together(best), np.array(carrying)
 
 
 Found = tuple[float, Array, Array, str]
 NOTHING: Found = (np.nan, np.full(2, np.nan), np.full(2, np.nan), "")
+
+
+def _together(gaps: list[Found]) -> SmallestGap:
+    angle, gear, pinion, edge = zip(*gaps, strict=True)
+    return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
 
 
 class _Flanks:
@@ -388,9 +389,7 @@ class FlankGap:
     """Gap along the outward normal at points (n) of the gear flank; NaN where no pinion flank was found."""
 
     gap: Array  # [mm]
-    pinion_parameters: Array
     pinion_position: Array  # (3, n) [mm], in the pinion's frame
-    pinion_normal: Array
     facing: Array  # cosine between both normals
 
 
@@ -436,8 +435,8 @@ def flank_gap(
             values = values + step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
             if np.all(converged | ~finite):
                 break
-        pinion_position, own_normal, _ = motion.surface.evaluate(values[:2])
+        pinion_position, _, _ = motion.surface.evaluate(values[:2])
         _, turned = motion.action_point(values[:2], np.full(values.shape[1], rotation))
     blank = np.where(converged, 1.0, np.nan)
     facing = -np.sum(turned * along, axis=0)
-    return FlankGap(values[2] * blank, values[:2], pinion_position * blank, own_normal * blank, facing * blank)
+    return FlankGap(values[2] * blank, pinion_position * blank, facing * blank)
