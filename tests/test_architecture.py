@@ -28,7 +28,9 @@ PACKAGE = Path(easeoff.__file__).parent
 ORDER = {
     "": ("core", "geometry", "contact", "friction", "cases", "study", "verification"),
     "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
-    "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
+    "contact": (
+        *("problem", "solvers", "lines", "compliance", "line_contact", "mesh_wrench", "segments", "loaded", "supports"),
+    ),
     # Studies return labelled data; what shows them stands above, the commands on top.
     "study": (
         *("result_layout", "result", "terminal_bar", "progress", "deviation_source", "geometry_export", "case_in_mesh"),

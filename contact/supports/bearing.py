@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, number, shown
 from ...core.errors import InputError
-from ..evaluation.monotone_cubic import MonotoneCubic
+from ..lines.monotone_cubic import MonotoneCubic
 from .shaft_section import POSITION_LIMIT
 
 Array = NDArray[np.float64]
