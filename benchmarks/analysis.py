@@ -26,7 +26,7 @@ from easeoff.cases.conversion import elastic_model, finite_elements
 from easeoff.contact import lines_in_mesh, unloaded_contact
 from easeoff.contact.loaded import loaded_splines
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
-from easeoff.contact.loaded import solve_cycle
+from easeoff.contact.loaded import CycleSolver
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
@@ -58,7 +58,7 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
         "unloaded": lambda r: unloaded_contact(r["geometry"], r["splines"], r["contact lines"]),
         "elastic teeth": lambda r: elastic_model(case, finite_elements(case, pair)),
         "compliance": segments,
-        "solve": lambda r: solve_cycle(r["compliance"], torques, ratio, settings.edge_contact, "auto", {}),
+        "solve": lambda r: CycleSolver(ratio, settings.edge_contact).loaded(r["compliance"], torques),
     }
 
 

@@ -21,7 +21,9 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_tooth, usual_size
-from easeoff.contact.loaded import loaded_contact, loaded_splines
+from easeoff.contact.loaded import CycleSolver, loaded_splines
+from easeoff.contact.compliance.elastic_model import ElasticTeeth
+from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.contact import lines_in_mesh
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
 from easeoff.geometry import tooth_lattice
@@ -69,16 +71,9 @@ def split() -> None:
         ]
         for label, model, teeth in variants:
             splines = fields if teeth is None else loaded_splines(geometry.flanks, geometry.ease_off, teeth)
-            loaded, _ = loaded_contact(
-                splines,
-                geometry.teeth,
-                mesh,
-                ratio=pair.assembly.ratio,
-                torques=np.array(case.contact.torques),
-                model=model,
-                segments_per_line=case.contact.segments_per_line,
-                edge_contact=False,
-            )
+            on_lines = LineSegments(splines, mesh, ElasticTeeth(geometry.teeth, model), case.contact.segments_per_line)
+            solver = CycleSolver(pair.assembly.ratio, edge_contact=False)
+            loaded, _ = solver.loaded(CycleSegments(splines, on_lines), np.array(case.contact.torques))
             last = loaded.isel(torque=-1)
             numbers = [float(last[n]) for n in ("mean_level", "peak_to_peak", "max_pressure")]
             rows.append([name, float(last["torque"]), label, *numbers])

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import Shell
 from easeoff.contact import STEEL
-from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.elastic_body import Substructures, elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
     flank_shares,
@@ -85,7 +85,7 @@ def tooth(name: str, member: MemberName, size: LatticeSize | None = None, depth:
     lattice = tooth_lattice(pair, member, size or usual_size(pair, member), depth)
     made = time.process_time()
     body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
-    solved = measured(name, member, lattice, body, foot_displacements(lattice), body.parts.unknowns)
+    solved = measured(name, member, lattice, body, foot_displacements(lattice), body.unknowns)
     return replace(
         solved, seconds=solved.seconds | {"lattice": made - start, "assembly and factor": solved.begun - made}
     )
@@ -117,7 +117,12 @@ def solid_tooth(name: str, member: MemberName, fineness: float = 1.0) -> Tooth:
 
 
 def measured(
-    name: str, member: MemberName, lattice: ToothLattice, body: ElasticBody | SolidShell, feet: csc_array, unknowns: int
+    name: str,
+    member: MemberName,
+    lattice: ToothLattice,
+    body: Substructures | SolidShell,
+    feet: csc_array,
+    unknowns: int,
 ) -> Tooth:
     """What is compared, of a factored tooth."""
     begun = time.process_time()

@@ -180,7 +180,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
     shares = response.shares(place)
     local = force @ half_space_compliance(flat, (STEEL, STEEL)) @ force / 2.0 / force.sum()
     added = force @ (shares @ (shares @ response.beyond_half_space).T) @ force / force.sum()
-    return body.parts.unknowns, 1e6 * direct, 1e6 * (local + added), 100.0 * added / (local + added)
+    return body.unknowns, 1e6 * direct, 1e6 * (local + added), 100.0 * added / (local + added)
 
 
 def patch() -> None:

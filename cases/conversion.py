@@ -14,6 +14,7 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
     finite_element_tooth,
     solid_shell_tooth,
 )
+from ..contact.compliance.finite_elements.tooth_ring import ToothBody
 from ..core.checks import instance, one_of, two_whole
 from ..core.errors import GeometryError, InputError
 from ..geometry.cutting.blade import Blade, BladeSide, Relief
@@ -225,15 +226,8 @@ def finite_elements(
     ) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        return make(
-            pair,
-            member,
-            material,
-            fineness=table.fineness,
-            rim_depth=rim_depth,
-            neighbours=table.neighbours,
-            web=None if web is None else Web(web.bore_diameter, web.thickness),
-        )
+        web_of_body = None if web is None else Web(web.bore_diameter, web.thickness)
+        return make(pair, member, material, table.fineness, ToothBody(rim_depth, table.neighbours, web_of_body))
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
     return tooth("pinion", pinion, of_pinion, table.pinion_web), tooth("gear", gear, of_gear, table.gear_web)

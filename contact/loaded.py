@@ -8,7 +8,7 @@ Solved cases of the loaded contact, and their dataset.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,18 +18,16 @@ from numpy.typing import NDArray
 from ..core.attributes import labelled, ordered
 from ..core.checks import array
 from ..core.process_settings import one_blas_thread
-from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
+from .compliance.elastic_model import tooth_fields
 from .compliance.weber_line_contact import WeberLineContact
 from .line_contact.line_contact_law import solve_at_torques
 from .lines.closest_approach import PASSING_FIELDS
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
-from .lines.mesh_lines import MeshLines
 from .problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from .problem.contact_problem import ContactProblem
-from .segments import CycleSegments, LineSegments, Segments
+from .segments import CycleSegments, HeldMembers, Segments
 from .solvers import ContactSolution, SolverChoice, Status
-from .supports.held_members import HeldMembers
 
 Array = NDArray[Any]
 
@@ -154,23 +152,6 @@ def loaded_dataset(
     entries = (*CERTIFICATE_FIELDS, *CERTIFICATE_LIMITS)
     names = ("transmission_error", "edge_share", "iterations", *entries)
     scalars = {name: np.full(cycle, np.nan) for name in names}
-    per_segment = {
-        name: np.full((*cycle, size), np.nan)
-        for name in (
-            "force",
-            "pressure",
-            "gap",
-            "half_width",
-            "separation",
-            "length",
-            "equivalent_radius",
-            "lever_arm",
-            "tooth",
-            "lengthwise",
-            "profile",
-            "overhang",
-        )
-    }
     for case in cases:
         solution, at = case.solution, (case.torque, case.mesh_position)
         status[at] = solution.status
@@ -178,12 +159,13 @@ def loaded_dataset(
         scalars["iterations"][at] = solution.iterations
         for name in entries:
             scalars[name][at] = getattr(solution.certificate, name)
-    if cases:
-        sizes = [case.segments.pair.size for case in cases]
-        at_cases = np.array([(case.torque, case.mesh_position) for case in cases])
-        places = *np.repeat(at_cases, sizes, axis=0).T, np.concatenate([np.arange(size) for size in sizes])
-        for name, values in _of_segments(cases).items():
-            per_segment[name][places] = values
+    sizes = [case.segments.pair.size for case in cases]
+    at_cases = np.array([(case.torque, case.mesh_position) for case in cases])
+    places = *np.repeat(at_cases, sizes, axis=0).T, np.concatenate([np.arange(size) for size in sizes])
+    per_segment = {}
+    for name, values in _of_segments(cases).items():
+        per_segment[name] = np.full((*cycle, size), np.nan)
+        per_segment[name][places] = values
     certified = status == Status.CERTIFIED
     moment = np.nan_to_num(per_segment["force"]) * np.nan_to_num(per_segment["lever_arm"])
     of_pair = [np.sum(np.where(per_segment["tooth"] == pair, moment, 0.0), axis=2) for pair in pairs]
@@ -243,8 +225,8 @@ def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
     return {
         "force": force,
         "pressure": np.where(known, pressure, np.nan),
-        "half_width": np.where(known, half_width, np.nan),
         "gap": 1e3 * np.concatenate([solution.gap for solution in solutions]),
+        "half_width": np.where(known, half_width, np.nan),
         "separation": np.concatenate([group.separation for group in segments]),
         "length": contact.length,
         "equivalent_radius": contact.equivalent_radius,
@@ -268,111 +250,78 @@ def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) 
     return contact_splines(flanks, ease_off, tooth_fields(teeth) | passing)
 
 
-def loaded_contact(
-    splines: FlankSplines,
-    teeth: xr.Dataset,
-    mesh: MeshLines,
-    *,
-    ratio: float,
-    torques: Array,
-    model: ElasticModel,
-    segments_per_line: int = 31,
-    edge_contact: bool = True,
-    solver: SolverChoice = "auto",
-    progress: Callable[[], None] | None = None,
-    **options: Any,
-) -> tuple[xr.Dataset, list[LoadedCase]]:
-    """Loaded contact over one mesh cycle, from its parts; see ``MeshCycle.loaded``."""
-    segments = CycleSegments(splines, LineSegments(splines, mesh, ElasticTeeth(teeth, model), segments_per_line))
-    return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
+@dataclass(frozen=True)
+class CycleSolver:
+    """Solver of the loaded contact over a mesh cycle, see ``MeshCycle.loaded``."""
 
+    ratio: float
+    edge_contact: bool = True
+    solver: SolverChoice = "auto"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    progress: Callable[[], None] | None = None
+    greater: Sequence[LoadedCase] = ()
 
-@one_blas_thread()
-def solve_cycle(
-    cycle: CycleSegments,
-    torques: Array,
-    ratio: float,
-    edge_contact: bool,
-    solver: SolverChoice,
-    options: Mapping[str, Any],
-    progress: Callable[[], None] | None = None,
-    greater: Sequence[LoadedCase] = (),
-) -> tuple[xr.Dataset, list[LoadedCase]]:
-    """Loaded contact over one mesh cycle from its segments; see ``MeshCycle.loaded``."""
-    torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-    segments, cases = cycle_cases(cycle, torques, ratio, edge_contact, solver, options, progress, greater)
-    return loaded_dataset(segments, cases, torques, cycle.on_lines.lines.rotations), cases
+    @one_blas_thread()
+    def loaded(self, cycle: CycleSegments, torques: Array) -> tuple[xr.Dataset, list[LoadedCase]]:
+        """Dataset and cases at pinion torques (t) [N m]."""
+        torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
+        segments, cases = self.cases(cycle, torques)
+        return loaded_dataset(segments, cases, torques, cycle.on_lines.lines.rotations), cases
 
-
-def cycle_cases(
-    cycle: CycleSegments,
-    torques: Array,
-    ratio: float,
-    edge_contact: bool,
-    solver: SolverChoice,
-    options: Mapping[str, Any],
-    progress: Callable[[], None] | None = None,
-    greater: Sequence[LoadedCase] = (),
-    held: HeldMembers | None = None,
-) -> tuple[list[Segments | None], list[LoadedCase]]:
-    """Segments that may touch at every mesh position, and the cases of ``solve_cycle``.
-
-    With supports (``held``), the segments must know their wrenches.
-    """
-
-    def solved(
-        segments: list[Segments | None], torques: Array, solver: SolverChoice, *own: Any
+    def cases(
+        self, cycle: CycleSegments, torques: Array, held: HeldMembers | None = None
     ) -> tuple[list[Segments | None], list[LoadedCase]]:
-        segments = segments if held is None else held.holding(segments)
-        return segments, solve_all(segments, torques, ratio, solver, *own)
+        """Segments that may touch at every mesh position, and the solved cases.
 
-    count = cycle.on_lines.lines.rotations.size
-    segments: list[Segments | None]
-    if greater:
-        segments = [None] * count
-        for case in greater:
-            segments[case.mesh_position] = case.segments
-        return segments, solve_all(segments, torques, ratio, solver, options, progress)
-    if not edge_contact:
-        return solved(cycle.by_position, torques, solver, options, progress)
-    # Edges can only hold the pair back: with contact on lines alone it turns farther.
-    some = cycle.to_edges.at_every(max(count // EDGE_SEARCH_POSITIONS, 1))
-    turned = _turned(solved(some, np.array([torques.max()]), "auto", {})[1], count, held)
-    farthest = EDGE_SEARCH_ROTATION_FACTOR * max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM)
-    widest = np.full(count, farthest)
-    while True:
-        segments, cases = solved(cycle.with_edges(widest), torques, solver, options, progress)
-        turned = _turned(cases, count, held)
-        # Where there is no line the pair turns until edges hold it, and may meet further ones.
-        turned[[group is None for group in segments]] = 2.0 * widest.max()
-        if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
-            return segments, cases
-        widest, progress = np.maximum(widest, EDGE_SEARCH_ROTATION_FACTOR * turned), None
+        With supports (``held``), the segments must know their wrenches.
+        """
+
+        def on_supports(segments: list[Segments | None]) -> list[Segments | None]:
+            return segments if held is None else held.holding(segments)
+
+        count = cycle.on_lines.lines.rotations.size
+        segments: list[Segments | None]
+        if self.greater:
+            segments = [None] * count
+            for case in self.greater:
+                segments[case.mesh_position] = case.segments
+            return segments, self.solved(segments, torques)
+        if not self.edge_contact:
+            segments = on_supports(cycle.by_position)
+            return segments, self.solved(segments, torques)
+        # Edges can only hold the pair back: with contact on lines alone it turns farther.
+        some = on_supports(cycle.to_edges.at_every(max(count // EDGE_SEARCH_POSITIONS, 1)))
+        turned = _turned(CycleSolver(self.ratio).solved(some, np.array([torques.max()])), count, held)
+        farthest = EDGE_SEARCH_ROTATION_FACTOR * max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM)
+        widest, solver = np.full(count, farthest), self
+        while True:
+            segments = on_supports(cycle.with_edges(widest))
+            cases = solver.solved(segments, torques)
+            turned = _turned(cases, count, held)
+            # Where there is no line the pair turns until edges hold it, and may meet further ones.
+            turned[[group is None for group in segments]] = 2.0 * widest.max()
+            if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
+                return segments, cases
+            widest, solver = np.maximum(widest, EDGE_SEARCH_ROTATION_FACTOR * turned), replace(self, progress=None)
+
+    def solved(self, segments: list[Segments | None], torques: Array) -> list[LoadedCase]:
+        """Cases at all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before."""
+        present = [(k, group) for k, group in enumerate(segments) if group is not None]
+        contacts = [group.line_contact for _, group in present]
+        order, problems = np.argsort(torques, kind="stable"), [group.bending_problem for _, group in present]
+        cases = []
+        at_torques = solve_at_torques(
+            problems, contacts, 1e3 * self.ratio * torques[order], self.solver, **self.options
+        )
+        for index, solved in zip(order, at_torques, strict=True):
+            for (k, group), (solution, secant) in zip(present, solved, strict=True):
+                cases.append(LoadedCase(int(index), k, group, solution, secant))
+                if self.progress is not None:
+                    self.progress()
+        return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
 
 
-def solve_all(
-    segments: list[Segments | None],
-    torques: Array,
-    ratio: float,
-    solver: SolverChoice,
-    options: Mapping[str, Any],
-    progress: Callable[[], None] | None = None,
-) -> list[LoadedCase]:
-    """Solve all pinion torques (t) [N m] wherever tooth pairs can touch, each starting from the one before."""
-    present = [(k, group) for k, group in enumerate(segments) if group is not None]
-    contacts = [group.line_contact for _, group in present]
-    order, problems = np.argsort(torques, kind="stable"), [group.bending_problem for _, group in present]
-    cases = []
-    at_torques = solve_at_torques(problems, contacts, 1e3 * ratio * torques[order], solver, **options)
-    for index, solved in zip(order, at_torques, strict=True):
-        for (k, group), (solution, secant) in zip(present, solved, strict=True):
-            cases.append(LoadedCase(int(index), k, group, solution, secant))
-            if progress is not None:
-                progress()
-    return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
-
-
-def _turned(cases: list[LoadedCase], positions: int, held: HeldMembers | None = None) -> Array:
+def _turned(cases: list[LoadedCase], positions: int, held: HeldMembers | None) -> Array:
     """Greatest gap that closes at every mesh position, as a gear rotation [rad]; zero where nothing was solved."""
     turned = np.zeros(positions)
     for case in cases:

@@ -19,19 +19,17 @@ from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
 from .lines.closest_approach import PASSING_FIELDS, SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations, roll_limits
-from .loaded import LoadedCase, cycle_cases, loaded_splines, solve_all, solve_cycle
-from .segments import CycleSegments, LineSegments, Segments
+from .loaded import CycleSolver, LoadedCase, loaded_splines
+from .segments import CycleSegments, LineSegments
 from .solvers import SolverChoice
 from .unloaded import unloaded_contact
 
 if TYPE_CHECKING:
     from .supports.assembly_rounds import AssemblyRounds
-    from .supports.held_members import HeldMembers
     from .supports.support import LoadedSupports
     from .supports.supported_contact import SupportedContact
 
 Array = NDArray[Any]
-_Cases = tuple[list[Segments | None], list[LoadedCase]]
 #: Splines on which neither contact lines nor compliance depend.
 GAP_FIELDS = {"ease_off_angle", "lever_arm", *SEPARATION_FIELDS, *PASSING_FIELDS}
 
@@ -205,7 +203,8 @@ class MeshCycle:
             common = {"edge_contact": edge_contact, "solver": solver, "progress": progress, **options}
             contact = self.supported(load, supports, **common)
             return contact.loaded, contact.cases
-        return solve_cycle(self.segments, load, self.ratio, edge_contact, solver, options, progress, greater)
+        cycle_solver = CycleSolver(self.ratio, edge_contact, solver, options, progress, greater)
+        return cycle_solver.loaded(self.segments, load)
 
     def supported(
         self,
@@ -263,9 +262,6 @@ class MeshCycle:
         from .supports.supported_contact import SupportedContact
         from .supports.supported_pair import SupportedPair
 
-        def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
-            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, greater=greater, held=held)
-
         rounds = AssemblyRounds() if rounds is None else rounds
         _check_options(edge_contact, progress, greater)
         instance("supports", supports, LoadedSupports)
@@ -275,12 +271,15 @@ class MeshCycle:
         if greater and not (isinstance(supports, Supports) and rounds.update == "none"):
             raise InputError("greater: must go with constant supports and rounds = 'none', whose segments stay")
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-        pair = SupportedPair(self, supports, assembled, solve, progress)
-        return SupportedContact.of(pair, load, rounds)
+        cycle_solver = CycleSolver(self.ratio, edge_contact, solver, options, greater=greater)
+        pair = SupportedPair(self, supports, assembled, cycle_solver, progress)
+        return SupportedContact(pair, load, tuple(pair.solved(load, rounds)))
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""
-        return solve_all(self.segments.by_position, np.asarray(torques, dtype=float), self.ratio, solver, {})
+        return CycleSolver(self.ratio, solver=solver).solved(
+            self.segments.by_position, np.asarray(torques, dtype=float)
+        )
 
     def with_ease_off(self, ease_off: xr.Dataset) -> MeshCycle:
         """The same pair with another ease-off on the same grid, as of deviating or modified flanks.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -19,12 +20,11 @@ from .compliance.weber_line_contact import WeberLineContact
 from .lines.closest_approach import ClosestApproach, closest_approach, pinion_points
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
+from .lines.mesh_edges import FlankEdge, edges_in_mesh, flank_edges
 from .lines.mesh_lines import LoadedPlaces, MeshLines, gauss_points
+from .mesh_wrench import MeshWrenches, SupportModes
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
-from .supports.mesh_wrench import MeshWrenches
-from .supports.support_modes import SupportModes
 
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
@@ -67,12 +67,6 @@ class Segments:
         """Radius of relative curvature across the contact line (n) [mm]."""
         return self.line_contact.equivalent_radius
 
-    @property
-    def overhang(self) -> Array:
-        """Distance beyond a tooth edge at which the flanks would come closest (n) [mm]; NaN on contact lines."""
-        overhang = self.line_contact.overhang
-        return np.where(overhang >= 0.0, overhang, np.nan)
-
     def mesh_wrench(self, force: Array) -> Array:
         """Wrench (6) of the gear on the pinion about the origin of the global frame under normal forces (n) [N]."""
         if self.wrench is None:
@@ -83,7 +77,7 @@ class Segments:
         """Twist (6) of the pinion relative to the gear beyond what is in the separations, under forces (n) [N]."""
         if self.held is None:
             return np.zeros(6)
-        return self.held.twist(self.mesh_wrench(force)) - self.held.absorbed
+        return np.asarray(self.held.twist(self.mesh_wrench(force)) - self.held.absorbed)
 
     @cached_property
     def bending_problem(self) -> ContactProblem:
@@ -245,46 +239,26 @@ class CycleSegments:
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
-        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self.edges)
-        pinion, gear = self._loaded_on(edges)
-        on_lines, on_edges = self.to_edges.table, self._edge_table(edges, (pinion, gear))
-        loads = self.on_lines.loads_on((pinion[..., None], gear[..., None]), np.ones(1))
+        mesh, on_lines = self.on_lines.lines, self.to_edges.table
+        edges = edges_in_mesh(self.fields, mesh, widest, self.edges)
+        elements, points = edges.elements, edges.elements.points
+        rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
+        pinion = pinion_points(self.fields, points, rotation)
+        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang", "edge", "element")
+        on_edges = {name: getattr(elements, name) for name in names}
+        if self.wrenches is not None:
+            on_edges["wrench"] = self.wrenches.beside_lines(points, rotation)
+        on_edges |= loaded_at(LoadedPlaces(self.fields, pinion, points), self.on_lines.teeth.solid)
+        on_edges |= {"position": edges.position, "pair": edges.pair, "searched": np.zeros(rotation.size, dtype=bool)}
+        on_edges["row"] = on_lines["row"].size + np.arange(rotation.size)
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
+        loads = self.on_lines.loads_on((pinion[..., None], points[..., None]), np.ones(1))
         return self._split(both, self.to_edges._unit_loads.with_edges(loads))
 
     @cached_property
     def edges(self) -> tuple[FlankEdge, ...]:
         """Toe, heel and tip of both members."""
         return flank_edges(self.fields)
-
-    def _loaded_on(self, edges: MeshEdges) -> tuple[Array, Array]:
-        """Points (2, n) where pinion and gear are loaded on pieces of edges."""
-        mesh, points = self.on_lines.lines, edges.elements.points
-        rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
-        return pinion_points(self.fields, points, rotation), points
-
-    def _edge_table(self, edges: MeshEdges, points: tuple[Array, Array]) -> dict[str, Array]:
-        """The table of pieces of edges, on which pinion and gear are loaded at points (2, n)."""
-        elements, count = edges.elements, edges.pair.size
-        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
-        wrench = {}
-        if self.wrenches is not None:
-            mesh = self.on_lines.lines
-            rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
-            wrench["wrench"] = self.wrenches.beside_lines(elements.points, rotation)
-        return (
-            {name: getattr(elements, name) for name in names}
-            | wrench
-            | {
-                **loaded_at(LoadedPlaces(self.fields, *points), self.on_lines.teeth.solid),
-                "position": edges.position,
-                "pair": edges.pair,
-                "searched": np.zeros(count, dtype=bool),
-                "edge": elements.edge,
-                "element": elements.element,
-                "row": self.to_edges.table["row"].size + np.arange(count),
-            }
-        )
 
     @cached_property
     def table(self) -> dict[str, Array]:
@@ -354,3 +328,21 @@ def _sorted(table: dict[str, Array]) -> tuple[dict[str, Array], dict[int, slice]
     known, first = np.unique(table["position"], return_index=True)
     ends = np.append(first, order.size)
     return table, {int(k): slice(*bounds) for k, *bounds in zip(known, ends[:-1], ends[1:], strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class HeldMembers:
+    """Supports at every mesh position (k)."""
+
+    modes: Sequence[SupportModes]
+    wrenches: MeshWrenches
+
+    def holding(self, segments: Sequence[Segments | None]) -> list[Segments | None]:
+        """The segments of every mesh position with its supports."""
+        both = zip(segments, self.modes, strict=True)
+        return [None if group is None else replace(group, held=modes) for group, modes in both]
+
+    def closing(self, segments: Segments, force: Array) -> float:
+        """Rotation [rad] by which some gap on the flank closes farther, by the members' motion, than the gear turns."""
+        wrenches = self.wrenches
+        return -float(np.min(wrenches.flank @ segments.moved(force) / wrenches.lever_arm))

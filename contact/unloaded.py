@@ -13,7 +13,7 @@ from ..core.checks import instance, positive
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import PairGeometry
 from .lines.closest_approach import ClosestApproach, closest_approach
-from .lines.contact_lines import ContactLines
+from .lines.contact_lines import ContactLines, between_points
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.touching_points import GAP_LIMIT
@@ -22,11 +22,8 @@ from .loaded import continuous_range, harmonics, rms
 from .pair_errors import PairErrors, smallest
 
 Array = NDArray[Any]
-FLANK_ENDS = (
-    *BOUNDS[:8],
-    "gear_root",
-    "pinion_root",
-)  # at the end of the blade's profile the flank ends as at its root
+#: Edges and, at the end of the blade's profile, where the flank ends as at its root.
+FLANK_ENDS = (*BOUNDS[:8], "gear_root", "pinion_root")
 PEAK_TOLERANCE = 0.02  # [urad]; between the estimated peak of a kink and the error there
 CONTACT_EDGES = {-1: "no_contact", 0: "inside"} | {i + 1: name for i, name in enumerate(BOUNDS[:8])}
 
@@ -43,14 +40,6 @@ def _smallest(values: Array) -> tuple[Array, Array]:
     step = np.clip(np.where(index == middle, step, index - middle), -1.0, 1.0)
     value = centre + 0.5 * step * (right - left) + 0.5 * step**2 * bend
     return value, middle + step
-
-
-def _at(values: Array, index: Array) -> Array:
-    """Values (..., m, s) at fractional indices (m), linearly."""
-    low = np.clip(index.astype(int), 0, values.shape[-1] - 2)
-    rows = np.arange(index.size)
-    weight = index - low
-    return np.asarray(values[..., rows, low] * (1 - weight) + values[..., rows, low + 1] * weight)
 
 
 def _line_ends(
@@ -71,7 +60,7 @@ def _line_ends(
         cut = (beyond >= 0) & (beyond < count) & (last_excess < 0.0)
         ends[side] = index + step * np.where(cut, -last_excess, 0.0) / np.where(cut, there - last_excess, 1.0)
     length = (ends[1] - ends[0]) / (count - 1) * lines.length
-    points = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
+    points = between_points(lines.points, rows, ends.T)
     return points[0], points[1], length
 
 

@@ -26,7 +26,9 @@ from easeoff.core.errors import how_to_install
 ORDER = {
     "": ROOMS,
     "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
-    "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
+    "contact": (
+        *("problem", "solvers", "lines", "compliance", "line_contact", "mesh_wrench", "segments", "loaded", "supports"),
+    ),
     # Studies return labelled data; what shows them stands above, the commands on top.
     "study": (
         *("result_layout", "result", "terminal_bar", "progress", "deviation_source", "geometry_export", "case_in_mesh"),

@@ -283,7 +283,7 @@ def test_a_stretch_longer_than_the_line_bears_all_of_it() -> None:
 
 def test_a_contact_without_load_has_no_stations_and_no_load_per_length() -> None:
     pair, contact = gear_pair(read_case("nasa-12x36")), FlankContact(0.0, [], [], [])
-    assert line_stations(pair, contact).table.shape == (6, 0)
+    assert line_stations(pair, contact).shape == (6, 0)
     assert line_directions(contact) == []
     assert stretch_load(contact, 1.0) == 0.0
     assert edge_distance(pair.gear.section, np.array([0.5, 1.0])) == 0.0

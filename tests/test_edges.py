@@ -23,7 +23,7 @@ from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from easeoff.contact.lines.mesh_edges import EDGES, EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, loaded_contact, loaded_splines, solve_cycle
+from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, CycleSolver, loaded_splines
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry
 from easeoff.study import CaseInMesh
@@ -187,19 +187,16 @@ def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
     assert errors[160] < 0.6 * errors[80] < 0.6 * errors[40]
 
 
+def segments_of(geometry: PairGeometry, fields: FlankSplines, mesh: MeshLines, count: int = 31) -> CycleSegments:
+    """Segments of contact lines between teeth that are shells."""
+    return CycleSegments(fields, LineSegments(fields, mesh, ElasticTeeth(geometry.teeth, ElasticModel()), count))
+
+
 def loaded(name: str, torque: float, *, edge_contact: bool) -> tuple[np.ndarray, np.ndarray]:
     """Rotation [rad] and share of the edges over the mesh cycle."""
     geometry, fields, mesh = prepared(name)
-    ratio = misaligned(name).assembly.ratio
-    result, _ = loaded_contact(
-        fields,
-        geometry.teeth,
-        mesh,
-        ratio=ratio,
-        torques=np.array([torque]),
-        model=ElasticModel(),
-        edge_contact=edge_contact,
-    )
+    cycle = segments_of(geometry, fields, mesh)
+    result, _ = CycleSolver(misaligned(name).assembly.ratio, edge_contact).loaded(cycle, np.array([torque]))
     assert np.all(result["status"] == 0)
     np.testing.assert_allclose(result["load_share"].sum("pair"), 1.0, atol=1e-9)
     return 1e-6 * result["transmission_error"].values[0], result["edge_share"].values[0]
@@ -208,9 +205,8 @@ def loaded(name: str, torque: float, *, edge_contact: bool) -> tuple[np.ndarray,
 def on_lines_to_edges(name: str, torque: float, mesh: MeshLines, segments: int = 31) -> np.ndarray:
     """Rotation [rad] over the mesh cycle on the lines that end at the edges, without the edges."""
     geometry, fields, _ = prepared(name)
-    on_lines = LineSegments(fields, mesh, ElasticTeeth(geometry.teeth, ElasticModel()), segments)
-    cycle, ratio = CycleSegments(fields, on_lines).to_edges, misaligned(name).assembly.ratio
-    found, _ = solve_cycle(cycle, np.array([torque]), ratio, False, "auto", {})
+    cycle, ratio = segments_of(geometry, fields, mesh, segments).to_edges, misaligned(name).assembly.ratio
+    found, _ = CycleSolver(ratio, edge_contact=False).loaded(cycle, np.array([torque]))
     assert float(found["edge_share"].max()) == 0.0
     return np.asarray(1e-6 * found["transmission_error"].values[0])
 
@@ -306,14 +302,9 @@ def test_edges_alone_hold_a_pair_without_a_line() -> None:
     kept = np.flatnonzero(mesh.position != 2)
     lines = ContactLines(mesh.lines.level[kept], mesh.lines.points[:, kept], mesh.lines.length[kept])
     gap = replace(mesh, lines=lines, position=mesh.position[kept], pair=mesh.pair[kept])
-    known: dict[str, Any] = {
-        "ratio": misaligned(name).assembly.ratio,
-        "torques": np.array([20.0]),
-        "segments_per_line": 15,
-        "model": ElasticModel(),
-    }
     bare = on_lines_to_edges(name, 20.0, gap, 15)
-    held, cases = loaded_contact(fields, geometry.teeth, gap, **known)
+    solver = CycleSolver(misaligned(name).assembly.ratio)
+    held, cases = solver.loaded(segments_of(geometry, fields, gap, 15), np.array([20.0]))
     assert np.isnan(bare).nonzero()[0].tolist() == [2]
     assert np.all(held["status"] == 0)
     turned = 1e-6 * held["transmission_error"].values[0]

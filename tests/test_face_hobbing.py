@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from easeoff import InputError
 from easeoff.cases import case_text, gear_pair, parse_case, read_case
-from easeoff.contact import ElasticModel, lines_in_mesh
-from easeoff.contact.loaded import loaded_contact, loaded_splines
+from easeoff.contact import ElasticModel, MeshCycle
 from easeoff.geometry import (
     Assembly,
     Blade,
@@ -129,11 +127,8 @@ def test_hobbed_pair_goes_through_the_whole_analysis() -> None:
     assert np.abs(fitted.residual).max() < 0.02  # a straight blade cannot give a hobbed flank every form
     crowned = replace(pair, pinion=replace(pair.pinion, loaded=fitted.surface))
     geometry = pair_geometry(crowned, (17, 13))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
     # A quarter of the pinion's flank is undercut: there is no whole tooth for another model than the shell.
-    torques: dict[str, Any] = {"ratio": 41 / 11, "torques": np.array([100.0, 300.0])}
-    loaded, _ = loaded_contact(fields, geometry.teeth, mesh, **torques, model=ElasticModel())
+    loaded, _ = MeshCycle.of(geometry, ElasticModel(), mesh_positions=4).loaded([100.0, 300.0])
     assert np.all(loaded["status"].values == 0)
     assert np.all(np.diff(loaded["mean_level"].values) > 0.0)
 

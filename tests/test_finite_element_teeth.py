@@ -21,7 +21,7 @@ from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store, finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.elastic_body import (
-    ElasticBody,
+    Substructures,
     brick_gradients,
     elastic_body,
     functionals,
@@ -40,6 +40,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
     stress_functionals,
 )
+from easeoff.contact.compliance.finite_elements.tooth_ring import ToothBody
 from easeoff.geometry import GearPair, LatticeSize, ToothLattice, deviation_from_formula, pair_geometry, tooth_lattice
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.flanks.flank import solve_flank
@@ -63,7 +64,7 @@ def coarse_lattice(name: str, member: str) -> ToothLattice:
 
 
 @cache
-def gear_tooth() -> tuple[ToothLattice, ElasticBody]:
+def gear_tooth() -> tuple[ToothLattice, Substructures]:
     lattice = coarse_lattice("fm-11x41", "gear")
     return lattice, elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
 
@@ -251,7 +252,7 @@ def test_second_analysis_does_not_factor_again(tmp_path: Path, monkeypatch: pyte
     assert first.root is not None
     assert again.root is not None
     np.testing.assert_array_equal(first.root.stress, again.root.stress)
-    others: tuple[dict[str, Any], ...] = ({"fineness": 0.3}, {"fineness": 0.25, "rim_depth": 5.0})
+    others: tuple[dict[str, Any], ...] = ({"fineness": 0.3}, {"fineness": 0.25, "body": ToothBody(rim_depth=5.0)})
     for other in others:
         with pytest.raises(AssertionError, match="factored again"):
             members.finite_element_tooth(pair(), "gear", STEEL, **other)

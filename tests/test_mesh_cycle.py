@@ -18,7 +18,7 @@ from tooth_models import few_bricks
 from easeoff import InputError, analyze
 from easeoff.cases import Deflections, gear_pair, read_case
 from easeoff.contact import ElasticModel, Material, MeshCycle, Shell, lines_in_mesh
-from easeoff.contact.compliance.elastic_model import Loads, UnitLoads, solid_shells
+from easeoff.contact.compliance.elastic_model import ElasticTeeth, Loads, UnitLoads, solid_shells
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.carrying_error import CarryingError
@@ -33,7 +33,8 @@ from easeoff.contact.evaluation.marking_print import (
 )
 from easeoff.contact.lines.closest_approach import gap_beside, still_opens
 from easeoff.contact.lines.contact_lines import evenly_spaced
-from easeoff.contact.loaded import loaded_contact, loaded_splines
+from easeoff.contact.loaded import CycleSolver, loaded_splines
+from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import Misalignment, Modification, PairGeometry, deviation_from_formula, pair_geometry
 from easeoff.geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from easeoff.geometry.newton import complex_steps
@@ -152,9 +153,9 @@ def test_cycle_is_its_parts_put_together() -> None:
     geometry = cycle.geometry
     fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     lines = lines_in_mesh(fields, cycle.pinion_pitch, 3)
-    torques: dict[str, Any] = {"ratio": cycle.ratio, "torques": np.array(TORQUES)}
-    model = solid_shells(geometry.pair)
-    by_hand, _ = loaded_contact(fields, geometry.teeth, lines, **torques, model=model, segments_per_line=9)
+    teeth = ElasticTeeth(geometry.teeth, solid_shells(geometry.pair))
+    segments = CycleSegments(fields, LineSegments(fields, lines, teeth, 9))
+    by_hand, _ = CycleSolver(cycle.ratio).loaded(segments, np.array(TORQUES))
     require_same(cycle.loaded(TORQUES)[0], by_hand)
 
 

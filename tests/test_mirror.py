@@ -11,10 +11,9 @@ import xarray as xr
 from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
-from easeoff.contact import ElasticModel, lines_in_mesh, unloaded_contact
+from easeoff.contact import ElasticModel, MeshCycle
 from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_tooth
-from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.friction import Operation, friction
 from easeoff.geometry import (
     EaseOffTarget,
@@ -76,24 +75,16 @@ def analysed(pair: GearPair, *, solid: bool = False, whole: bool = True) -> dict
     With teeth as shells or as solid shells.
     """
     geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
-    loaded, _ = loaded_contact(
-        fields,
-        geometry.teeth,
-        mesh,
-        ratio=pair.assembly.ratio,
-        torques=np.array([60.0, 250.0]),
-        model=coarse_solid_shells(pair) if solid else ElasticModel(),
-        segments_per_line=15,
-    )
+    model = coarse_solid_shells(pair) if solid else ElasticModel()
+    cycle = MeshCycle.of(geometry, model, mesh_positions=4, segments_per_line=15)
+    loaded, _ = cycle.loaded([60.0, 250.0])
     contact = {"ease_off": geometry.ease_off, "loaded": loaded}
     if not whole:
         return contact
     return contact | {
         "flanks": geometry.flanks,
         "teeth": geometry.teeth,
-        "unloaded": unloaded_contact(geometry, fields, mesh),
+        "unloaded": cycle.unloaded(),
         "friction": friction(xr.DataTree.from_dict(contact), Operation(1500.0)),
     }
 

@@ -25,6 +25,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
 from easeoff.contact.compliance.finite_elements.tooth_ring import (
     SURFACE_NODES,
     RingCompliance,
+    ToothBody,
     body_modes,
     modes_of,
     nodal_areas,
@@ -298,7 +299,7 @@ def test_a_thin_web_couples_all_teeth() -> None:
     size = replace(ring_size(), lengthwise=3)
 
     def modes(web: Web | None) -> Array:
-        found = body_modes(pair_of("fm-11x41"), "gear", STEEL, size, None, web)[1]
+        found = body_modes(pair_of("fm-11x41"), "gear", STEEL, size, ToothBody(web=web))[1]
         load = found["shapes"].mean(axis=1)
         return np.asarray(np.einsum("q,kqr,r->k", load, found["coupling"], load))
 

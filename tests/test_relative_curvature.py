@@ -15,7 +15,7 @@ from test_mirror import mirrored
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact.lines.contact_lines import curvature_and_skew
-from easeoff.contact.supports.mesh_wrench import MeshWrenches
+from easeoff.contact.mesh_wrench import MeshWrenches
 from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion, moved
 from easeoff.geometry import (
     Blade,
@@ -43,7 +43,6 @@ from easeoff.verification.conventional_analysis import (
     line_differences,
     path_of_contact,
     point_differences,
-    relative_shape_operator,
     shape_operators,
     stationary_directions,
 )
@@ -141,6 +140,17 @@ def random_operators(count: int) -> tuple[ShapeOperator, ShapeOperator, NDArray[
         return ShapeOperator(first, cross(normal, first), *rng.normal(scale=0.02, size=(3, count)))
 
     return operator(1.0), operator(-1.0), np.repeat([[0.0], [0.0], [1.0]], count, axis=1)
+
+
+def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> NDArray[np.float64]:
+    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis, in one frame, normals opposite.
+
+    Each counts its own body convex, so it is S_gear - S_pinion for one common normal.
+    """
+    # Columns: the gear's tangents in the pinion's basis.
+    turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
+    matrix, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
+    return np.asarray(matrix + np.einsum("kan,kln,lbn->abn", turn, other, turn))
 
 
 def test_closed_form_gives_the_eigenvectors_of_the_relative_operator() -> None:

@@ -32,6 +32,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
+from easeoff.contact.compliance.finite_elements.tooth_ring import ToothBody
 from easeoff.contact.compliance.shell import legendre
 from easeoff.geometry import LatticeSize, Misalignment, ToothLattice, tooth_lattice
 from easeoff.study import CaseInMesh, WearLaw, wear
@@ -296,7 +297,7 @@ def test_a_stored_tooth_is_found_without_its_lattice(tmp_path: Path, monkeypatch
         (thinner, {}),
         (replace(pair, gear=replace(pair.gear, loaded=blade)), {}),
         (pair, {"fineness": 0.5}),
-        (pair, {"rim_depth": 9.0}),
+        (pair, {"body": ToothBody(rim_depth=9.0)}),
     ]
     for other, changed in others:
         with pytest.raises(AssertionError, match="made again"):

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, PchipInterpolator, make_interp_spline
 
-from easeoff.contact.evaluation.monotone_cubic import MonotoneCubic
+from easeoff.contact.lines.monotone_cubic import MonotoneCubic
 from easeoff.contact.lines.tensor_spline import TensorSpline
 
 Array = NDArray[Any]

@@ -15,8 +15,8 @@ from tooth_models import coarse_solid_shells
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import ElasticModel, MeshCycle, available_solvers, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
+from easeoff.contact.mesh_wrench import MeshWrenches, SupportModes
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus, Update
-from easeoff.contact.supports.mesh_wrench import MeshWrenches
 from easeoff.contact.supports.support import (
     ORIGIN,
     BearingReaction,
@@ -27,7 +27,6 @@ from easeoff.contact.supports.support import (
     shift_matrix,
     shifted_wrench,
 )
-from easeoff.contact.supports.support_modes import SupportModes
 from easeoff.contact.supports.supported_contact import SupportedContact
 from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion
 from easeoff.geometry import Assembly, FlankName, Misalignment, pair_geometry

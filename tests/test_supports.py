@@ -11,6 +11,7 @@ from test_supported_contact import FIRST_ORDER, cycle, found
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import Supports, identified_support
+from easeoff.contact.mesh_wrench import unit_wrenches
 from easeoff.contact.supports.support import (
     ORIGIN,
     MemberAxis,
@@ -18,10 +19,7 @@ from easeoff.contact.supports.support import (
     member_axes,
     shift_matrix,
     shifted_compliance,
-    shifted_stiffness,
-    shifted_twist,
     shifted_wrench,
-    unit_wrenches,
 )
 from easeoff.contact.supports.supported_pair import RelativeMotion
 from easeoff.core.errors import InputError
@@ -38,9 +36,15 @@ def stiffness(seed: int = 1) -> Array:
     return np.asarray((part @ part.T / 9.0 + 0.3 * np.eye(6)) * np.outer(scale, scale))
 
 
+def shifted_stiffness(stiffness: Array, start: Array, end: Array) -> Array:
+    """A stiffness (6, 6), wrench for twist at ``start``, at ``end``."""
+    shift = shift_matrix(start, end)
+    return np.asarray(shift @ stiffness @ shift.T)
+
+
 def test_work_and_moments_do_not_depend_on_the_reference_point() -> None:
     wrench, twist = np.random.default_rng(2).normal(size=(2, 4, 6))
-    moved_wrench, moved_twist = shifted_wrench(wrench, POINT, OTHER), shifted_twist(twist, POINT, OTHER)
+    moved_wrench, moved_twist = shifted_wrench(wrench, POINT, OTHER), twist @ shift_matrix(OTHER, POINT)
     np.testing.assert_allclose(np.sum(wrench * twist, axis=1), np.sum(moved_wrench * moved_twist, axis=1), rtol=1e-12)
     np.testing.assert_allclose(moved_wrench[:, 3:], wrench[:, 3:] + np.cross(POINT - OTHER, wrench[:, :3]))
     np.testing.assert_allclose(moved_twist[:, :3], twist[:, :3] + np.cross(twist[:, 3:], OTHER - POINT))

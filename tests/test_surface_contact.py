@@ -45,9 +45,9 @@ def plane_cells(counts: tuple[int, int], sides: tuple[float, float], radii: tupl
 
 def pressed(cells: SurfaceCells, compliance: Array, force: float) -> tuple[float, Array]:
     """Approach of the bodies and pressure on the cells."""
-    solved = solve_surface_contact([cells.separation], [cells.lever_arm], [compliance], force)
-    assert solved.settled
-    return solved.rotation, solved.force[0] / cells.area
+    (forces,), solved = solve_surface_contact([cells.separation], [cells.lever_arm], [compliance], force)
+    assert solved.certified
+    return solved.rotation, forces / cells.area
 
 
 def test_spheres_against_hertz() -> None:
@@ -176,10 +176,10 @@ def test_torque_and_complementarity_of_two_tooth_pairs() -> None:
     gaps = [cells[0].separation, cells[1].separation + 1e-3]
     arms = [np.full(81, 80.0), np.full(81, 70.0)]
     matrices = [half_space_compliance(one, BOTH) for one in cells]
-    solved = solve_surface_contact(gaps, arms, matrices, 3e4)
-    assert solved.settled
-    assert sum(a @ f for a, f in zip(arms, solved.force, strict=True)) == pytest.approx(3e4, rel=1e-12)
-    for gap, arm, matrix, force in zip(gaps, arms, matrices, solved.force, strict=True):
+    forces, solved = solve_surface_contact(gaps, arms, matrices, 3e4)
+    assert solved.certified
+    assert sum(a @ f for a, f in zip(arms, forces, strict=True)) == pytest.approx(3e4, rel=1e-12)
+    for gap, arm, matrix, force in zip(gaps, arms, matrices, forces, strict=True):
         remaining = matrix @ force + gap - solved.rotation * arm
         assert force.min() >= 0.0
         assert remaining.min() > -1e-12
@@ -188,10 +188,10 @@ def test_torque_and_complementarity_of_two_tooth_pairs() -> None:
 
 def test_what_cannot_be_solved_is_no_number() -> None:
     nothing = np.zeros(2)
-    solved = solve_surface_contact([nothing], [np.ones(2)], [np.array([[1.0, 2.0], [2.0, 1.0]])], 1.0)
-    assert not solved.settled
+    (forces,), solved = solve_surface_contact([nothing], [np.ones(2)], [np.array([[1.0, 2.0], [2.0, 1.0]])], 1.0)
+    assert not solved.certified
     assert np.isnan(solved.rotation)
-    assert np.all(np.isnan(solved.force[0]))
+    assert np.all(np.isnan(forces))
 
 
 def test_cubics_between_uneven_places() -> None:

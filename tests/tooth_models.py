@@ -12,6 +12,7 @@ from easeoff.cases import Case
 from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import STEEL, ElasticModel
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
+from easeoff.contact.compliance.finite_elements.tooth_ring import ToothBody
 from easeoff.geometry import GearPair
 
 #: Of bricks and functions, by which a tooth takes a fifth of the usual time.
@@ -32,7 +33,7 @@ def with_teeth(case: Case, model: str = "shell", **keys: Any) -> Case:
 def coarse_solid_shells(pair: GearPair, *, neighbours: bool = False) -> ElasticModel:
     """Solid shells of few bricks and functions."""
     pinion, gear = (
-        members.solid_shell_tooth(pair, member, STEEL, fineness=COARSE, neighbours=neighbours).flank
+        members.solid_shell_tooth(pair, member, STEEL, fineness=COARSE, body=ToothBody(neighbours=neighbours)).flank
         for member in ("pinion", "gear")
     )
     return ElasticModel(condensed=(pinion, gear))

@@ -98,15 +98,8 @@ def cells(row: VerificationRow) -> tuple[str, ...]:
     """Cells of a row."""
     if not row.applicable:
         return row.quantity, f"not applicable: {row.compared}", "", "", "", WORDS[row.status]
-    unit = "" if row.unit == "1" else row.unit
-    return (
-        row.quantity,
-        row.compared,
-        difference_text(row.difference, row.limit),
-        f"{row.limit:.2g}",
-        unit,
-        WORDS[row.status],
-    )
+    unit, difference = "" if row.unit == "1" else row.unit, difference_text(row.difference, row.limit)
+    return row.quantity, row.compared, difference, f"{row.limit:.2g}", unit, WORDS[row.status]
 
 
 def difference_text(difference: float, limit: float) -> str:

@@ -45,6 +45,7 @@ from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.vectors import column, cross, dot, rotate
+from .smallest_gap import limited_newton
 
 Array = NDArray[Any]
 
@@ -166,22 +167,9 @@ def point_contact(
         n_g = rotate(motion.gear_axis, turn, n_g)
         return np.concatenate([p - g, n_p + n_g])
 
-    limit = np.concatenate([gear_surface.max_step, motion.surface.max_step, [0.05]])[:, None]
-    converged = np.zeros(pinion_rotation.shape, dtype=bool)
+    limit = np.concatenate([gear_surface.max_step, motion.surface.max_step, [0.05]])
     with np.errstate(all="ignore"):
-        for _ in range(iterations):
-            value, derivatives = complex_steps(mismatch, values)
-            # Two of the three normal equations are independent; least squares keeps the symmetry between them.
-            jacobian = np.array(derivatives[:5].transpose(2, 1, 0))
-            finite = np.all(np.isfinite(jacobian), axis=(1, 2))
-            jacobian[~finite] = 0.0
-            residual = np.where(finite, value, 0.0)
-            step = -(np.linalg.pinv(jacobian) @ residual.T[..., None])[..., 0].T
-            converged = finite & (np.max(np.abs(value), axis=0) < 1e-10)
-            step = step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
-            values[:5] += step
-            if np.all(converged | ~finite):
-                break
+        values, converged = limited_newton(mismatch, values, limit, 1e-10, iterations)
         gear_position, _, _ = gear_surface.evaluate(values[:2])
         pinion_position, _, _ = motion.surface.evaluate(values[2:4])
     blank = np.where(converged, 1.0, np.nan)
@@ -249,17 +237,6 @@ class RelativeCurvature:
         Half of L = sqrt(8 separation / |relative curvature|), the major axis of the contact ellipse.
         """
         return np.asarray(np.sqrt(2.0 * separation / np.abs(self.along_line)))
-
-
-def relative_shape_operator(gear: ShapeOperator, pinion: ShapeOperator) -> Array:
-    """Sum of both operators (2, 2, n) [1/mm] in the gear's tangent basis, in one frame, normals opposite.
-
-    Each counts its own body convex, so it is S_gear - S_pinion for one common normal.
-    """
-    # Columns: the gear's tangents in the pinion's basis.
-    turn = np.array([[dot(p, g) for g in (gear.first, gear.second)] for p in (pinion.first, pinion.second)])
-    matrix, other = (np.array([[s.along, s.torsion], [s.torsion, s.across]]) for s in (gear, pinion))
-    return np.asarray(matrix + np.einsum("kan,kln,lbn->abn", turn, other, turn))
 
 
 def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -> RelativeCurvature:

@@ -31,7 +31,7 @@ from ..contact.compliance.half_space_cells import even_pressure_integral
 from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..contact.problem.contact_problem import ContactProblem
-from ..contact.solvers import solve
+from ..contact.solvers import ContactSolution, solve
 from ..core.checks import frozen_arrays, instance, instances, positive, truth, whole
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.gear_pair import GearPair
@@ -41,15 +41,6 @@ from .flank_response import THROUGH_BRICKS, FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 
 Array = NDArray[Any]
-
-
-@dataclass(frozen=True)
-class SurfaceContact:
-    """Solved pressures of one mesh position; NaN unless certified."""
-
-    force: list[Array]  # on every cell, by tooth pair [N]
-    rotation: float  # of the gear [rad]
-    settled: bool
 
 
 def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:
@@ -79,17 +70,16 @@ def surface_contact_compliance(
 
 def solve_surface_contact(
     separation: list[Array], lever_arm: list[Array], compliance: list[Array], torque: float
-) -> SurfaceContact:
-    """Pressures of tooth pairs that turn together, under a torque about the gear's axis [N mm].
+) -> tuple[list[Array], ContactSolution]:
+    """Forces (n) [N] on the cells of tooth pairs that turn together, under a torque about the gear's axis [N mm].
 
-    Cells have separation and lever arm (n) [mm] and compliance (n, n) [mm/N]; a negative eigenvalue is not settled.
+    Cells have separation and lever arm (n) [mm] and compliance (n, n) [mm/N]; a negative eigenvalue is not certified.
     """
     problem = ContactProblem(
         np.concatenate(separation), np.concatenate(lever_arm), torque, scipy.linalg.block_diag(*compliance)
     )
     solution = solve(problem)
-    by_pair = np.split(solution.force, np.cumsum([s.size for s in separation])[:-1])
-    return SurfaceContact(by_pair, solution.rotation, solution.certified)
+    return np.split(solution.force, np.cumsum([s.size for s in separation])[:-1]), solution
 
 
 CELLS_PER_HALF_WIDTH = 8
@@ -229,20 +219,20 @@ def contact_of_flanks(
             allowed *= 2.0
             continue
         cells = list(cells_of_pairs.values())
-        solved = solve_surface_contact(
+        force, solved = solve_surface_contact(
             [one.separation for one in cells],
             [one.lever_arm for one in cells],
             [surface_contact_compliance(one, responses, materials) for one in cells],
             1e3 * torque * flanks.pair.assembly.ratio,
         )
         border = np.ceil(band / across)
-        touches = any(np.any(f[np.abs(c.row) == border] > 0.0) for f, c in zip(solved.force, cells, strict=True))
+        touches = any(np.any(f[np.abs(c.row) == border] > 0.0) for f, c in zip(force, cells, strict=True))
         if touches and band < BAND_RATIO_LIMIT * half_width:
             band *= 1.5
         elif solved.rotation > allowed:
             allowed = 1.15 * solved.rotation
         else:
-            return FlankContact(solved.rotation, list(cells_of_pairs), cells, solved.force)
+            return FlankContact(solved.rotation, list(cells_of_pairs), cells, force)
 
 
 def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
@@ -297,27 +287,12 @@ FEWEST_BRICKS, MOST_BRICKS = 24, 32  # along the face
 THIN_BRICKS = 4  # of these
 
 
-@frozen_arrays
-@dataclass(frozen=True)
-class LineStations:
-    """Stations (n) across the contact lines that carry load, at the greatest pressure."""
+def line_stations(pair: GearPair, contact: FlankContact) -> Array:
+    """Stations (n) across the contact lines that carry load, at the greatest pressure, from ``contact_of_flanks``.
 
-    tooth: Array
-    lengthwise: Array
-    profile: Array
-    pressure: Array  # greatest [MPa]
-    line_load: Array
-    edge_distance: Array  # from toe, heel and tip of either member [mm]
-
-    @property
-    def table(self) -> Array:
-        """All of them as rows (6, n)."""
-        parts = (self.tooth, self.lengthwise, self.profile, self.pressure, self.line_load, self.edge_distance)
-        return np.stack(parts)
-
-
-def line_stations(pair: GearPair, contact: FlankContact) -> LineStations:
-    """Stations of a solved contact, from ``contact_of_flanks``."""
+    Rows (6, n): tooth pair, lengthwise and profile fraction, greatest pressure [MPa], line load [N/mm], distance from
+    toe, heel and tip of either member [mm].
+    """
     columns = []
     for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
         pressure = force / cells.area
@@ -331,7 +306,7 @@ def line_stations(pair: GearPair, contact: FlankContact) -> LineStations:
                 edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
             )
             columns.append((tooth, *place, pressure[top], load, edge))
-    return LineStations(*np.array(columns).T.reshape(6, -1))
+    return np.array(columns).T.reshape(6, -1)
 
 
 def edge_distance(section: BlankSection, place: Array) -> float:

@@ -37,10 +37,9 @@ from scipy.sparse import csc_array, csr_array
 
 from ..contact.compliance.finite_elements.array_store import kept, key_of
 from ..contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body, quadratic, stiffness
-from ..contact.compliance.finite_elements.finite_element_tooth import unfilled
+from ..contact.compliance.finite_elements.finite_element_tooth import filling
 from ..contact.compliance.material import Material
 from ..core.checks import frozen_arrays, instance
-from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, LatticeSpacing, ToothLattice, tooth_lattice, with_middles
@@ -282,10 +281,8 @@ def _response(lattice: ToothLattice, material: Material, member: str) -> dict[st
     lowest = int(np.argmax(np.all(lattice.profile > LOADED_PROFILE_LIMIT, axis=0)))
     chosen = (slice(1, -1), slice(lowest, -1))  # nothing is known of a force on the edge itself
     loaded, normal = lattice.flank[chosen].ravel(), lattice.flank_normal[chosen].reshape(-1, 3)
-    try:
+    with filling(member):
         whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
-    except GeometryError as error:
-        raise unfilled(member, error) from error
     position = lattice.nodes[loaded]
     distance = np.linalg.norm(position[:, None] - position, axis=2)
     np.fill_diagonal(distance, np.inf)

@@ -35,21 +35,11 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
     limit = POSITION_LIMIT * section.outer_cone_distance
     condition = envelope_condition(flank)
+    carried = f"blade carried through the machine joint by joint, {nodes}"
+    moved = f"edge and cutting motion by differences, {nodes}"
     rows = [
-        VerificationRow(
-            f"flank position, {member}",
-            f"blade carried through the machine joint by joint, {nodes}",
-            greatest(condition.position[usable]),
-            limit,
-            "mm",
-        ),
-        VerificationRow(
-            f"flank normal, {member}",
-            f"edge and cutting motion by differences, {nodes}",
-            greatest(condition.normal[usable]),
-            NORMAL_LIMIT,
-            "rad",
-        ),
+        VerificationRow(f"flank position, {member}", carried, greatest(condition.position[usable]), limit, "mm"),
+        VerificationRow(f"flank normal, {member}", moved, greatest(condition.normal[usable]), NORMAL_LIMIT, "rad"),
     ]
     envelope = f"envelope condition, {member}"
     if flank.surface.settings.generated:
@@ -89,10 +79,6 @@ def _curvature(member: str, flank: Flank, usable: NDArray[np.bool_], nodes: str)
     # Two directions that nearly coincide tell one curvature only.
     skew = values[3] ** 2 < SQUARE_LIMIT
     left = f", {skew.sum()} left out whose directions coincide" if skew.any() else ""
-    return VerificationRow(
-        f"principal curvatures, {member}",
-        f"from two directions against the fundamental forms, {nodes}{left}",
-        greatest(difference[~skew]),
-        CURVATURE_LIMIT,
-        "1",
-    )
+    quantity = f"principal curvatures, {member}"
+    compared = f"from two directions against the fundamental forms, {nodes}{left}"
+    return VerificationRow(quantity, compared, greatest(difference[~skew]), CURVATURE_LIMIT, "1")

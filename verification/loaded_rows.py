@@ -190,7 +190,7 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
         if name in NOT_COMPARED or str(name).startswith(("pinion_", "unloaded_pinion_")):
             continue  # what refers to the pinion is in proportion to what refers to the gear
         other = fine[name] if name in fine and fine[name].dims == values.dims else values * np.nan
-        scale = _scale(coarse, str(name))
+        scale, relative = _scale(coarse, str(name))
         for place in np.ndindex(values.shape):
             number, finer = float(values.values[place]), float(other.values[place])
             change = 0.0 if np.isnan(number) and np.isnan(finer) else 100.0 * abs(finer - number) / float(scale[place])
@@ -200,7 +200,8 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
                 at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
                 unit = values.attrs.get("units", "1")
                 words = f"{name}{at} {number:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
-                worst[group] = change, words + _relative_to(coarse, str(name), place)
+                itself = scale[place] == abs(number)
+                worst[group] = change, words + ("" if itself else relative.format(scale[place]))
     for group, (value, label) in worst.items():
         yield group, value, label
 
@@ -217,24 +218,15 @@ def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...
     return PLACES if unit == "1" else OTHERS
 
 
-def _relative_to(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
-    """Reference of a change, with its value, if it is not the number itself."""
-    values = numbers[name]
-    unit, scale = values.attrs.get("units", "1"), float(_scale(numbers, name)[place])
-    if scale == abs(float(values.values[place])):
-        return ""
-    if unit == "urad":
-        return f", over the {'mean level' if 'torque' in values.dims else 'unloaded peak to peak'} {scale:.4g}"
-    return ", in points of 1"
-
-
-def _scale(numbers: xr.Dataset, name: str) -> Array:
-    """Divisor of the changes of a key number."""
+def _scale(numbers: xr.Dataset, name: str) -> tuple[Array, str]:
+    """Divisor of the changes of a key number, and what to say of it, with its value, where it is not the number."""
     values = numbers[name]
     unit, size = values.attrs.get("units", "1"), np.abs(values.values)
     if unit == "urad" and "torque" in values.dims:
         level = np.abs(numbers["mean_level"].values)
-        return np.broadcast_to(level.reshape(-1, *(1,) * (values.ndim - 1)), values.shape)
+        scale = np.broadcast_to(level.reshape(-1, *(1,) * (values.ndim - 1)), values.shape)
+        return scale, ", over the mean level {:.4g}"
     if unit == "urad":
-        return np.full(values.shape, np.maximum(float(numbers["unloaded_peak_to_peak"]), UNLOADED_ERROR_MINIMUM))
-    return np.asarray(np.maximum(size, 1.0) if unit == "1" else size)
+        least = np.maximum(float(numbers["unloaded_peak_to_peak"]), UNLOADED_ERROR_MINIMUM)
+        return np.full(values.shape, least), ", over the unloaded peak to peak {:.4g}"
+    return np.asarray(np.maximum(size, 1.0) if unit == "1" else size), ", in points of 1"

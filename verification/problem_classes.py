@@ -7,6 +7,7 @@ duplicates, loads and separations over many decades, compliances that are numeri
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from ..contact.problem.contact_problem import ContactProblem
 from ..core.checks import one_of, whole
 
 Array = NDArray[np.float64]
+ProblemClass = Callable[[np.random.Generator], ContactProblem]
 
 #: Local compliance of a segment [mm/N], order of magnitude.
 LOCAL_COMPLIANCE = 3e-6
@@ -49,55 +51,19 @@ def _parts(rng: np.random.Generator, *, signed: bool = False) -> tuple[Array, Ar
     return separation, arm, float(10.0 ** rng.uniform(4.0, 6.0)), LOCAL_COMPLIANCE * rng.uniform(0.5, 1.5, n), factor
 
 
-def _plain(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s, r, t, (d, v))
-
-
-def _touching(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(np.zeros_like(s), r, t, (d, v))
+def _varied(
+    vary: Callable[[np.random.Generator, Array, Array, float, Array, Array], tuple[Array, Array, float, Any]],
+    *,
+    signed: bool = False,
+) -> ProblemClass:
+    """Class of problems made from S, r, T, d, V of ``_parts``, and further random numbers."""
+    return lambda rng: ContactProblem(*vary(rng, *_parts(rng, signed=signed)))
 
 
 def _duplicated(rng: np.random.Generator) -> ContactProblem:
     s, r, t, d, v = _parts(rng)
     pick = rng.integers(0, s.size, s.size)
     return ContactProblem(s[pick], r[pick], t, (d[pick], v[pick]))
-
-
-def _light_load(rng: np.random.Generator) -> ContactProblem:
-    s, r, _, d, v = _parts(rng)
-    return ContactProblem(s, r, 10.0 ** rng.uniform(-11.0, -3.0), (d, v))
-
-
-def _heavy_load(rng: np.random.Generator) -> ContactProblem:
-    s, r, _, d, v = _parts(rng)
-    return ContactProblem(s, r, 10.0 ** rng.uniform(9.0, 17.0), (d, v))
-
-
-def _far_apart(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s + 10.0 ** rng.uniform(-3.0, 9.0) * rng.uniform(size=s.size) ** 3, r, t, (d, v))
-
-
-def _far_together(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s + 10.0 ** rng.uniform(0.0, 5.0) * r, r, t, (d, v))
-
-
-def _weak_local(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s, r, t, (d * 10.0 ** rng.uniform(-8.0, -3.0), v))
-
-
-def _nearly_singular(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s, r, t, (d * 1e-14, v))
-
-
-def _spread_local(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s, r, t, (d * 10.0 ** rng.uniform(-8.0, 0.0, s.size), v))
 
 
 def _lattice(rng: np.random.Generator) -> ContactProblem:
@@ -140,16 +106,6 @@ def _realistic(rng: np.random.Generator) -> ContactProblem:
     )
 
 
-def _signed_modes(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng, signed=True)
-    return ContactProblem(s, r, t, (d, v))
-
-
-def _interfering(rng: np.random.Generator) -> ContactProblem:
-    s, r, t, d, v = _parts(rng)
-    return ContactProblem(s - 10.0 ** rng.uniform(-3.0, 2.0) * rng.uniform(size=s.size), r, t, (d, v))
-
-
 def _random_dense(rng: np.random.Generator) -> ContactProblem:
     s, r, t, d, _ = _parts(rng)
     n = s.size
@@ -160,21 +116,25 @@ def _random_dense(rng: np.random.Generator) -> ContactProblem:
 
 
 #: The classes by name.
-PROBLEM_CLASSES: dict[str, Callable[[np.random.Generator], ContactProblem]] = {
-    "plain": _plain,
-    "touching": _touching,
+PROBLEM_CLASSES: dict[str, ProblemClass] = {
+    "plain": _varied(lambda _, s, r, t, d, v: (s, r, t, (d, v))),
+    "touching": _varied(lambda _, s, r, t, d, v: (np.zeros_like(s), r, t, (d, v))),
     "duplicated": _duplicated,
-    "light_load": _light_load,
-    "heavy_load": _heavy_load,
-    "far_apart": _far_apart,
-    "far_together": _far_together,
-    "weak_local": _weak_local,
-    "nearly_singular": _nearly_singular,
-    "spread_local": _spread_local,
+    "light_load": _varied(lambda rng, s, r, t, d, v: (s, r, 10.0 ** rng.uniform(-11.0, -3.0), (d, v))),
+    "heavy_load": _varied(lambda rng, s, r, t, d, v: (s, r, 10.0 ** rng.uniform(9.0, 17.0), (d, v))),
+    "far_apart": _varied(
+        lambda rng, s, r, t, d, v: (s + 10.0 ** rng.uniform(-3.0, 9.0) * rng.uniform(size=s.size) ** 3, r, t, (d, v))
+    ),
+    "far_together": _varied(lambda rng, s, r, t, d, v: (s + 10.0 ** rng.uniform(0.0, 5.0) * r, r, t, (d, v))),
+    "weak_local": _varied(lambda rng, s, r, t, d, v: (s, r, t, (d * 10.0 ** rng.uniform(-8.0, -3.0), v))),
+    "nearly_singular": _varied(lambda _, s, r, t, d, v: (s, r, t, (d * 1e-14, v))),
+    "spread_local": _varied(lambda rng, s, r, t, d, v: (s, r, t, (d * 10.0 ** rng.uniform(-8.0, 0.0, s.size), v))),
     "lattice": _lattice,
     "mixed_arms": _mixed_arms,
     "realistic": _realistic,
-    "signed_modes": _signed_modes,
-    "interfering": _interfering,
+    "signed_modes": _varied(lambda _, s, r, t, d, v: (s, r, t, (d, v)), signed=True),
+    "interfering": _varied(
+        lambda rng, s, r, t, d, v: (s - 10.0 ** rng.uniform(-3.0, 2.0) * rng.uniform(size=s.size), r, t, (d, v))
+    ),
     "random_dense": _random_dense,
 }

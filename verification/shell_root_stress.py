@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.compliance import Shell
+from ..contact.compliance.shell import root_shapes
 from ..contact.compliance.shell_kinematics import (
     NUMBER_OF_ROOT_QUANTITIES,
     ROOT_DEFLECTION,
@@ -59,12 +60,7 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
         raise InputError("foundation = None: must be springs, a clamped root has none whose forces could be read")
     functions = shell.functions
     along = functions.along_trace(arc)[0]
-    shape = (NUMBER_OF_ROOT_QUANTITIES, arc.size, len(functions.root_powers))
-    vectors = np.zeros((*shape, functions.height_count, functions.length_count))
-    for term in shell.kinematics.root_terms:
-        powers = functions.root_powers[term.field]
-        up = functions.over_height(np.zeros(1), powers, term.x_derivative)[term.x_derivative, 0]
-        vectors[term.quantity, :, term.field] += term.sign * up[:, None] * along[:, None, :]
+    vectors = root_shapes(shell.kinematics, functions)[:, None, :, :, None] * along[:, None, None, :]
     motion = shell.whiten(vectors.reshape(-1, shell.size)).T @ shell.whiten(load_vectors)
     springs = shell.foundation.stiffness(shell.dimensions.thickness(0.0, arc), shell.material)
     motion = motion.reshape(NUMBER_OF_ROOT_QUANTITIES, arc.size, -1)

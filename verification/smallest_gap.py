@@ -15,6 +15,7 @@ normal to the pinion flank. Negative where the flanks overlap.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -25,7 +26,7 @@ from scipy.spatial import cKDTree
 from ..core.checks import array, frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank, NodeStatus, deepest, pick, seed_lattice, solve_flank
-from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule
+from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, solve
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import Member, PairGeometry
 from ..geometry.vectors import column, cross, dot, rotate
@@ -102,9 +103,7 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     instance("geometry", geometry, PairGeometry)
     rotations = np.atleast_1d(array("rotations", rotations, "rad", fewest=1))
     flanks = _Flanks(geometry)
-    gaps = [flanks.smallest(rotation) for rotation in rotations.ravel().tolist()]
-    angle, gear, pinion, edge = zip(*gaps, strict=True)
-    return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
+    return _together([flanks.smallest(rotation) for rotation in rotations.ravel().tolist()])
 
 
 def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, NDArray[np.int64]]:
@@ -123,13 +122,16 @@ def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[Smalles
                     break
         best.append(gap)
         carrying.append(carrier)
-    angle, gear, pinion, edge = zip(*best, strict=True)
-    smallest = SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
-    return smallest, np.array(carrying)
+    return _together(best), np.array(carrying)
 
 
 Found = tuple[float, Array, Array, str]
 NOTHING: Found = (np.nan, np.full(2, np.nan), np.full(2, np.nan), "")
+
+
+def _together(gaps: list[Found]) -> SmallestGap:
+    angle, gear, pinion, edge = zip(*gaps, strict=True)
+    return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
 
 
 class _Flanks:
@@ -285,23 +287,11 @@ class _Flanks:
             position, _ = self._in_gear(surface, p, turned)
             return np.stack([position[2], np.sqrt(position[0] ** 2 + position[1] ** 2)])
 
-        parameters, solved = start.copy(), np.zeros(start.shape[1], dtype=bool)
-        limit = surface.max_step[:, None]
-        active = np.arange(start.shape[1])
-        with np.errstate(all="ignore"):
-            for _ in range(NEWTON_ITERATIONS):
-                value, slopes = complex_steps(axial_and_radial, parameters[:, active])
-                miss = target[:, active] - value
-                step = cramers_rule(slopes[0], slopes[1], miss)
-                usable = np.all(np.isfinite(step), axis=0)
-                step = np.where(usable, step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0)), 0.0)
-                parameters[:, active] += step
-                done = usable & (np.max(np.abs(miss), axis=0) < NEWTON_TOLERANCE)
-                solved[active[done]] = True
-                active = active[usable & ~done]
-                if not active.size:
-                    break
-        return parameters, solved
+        tolerance = NEWTON_TOLERANCE / max(1.0, float(np.max(np.abs(target))))  # that of ``solve`` is relative
+        met = solve(
+            axial_and_radial, start, target, surface.max_step, tolerance=tolerance, iterations=NEWTON_ITERATIONS
+        )
+        return met.parameters, met.converged
 
     def _between(self, pinion: Array, gear: Array) -> Array:
         """Angle (n) [rad] by which gear points lie short of pinion points on their circles, in the drive sense."""
@@ -382,15 +372,37 @@ ITERATION_LIMIT = 25
 RESIDUAL_TOLERANCE = 1e-9  # [mm]
 
 
+def limited_newton(
+    function: Callable[[Array], Array], values: Array, limit: Array, tolerance: float, iterations: int
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Values (m, n) of which the first k make a function zero, and where (n) they do; steps have limits (k).
+
+    More equations than unknowns are met by least squares, which keeps the symmetry between them.
+    """
+    values, converged, count = values.copy(), np.zeros(values.shape[1], dtype=bool), limit.size
+    for _ in range(iterations):
+        value, derivatives = complex_steps(function, values, count)
+        jacobian = np.array(derivatives.transpose(2, 1, 0))
+        usable, square = np.all(np.isfinite(jacobian), axis=(1, 2)), len(value) == count
+        if square:
+            usable &= np.abs(np.linalg.det(jacobian)) > 0.0
+        jacobian[~usable] = np.eye(len(value), count)
+        residual = np.where(usable, value, 0.0).T[..., None]
+        step = -(np.linalg.solve(jacobian, residual) if square else np.linalg.pinv(jacobian) @ residual)[..., 0].T
+        converged = usable & (np.max(np.abs(value), axis=0) < tolerance)
+        values[:count] += step / np.maximum(1.0, np.max(np.abs(step) / limit[:, None], axis=0))
+        if np.all(converged | ~usable):
+            break
+    return values, converged
+
+
 @frozen_arrays
 @dataclass(frozen=True)
 class FlankGap:
     """Gap along the outward normal at points (n) of the gear flank; NaN where no pinion flank was found."""
 
     gap: Array  # [mm]
-    pinion_parameters: Array
     pinion_position: Array  # (3, n) [mm], in the pinion's frame
-    pinion_normal: Array
     facing: Array  # cosine between both normals
 
 
@@ -423,21 +435,11 @@ def flank_gap(
         repeats = v.shape[1] // points.shape[1]
         return np.asarray(point - np.tile(points, repeats) - v[2] * np.tile(along, repeats))
 
-    limit = np.concatenate([motion.surface.max_step, [2.0]])[:, None]
-    converged = np.zeros(position.shape[1], dtype=bool)
+    limit = np.concatenate([motion.surface.max_step, [2.0]])
     with np.errstate(all="ignore"):
-        for _ in range(ITERATION_LIMIT):
-            value, derivatives = complex_steps(miss, values)
-            jacobian = np.array(derivatives.transpose(2, 1, 0))
-            finite = np.all(np.isfinite(jacobian), axis=(1, 2)) & (np.abs(np.linalg.det(jacobian)) > 0.0)
-            jacobian[~finite] = np.eye(3)
-            step = -np.linalg.solve(jacobian, np.where(finite, value, 0.0).T[..., None])[..., 0].T
-            converged = finite & (np.max(np.abs(value), axis=0) < RESIDUAL_TOLERANCE)
-            values = values + step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
-            if np.all(converged | ~finite):
-                break
-        pinion_position, own_normal, _ = motion.surface.evaluate(values[:2])
+        values, converged = limited_newton(miss, values, limit, RESIDUAL_TOLERANCE, ITERATION_LIMIT)
+        pinion_position, _, _ = motion.surface.evaluate(values[:2])
         _, turned = motion.action_point(values[:2], np.full(values.shape[1], rotation))
     blank = np.where(converged, 1.0, np.nan)
     facing = -np.sum(turned * along, axis=0)
-    return FlankGap(values[2] * blank, values[:2], pinion_position * blank, own_normal * blank, facing * blank)
+    return FlankGap(values[2] * blank, pinion_position * blank, facing * blank)

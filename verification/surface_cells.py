@@ -23,7 +23,7 @@ from ..core.checks import frozen_arrays
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, PairGeometry, pair_geometry
-from .smallest_gap import flank_gap
+from .smallest_gap import FlankGap, flank_gap
 
 Array = NDArray[Any]
 FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that meet
@@ -130,18 +130,8 @@ def cells_on_line(
     position = nodes.position.reshape(3, *shape)
     sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
     lengths = [np.linalg.norm(side, axis=0) for side in sides]
-    start = flanks.splines("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
-    gap = flank_gap(
-        flanks.motion,
-        nodes.position,
-        nodes.normal,
-        rotation + flanks.motion.center,
-        flanks.first_contact,
-        start,
-    )
-    pinion = flanks.pair.pinion.section
-    on_pinion = np.stack(pinion.fractions(gap.pinion_position[2], np.hypot(*gap.pinion_position[:2])))
     on_gear = points.reshape(2, -1)
+    gap, on_pinion = _gap_at(flanks, on_gear, nodes.position, nodes.normal, rotation)
     with np.errstate(invalid="ignore"):
         both = np.all((on_gear >= 0) & (on_gear <= 1) & (on_pinion >= 0) & (on_pinion <= 1), axis=0)
         chosen = nodes.inside & both & (gap.facing > FACING_COSINE_LIMIT) & (gap.gap < widest_gap)
@@ -164,6 +154,19 @@ def cells_on_line(
         gap.gap[chosen],
         arm[chosen],
     )
+
+
+def _gap_at(
+    flanks: FlanksInMesh, points: Array, position: Array, normal: Array, rotation: float
+) -> tuple[FlankGap, Array]:
+    """Gap at points (2, n) of the gear in fractions, and fractions (2, n) on the pinion; NaN off the pinion.
+
+    Their positions and normals are those of the gear (3, n); the rotation is from the pinion's middle [rad].
+    """
+    start = flanks.splines("pinion_parameters", np.clip(points, 0.0, 1.0))
+    gap = flank_gap(flanks.motion, position, normal, rotation + flanks.motion.center, flanks.first_contact, start)
+    axial, radial = gap.pinion_position[2], np.hypot(*gap.pinion_position[:2])
+    return gap, np.stack(flanks.pair.pinion.section.fractions(axial, radial))
 
 
 def _stations(splines: FlankSplines, points: Array, step: float, extension: float) -> tuple[Array, Array]:
@@ -240,23 +243,13 @@ def exact_gap(flanks: FlanksInMesh, places: Array, rotation: Array) -> tuple[Arr
 
     Along the gear's normals at fractions (2, n), at rotations (n) from the pinion's middle [rad]; NaN off the pinion.
     """
-    gear, pinion = flanks.pair.gear, flanks.pair.pinion.section
+    gear = flanks.pair.gear
     nodes = solve_flank(gear.loaded, gear.section, *gear.section.points(*places))
     arm = np.abs(nodes.position[0] * nodes.normal[1] - nodes.position[1] * nodes.normal[0])
-    start = flanks.splines("pinion_parameters", np.clip(places, 0.0, 1.0))
     gap, fractions = np.full(rotation.shape, np.nan), np.full(places.shape, np.nan)
     for angle in np.unique(rotation):
         indices = np.flatnonzero(rotation == angle)
-        turned = angle + flanks.motion.center
-        gaps = flank_gap(
-            flanks.motion,
-            nodes.position[:, indices],
-            nodes.normal[:, indices],
-            turned,
-            flanks.first_contact,
-            start[:, indices],
-        )
+        position, normal = nodes.position[:, indices], nodes.normal[:, indices]
+        gaps, fractions[:, indices] = _gap_at(flanks, places[:, indices], position, normal, angle)
         gap[indices] = gaps.gap / arm[indices]
-        axial, radial = gaps.pinion_position[2], np.hypot(*gaps.pinion_position[:2])
-        fractions[:, indices] = np.stack(pinion.fractions(axial, radial))
     return gap, fractions

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ..contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, quadratic, shape_functions
+from ..contact.compliance.finite_elements.elastic_body import Substructures, elastic_body, quadratic, shape_functions
 from ..contact.compliance.finite_elements.flank_compliance import flank_loads, foot_displacements
 from ..contact.compliance.finite_elements.tooth_ring import pitch_angle
 from ..contact.compliance.material import Material
@@ -51,7 +51,7 @@ class ToothedSector:
     numbers: NDArray[np.int64]  # of the pitch's nodes in the whole (t, n)
     angles: Array  # about the member's axis (t) [rad]
 
-    def body(self, material: Material) -> ElasticBody:
+    def body(self, material: Material) -> Substructures:
         """The whole, factored."""
         return elastic_body(self.nodes, self.cells, self.held, material)
 

@@ -28,13 +28,8 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     error, away = point_differences(both)
     count, missed = int(both.inside.sum()), int((~both.contact.converged).sum())
     compared = f"five equations, {count} points inside both flanks"
-    unsolved = VerificationRow(
-        "conventional analysis",
-        f"rotations of a tooth pair without a solution, of {both.contact.converged.size}",
-        missed,
-        0,
-        "1",
-    )
+    unsolved_rotations = f"rotations of a tooth pair without a solution, of {both.contact.converged.size}"
+    unsolved = VerificationRow("conventional analysis", unsolved_rotations, missed, 0, "1")
     if not count:
         reason = "no tooth pair touches inside both flanks, 2 % off their edges"
         names = ("transmission error of a tooth pair", "path of contact", "relative curvature across the line")

@@ -26,6 +26,7 @@ from ..problem.modal_basis import ModalBasis, SharedModes, basis_of_blocks, comp
 from .elastic_foundation import ElasticFoundation
 from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
+from .finite_elements.tooth_ring import ToothBody
 from .material import Material
 from .shell import Shell
 from .tooth_dimensions import ToothDimensions
@@ -131,18 +132,17 @@ class ElasticModel:
             instances("condensed", self.condensed, FlankCompliance, 2)
 
 
-def solid_shells(
-    pair: GearPair, pinion: Material = STEEL, gear: Material = STEEL, *, neighbours: bool = True
-) -> ElasticModel:
-    """Elastic model of the teeth of a pair as solid shells, made once and kept on disk.
+def solid_shells(pair: GearPair, *, neighbours: bool = True) -> ElasticModel:
+    """Elastic model of the teeth of a pair as solid shells of steel, made once and kept on disk.
 
     Deviations of the flanks and misalignment are left out; with ``neighbours`` the teeth of a member share their body.
     """
     of_pinion, of_gear = (replace(member, loaded=member.loaded.designed) for member in (pair.pinion, pair.gear))
     designed = replace(pair, pinion=of_pinion, gear=of_gear)
-    of_pinion_tooth = solid_shell_tooth(designed, "pinion", pinion, neighbours=neighbours)
-    of_gear_tooth = solid_shell_tooth(designed, "gear", gear, neighbours=neighbours)
-    return ElasticModel(pinion, gear, condensed=(of_pinion_tooth.flank, of_gear_tooth.flank))
+    body = ToothBody(neighbours=neighbours)
+    of_pinion_tooth = solid_shell_tooth(designed, "pinion", STEEL, body=body)
+    of_gear_tooth = solid_shell_tooth(designed, "gear", STEEL, body=body)
+    return ElasticModel(condensed=(of_pinion_tooth.flank, of_gear_tooth.flank))
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") -> ToothDimensions:
@@ -150,19 +150,14 @@ def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") 
     one = teeth.sel(member=member)
     fitted = plate == "fitted"
     height, thickness = one["tooth_height"], one["fitted_thickness" if fitted else "plate_thickness"]
-    return ToothDimensions(
-        trace_length=float(one["trace_length"]),
-        trace_radius=float(one["trace_radius"]),
-        height_toe=float(height.sel(tooth_end="toe")),
-        height_heel=float(height.sel(tooth_end="heel")),
-        root_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="root")),
-        root_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="root")),
-        tip_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="tip")),
-        tip_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="tip")),
-        bulge_toe=float(one["bulge"].sel(tooth_end="toe")) if fitted else 0.0,
-        bulge_heel=float(one["bulge"].sel(tooth_end="heel")) if fitted else 0.0,
-        fanning=float(one["fanning"]) if fitted else 0.0,
-    )
+    dimensions = {name: float(one[name]) for name in ("trace_length", "trace_radius", *(["fanning"] if fitted else []))}
+    for end in ("toe", "heel"):
+        dimensions[f"height_{end}"] = float(height.sel(tooth_end=end))
+        for edge in ("root", "tip"):
+            dimensions[f"{edge}_thickness_{end}"] = float(thickness.sel(tooth_end=end, plate_edge=edge))
+        if fitted:
+            dimensions[f"bulge_{end}"] = float(one["bulge"].sel(tooth_end=end))
+    return ToothDimensions(**dimensions)
 
 
 def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:

@@ -192,7 +192,8 @@ def stiffness_matrix(
     volume = (area * stretch * thickness)[..., None] * layer_weight * metric
 
     # Strain-displacement matrix of the height functions, per lengthwise derivative of the lengthwise function.
-    x_order, y_orders = kinematics.highest_x_derivative, kinematics.highest_y_derivative + 1
+    x_order = max(term.x_derivative for term in kinematics.strain_terms)
+    y_orders = 1 + max(term.y_derivative for term in kinematics.strain_terms)
     over_height = {power: functions.over_height(x, power, x_order) for power in set(powers)}
     strain = np.zeros((*z.shape, NUMBER_OF_STRAINS, y_orders, len(powers), height_count))
     for term in kinematics.strain_terms:
@@ -209,7 +210,9 @@ def stiffness_matrix(
 
     if foundation is not None:
         length_weight = functions.trace_length * station_weight * dimensions.stretch(0.0, y)
-        energy[:, 0, :, 0, :] += _root_energy(dimensions, material, kinematics, functions, foundation, y, length_weight)
+        root = root_shapes(kinematics, functions).reshape(NUMBER_OF_ROOT_QUANTITIES, -1)
+        springs = foundation.stiffness(dimensions.thickness(0.0, y), material)
+        energy[:, 0, :, 0, :] += length_weight[:, None, None] * (root.T @ springs @ root)
 
     # Lengthwise functions: K[a n, b m] = sum over stations and derivative orders of energy[a, b] Y_n Y_m.
     along = functions.along_trace(y, y_orders - 1)
@@ -222,24 +225,13 @@ def stiffness_matrix(
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
-def _root_energy(
-    dimensions: ToothDimensions,
-    material: Material,
-    kinematics: Kinematics,
-    functions: TrialFunctions,
-    foundation: ElasticFoundation,
-    y: FloatArray,
-    length_weight: FloatArray,
-) -> FloatArray:
-    """Spring energy of the height functions at every lengthwise station, shape (stations, unknowns, unknowns)."""
-    powers, count = functions.root_powers, functions.height_count
-    terms = np.zeros((NUMBER_OF_ROOT_QUANTITIES, len(powers), count))
+def root_shapes(kinematics: Kinematics, functions: TrialFunctions) -> FloatArray:
+    """Root quantities of the height functions, shape (quantities, fields, height_count)."""
+    shapes = np.zeros((NUMBER_OF_ROOT_QUANTITIES, len(functions.root_powers), functions.height_count))
     for term in kinematics.root_terms:
-        shape = functions.over_height(np.zeros(1), powers[term.field], term.x_derivative)[term.x_derivative, 0]
-        terms[term.quantity, term.field] += term.sign * shape
-    root = terms.reshape(NUMBER_OF_ROOT_QUANTITIES, -1)
-    springs = foundation.stiffness(dimensions.thickness(0.0, y), material)
-    return np.asarray(length_weight[:, None, None] * (root.T @ springs @ root))
+        power, order = functions.root_powers[term.field], term.x_derivative
+        shapes[term.quantity, term.field] += term.sign * functions.over_height(np.zeros(1), power, order)[order, 0]
+    return shapes
 
 
 @frozen_arrays
@@ -323,7 +315,9 @@ class Shell:
         )
         object.__setattr__(self, "modes", (functions.height_count, functions.length_count))
         object.__setattr__(self, "functions", functions)
-        scaled, scale = self._scaled_stiffness()
+        stiffness = self.stiffness()
+        scale = 1.0 / np.sqrt(np.diagonal(stiffness))
+        scaled = stiffness * scale[:, None] * scale
         order = np.argsort(self._feels_mid_surface_loads, kind="stable")
         factor, failed = dpotrf(scaled[np.ix_(order, order)], lower=1, clean=1)
         if failed:
@@ -371,11 +365,6 @@ class Shell:
         return stiffness_matrix(
             self.dimensions, self.material, self.kinematics, self.functions, self.shear_factor, self.foundation
         )
-
-    def _scaled_stiffness(self) -> tuple[FloatArray, FloatArray]:
-        stiffness = self.stiffness()
-        scale = 1.0 / np.sqrt(np.diagonal(stiffness))
-        return stiffness * scale[:, None] * scale, scale
 
     def load_vectors(
         self,
@@ -501,7 +490,9 @@ class Shell:
         """
         from scipy.linalg.blas import dtrsm
 
-        vectors, idle = self._checked(load_vectors), self.idle_size
+        vectors, idle = np.asarray(load_vectors, dtype=np.float64), self.idle_size
+        if vectors.ndim != 2 or vectors.shape[1] != self.size:
+            raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
         if vectors[:, self._order[:idle]].any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
@@ -515,12 +506,6 @@ class Shell:
         if not loads.size:
             return np.zeros(loads.shape)
         return np.asarray(dtrmm(1.0, self._mid_surface_whitening, loads.T, trans_a=1).T)
-
-    def _checked(self, load_vectors: ArrayLike) -> FloatArray:
-        vectors = np.asarray(load_vectors, dtype=np.float64)
-        if vectors.ndim != 2 or vectors.shape[1] != self.size:
-            raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
-        return vectors
 
     def compliance(self, load_vectors: ArrayLike) -> FloatArray:
         """Compliance matrix between loads (Kolivand 2009, Eq. 3.11).

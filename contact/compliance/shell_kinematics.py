@@ -85,16 +85,6 @@ class Kinematics:
     root_terms: tuple[RootTerm, ...]
     displacement_terms: tuple[DisplacementTerm, ...]
 
-    @property
-    def highest_x_derivative(self) -> int:
-        """Highest derivative over the height in any strain."""
-        return max(term.x_derivative for term in self.strain_terms)
-
-    @property
-    def highest_y_derivative(self) -> int:
-        """Highest derivative along the trace in any strain."""
-        return max(term.y_derivative for term in self.strain_terms)
-
 
 #: Kinematics of a tooth from the curvature of its trace and the fanning of its heights [1/mm].
 DisplacementAssumption = Callable[[float, float], Kinematics]

@@ -132,7 +132,7 @@ class WeberLineContact:
         floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / self._width_squared
         for name in ("_floor", "_start", "_bend"):
             object.__setattr__(self, name, np.zeros(self.length.shape))
-        secant, tangent = self._by_load(floor, self.parameters)
+        secant, tangent = self._by_load(floor)
         del self.__dict__["parameters"]
         # delta = start q + bend q^2 meets value and slope at the floor; start = 2 secant - tangent > 0, bend < 0.
         object.__setattr__(self, "_floor", floor)
@@ -199,12 +199,12 @@ class WeberLineContact:
             for material in (self.material_pinion, self.material_gear)
         ]
 
-    def _by_load(self, line_load: FloatArray, parameters: FloatArray) -> FloatArray:
+    def _by_load(self, line_load: FloatArray) -> FloatArray:
         """Secant and tangent of the deflection over line loads (...), (2, ...) [mm/(N/mm)]."""
         places = np.arange(self.length.size).reshape(self.length.shape)
         segment = np.ravel(np.broadcast_to(places, line_load.shape))
         compliances = np.empty((2, line_load.size))
-        deflections(parameters, segment, np.ravel(line_load), compliances)
+        deflections(self.parameters, segment, np.ravel(line_load), compliances)
         return compliances.reshape(2, *line_load.shape)
 
     def _whole_energy(self, line_load: FloatArray) -> FloatArray:
@@ -229,7 +229,7 @@ class WeberLineContact:
 
     def secant(self, force: ArrayLike) -> FloatArray:
         """Secant compliance [mm/N]: deflection over force [N], at zero force its limit."""
-        return np.asarray(self._by_load(self._line_load(force), self.parameters)[0] / self.length)
+        return np.asarray(self._by_load(self._line_load(force))[0] / self.length)
 
     def deflection(self, force: ArrayLike) -> FloatArray:
         """Approach of the two mid-surfaces by local deformation [mm], along the contact normal, under forces [N]."""
@@ -237,7 +237,7 @@ class WeberLineContact:
 
     def tangent(self, force: ArrayLike) -> FloatArray:
         """Tangent compliance [mm/N]: derivative of the deflection by the force [N]."""
-        return np.asarray(self._by_load(self._line_load(force), self.parameters)[1] / self.length)
+        return np.asarray(self._by_load(self._line_load(force))[1] / self.length)
 
     def energy(self, force: ArrayLike) -> FloatArray:
         """Elastic energy [N mm], the deflection integrated over the force [N]; NaN near an edge: no closed form."""

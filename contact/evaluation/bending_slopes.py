@@ -14,15 +14,13 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
-from ..compliance.elastic_model import member_points
 from ..compliance.finite_elements.flank_compliance import FlankCompliance
 from ..compliance.material import Material
 from ..compliance.spread_deflection import SpreadDeflection, gaussians
-from ..lines.closest_approach import PINION_FRACTIONS
 from ..lines.flank_splines import SLOPES
 from ..lines.mesh_lines import LoadedPlaces
 from ..segments import LineSegments, end_loads_at
-from .segment_slopes import FieldDirections, SegmentSlopes
+from .segment_slopes import FieldDirections, SegmentSlopes, on_member
 
 Array = NDArray[Any]
 
@@ -55,15 +53,11 @@ class BendingSlopes:
         """Derivatives at the points where the segments are loaded; an ``InputError`` refuses teeth that are plates."""
         on_lines = segments.segments.on_lines
         points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
-        change = directions.slopes.evaluate(list(PINION_FRACTIONS), points[0])
-        slopes = [np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points[0], SLOPES)]
-        on_pinion = np.moveaxis(np.stack(list(change.values())), 1, -1)
-        on_pinion = on_pinion + slopes[0][..., None] * moved[0][0] + slopes[1][..., None] * moved[0][1]
-        members, motions = [], (on_pinion, moved[1])
-        for member, tooth, loaded, motion in zip(MEMBERS, on_lines.teeth.both, points, motions, strict=True):
+        members = []
+        for member, tooth, loaded, moving in zip(MEMBERS, on_lines.teeth.both, points, moved, strict=True):
             if not isinstance(tooth, FlankCompliance):
                 raise InputError("compliance.model = 'shell': derivatives need solid shells or finite elements")
-            at = member_points(on_lines.fields, member, loaded)
+            at, motion = on_member(directions, member, loaded, moving)
             loads = np.concatenate(tooth.unit_loads(at, weights), axis=1)
             by_point = np.stack([_by_fraction(tooth, at, axis) for axis in (0, 1)])
             members.append(MemberLoads(loads, by_point, motion, tooth.factor.shape[0]))
@@ -149,13 +143,11 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
         turned, shifted, wider = _nodes_motion(directions, segments.steps, member, material)
         along = np.einsum("x,xmq->mq", spread.direction, position)
         along_moved = np.einsum("x,xmqj->mqj", spread.direction, moved) + np.einsum("xmq,jx->mqj", position, turned)
-        unit = _Gaussians(spread, along, depth)
-        # Nodes that shift, places that move, depths that change, and nodes that stand wider apart.
-        by_shift, by_depth, by_spacing = unit.by_shift, unit.by_depth, unit.by_spacing
+        unit, by_shift, by_depth, by_spacing = _gaussian_slopes(spread, along, depth)
         slope = np.einsum("kng,ngj,g->jnk", by_shift, shifted - along_moved, weights, optimize=True)
         slope += np.einsum("kng,ngj,g->jnk", by_depth, deeper, weights, optimize=True)
         slope += wider[:, None, None] * np.einsum("kng,g->nk", by_spacing, weights)
-        parts.append((np.einsum("kng,g->nk", unit.at(), weights), slope))
+        parts.append((np.einsum("kng,g->nk", unit, weights), slope))
     loads, slopes = zip(*parts, strict=True)
     return np.concatenate(loads, axis=1), np.concatenate(slopes, axis=2)
 
@@ -205,32 +197,17 @@ def _nodes_motion(
     return turned, shifted, wider
 
 
-@dataclass(frozen=True)
-class _Gaussians:
-    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (n, g) [mm]."""
+def _gaussian_slopes(spread: SpreadDeflection, along: Array, depth: Array) -> list[Array]:
+    """Unit loads (k, n, g) of a spread deflection at places along its direction and depths (n, g) [mm].
 
-    spread: SpreadDeflection
-    along: Array
-    depth: Array
+    Then their derivatives as the nodes shift, as the depths grow, and as the nodes stand wider apart.
+    """
+    nodes = spread.nodes
 
-    def at(self, shift: float = 0.0, deeper: float = 0.0, wider: float = 0.0) -> Array:
-        nodes = self.spread.nodes
+    def at(shift: float, deeper: float, wider: float) -> Array:
         spacing = nodes[1] - nodes[0] + wider
         moved = nodes[0] + shift + spacing * np.arange(nodes.size)
-        return gaussians(moved, self.along, self.depth + deeper, self.spread.flexibility * spacing)
+        return gaussians(moved, along, depth + deeper, spread.flexibility * spacing)
 
-    def _slope(self, name: str) -> Array:
-        ahead, behind = (self.at(**{name: sign * PLACE_STEP}) for sign in (1.0, -1.0))
-        return (ahead - behind) / (2.0 * PLACE_STEP)
-
-    @property
-    def by_shift(self) -> Array:
-        return self._slope("shift")
-
-    @property
-    def by_depth(self) -> Array:
-        return self._slope("deeper")
-
-    @property
-    def by_spacing(self) -> Array:
-        return self._slope("wider")
+    ways = PLACE_STEP * np.eye(3)
+    return [at(0.0, 0.0, 0.0), *((at(*way) - at(*-way)) / (2.0 * PLACE_STEP) for way in ways)]

@@ -14,7 +14,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.checks import frozen_arrays
-from .monotone_cubic import MonotoneCubic
+from ..lines.monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
 Array = NDArray[Any]

@@ -33,20 +33,25 @@ from ...geometry.pair.field_slopes import field_slopes
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.pair.near_pair import PairSetting
 from ...geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
-from ..compliance.elastic_model import member_points
 from ..compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..compliance.finite_elements.flank_compliance import spread_shares
 from ..compliance.weber_line_contact import WeberLineContact
 from ..line_contact.line_contact_path import line_contact_sensitivity
-from ..lines.closest_approach import PINION_FRACTIONS
-from ..lines.flank_splines import SLOPES
 from ..loaded import LoadedCase
 from ..mesh_cycle import MeshCycle
 from ..segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM
 from ..tooth_root_stress import root_stress
 from .bending_slopes import POINT_STEP, BendingSlopes
 from .cycle_numbers import WAYS, load_spot
-from .segment_slopes import EdgePieces, FieldDirections, SegmentSlopes, line_motion, rotation_slopes, unloaded_numbers
+from .segment_slopes import (
+    EdgePieces,
+    FieldDirections,
+    SegmentSlopes,
+    line_motion,
+    on_member,
+    rotation_slopes,
+    unloaded_numbers,
+)
 from .unloaded_slopes import UnloadedSlopes, unloaded_slopes
 
 Array = NDArray[Any]
@@ -266,7 +271,7 @@ def root_stress_slopes(
         places = (segments.pinion_point, one.pinion_place), (segments.point, one.place)
         for member, (tooth, place) in enumerate(zip(teeth, places, strict=True)):
             assert tooth.root is not None  # or there were no stress
-            points, motion = _on_member(directions, MEMBERS[member], *place)
+            points, motion = on_member(directions, MEMBERS[member], *place)
             grid = tooth.flank.lengthwise, tooth.flank.profile
             nodes, shares = spread_shares(*grid, points)
             on_nodes = np.zeros((tooth.flank.profile.size, pairs.size))
@@ -292,17 +297,6 @@ def root_stress_slopes(
     }
 
 
-def _on_member(directions: FieldDirections, member: str, points: Array, motion: Array) -> tuple[Array, Array]:
-    """Fractions (2, n) on a member of points (2, n) where it is loaded, and their derivatives (2, n, j)."""
-    if member == "gear":
-        return points, motion
-    change = np.stack(list(directions.slopes.evaluate(list(PINION_FRACTIONS), points).values()))
-    by_t, by_h = (np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES))
-    fixed = np.pad(np.moveaxis(change, 1, -1), ((0, 0), (0, 0), (0, 1)))  # the torque moves no field
-    moved = fixed + by_t[..., None] * motion[0] + by_h[..., None] * motion[1]
-    return member_points(directions.base, member, points), moved
-
-
 def _responses(
     grid: tuple[Array, Array], points: Array, axis: int, sign: float, gradient: Array, column: Array
 ) -> Array:
@@ -319,12 +313,12 @@ ON_FLANK = ("ease_off", "ease_off_angle", "roll_angle", "lever_arm")
 
 
 def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, tuple[tuple[str, ...], Array]]:
-    """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions."""
+    """Derivatives of ease-off and roll angle at the nodes of the gear flank, with their dimensions; none by torque."""
     ease_off = cycle.geometry.ease_off
     angle, arm = (ordered(ease_off, name, *_GRID)[..., None] for name in ("ease_off_angle", "lever_arm"))
     fields = {name: slopes[name] for name in ("ease_off_angle", "roll_angle", "lever_arm")}
     fields["ease_off"] = 1e3 * (slopes["ease_off_angle"] * arm + angle * slopes["lever_arm"])
-    return {name: ((*_GRID, "setting"), values) for name, values in fields.items()}
+    return {name: ((*_GRID, "setting"), np.pad(values, ((0, 0), (0, 0), (0, 1)))) for name, values in fields.items()}
 
 
 @frozen_arrays
@@ -361,10 +355,7 @@ class CycleSlopes:
         cycle, cases = self.cycle, [one.case for one in self.cases]
         errors = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes) if unloaded else None
         values = cycle_values(cycle, loaded, cases, roots, errors)
-        data: dict[str, Any] = {}
-        for name, (dims, change) in ease_off_slopes(cycle, self.nodes).items():
-            data[name] = (dims, np.pad(change, ((0, 0), (0, 0), (0, 1))))
-        data |= load_variables(loaded, self.cases)
+        data: dict[str, Any] = ease_off_slopes(cycle, self.nodes) | load_variables(loaded, self.cases)
         data |= load_spot_slopes(load_spot(loaded), self.cases)
         data |= {} if errors is None else unloaded_numbers(errors)[1]
         by_setting = thickness_slopes(cycle.geometry.pair, self.settings)

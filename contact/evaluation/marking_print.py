@@ -89,23 +89,16 @@ class _Gaps:
 
     def search(self, wanted: NDArray[np.bool_], gap: Array) -> None:
         """Put the least gaps [um] of the wanted points (n) among gaps (n)."""
-        index = np.flatnonzero(wanted)
+        index, error = np.flatnonzero(wanted), self.error
         ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
-        curvature, skew, reach = self.curvature[index], self.skew[index], self.reach[index]
-        gap[index] = 1e3 * arm * _least_beside(self.error, ease_off, curvature, skew, roll, reach)
-
-
-def _least_beside(
-    error: CarryingError, ease_off: Array, curvature: Array, skew: Array, roll: Array, reach: Array
-) -> Array:
-    """Least gaps (n) [rad] no further from roll angles (n) than the reach (n) [rad]."""
-    sample, least = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT), np.empty(reach.size)
-    per_cycle = float(error.passage.per_cycle)
-    least_beside(
-        ease_off, curvature, skew, error.step(roll), reach, sample, per_cycle / error.pinion_pitch, per_cycle,
-        CURVATURE_SHARE_LIMIT, error.over_cycle, SHIFT_ROUND_COUNT, least,
-    )  # fmt: skip
-    return least
+        sample, least = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT), np.empty(index.size)
+        per_cycle = float(error.passage.per_cycle)
+        least_beside(
+            ease_off, self.curvature[index], self.skew[index], error.step(roll), self.reach[index], sample,
+            per_cycle / error.pinion_pitch, per_cycle, CURVATURE_SHARE_LIMIT, error.over_cycle, SHIFT_ROUND_COUNT,
+            least,
+        )  # fmt: skip
+        gap[index] = 1e3 * arm * least
 
 
 @frozen_arrays

@@ -26,6 +26,7 @@ Array = NDArray[Any]
 
 PRESSURE_TOLERANCE = 1e-4  # over the greatest pressure of a line; less is rounding of a solver
 TIE_TOLERANCE = 1e-9  # over the length of a line
+EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
 END_DISTANCE_MINIMUM = 0.05  # over the distance to the next segment or line; less would degenerate triangles
 
 
@@ -91,9 +92,7 @@ def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
     position = np.nonzero(known)[0]
     segments = table[:, known]
     tooth, length = segments[0], segments[4]
-    # The segments of a line are equally long: another length is another line, even on the same tooth.
-    new = (position[1:] != position[:-1]) | (tooth[1:] != tooth[:-1])
-    new |= np.abs(length[1:] - length[:-1]) > 1e-9 * length[1:]
+    new = (position[1:] != position[:-1]) | ~_goes_on(tooth, length)
     first = np.concatenate([[0], np.flatnonzero(new) + 1]) if tooth.size else np.zeros(0, dtype=np.int64)
     last = np.append(first[1:], tooth.size) - 1
     first, last = first[last > first], last[last > first]
@@ -104,15 +103,18 @@ def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
         for at, beside in ((first, first + 1), (last, last - 1))
     )
     for number, (i, j) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
-        nodes = np.empty((3, j - i + 3))
-        nodes[:2, 1:-1], nodes[2, 1:-1] = points[:, i : j + 1], pressure[i : j + 1]
-        nodes[:2, 0], nodes[:2, -1], nodes[2, 0], nodes[2, -1] = (
-            begin[:, number],
-            end[:, number],
-            pressure[i],
-            pressure[j],
-        )
-        yield int(position[i]), int(tooth[i]), Line(nodes[:2], nodes[2])
+        nodes = np.column_stack([begin[:, number], points[:, i : j + 1], end[:, number]])
+        at_nodes = np.concatenate([pressure[[i]], pressure[i : j + 1], pressure[[j]]])
+        yield int(position[i]), int(tooth[i]), Line(nodes, at_nodes)
+
+
+def _goes_on(tooth: Array, length: Array) -> NDArray[np.bool_]:
+    """True where a segment (..., n - 1) is followed by one of the same line.
+
+    The segments of a line are equally long: another length is another line, even on the same tooth.
+    """
+    alike = np.abs(length[..., 1:] - length[..., :-1]) <= EQUAL_LENGTH_TOLERANCE * length[..., 1:]
+    return np.asarray((tooth[..., 1:] == tooth[..., :-1]) & alike)
 
 
 def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
@@ -247,7 +249,6 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int
 LINE_END_SHARE = 0.1  # of a contact line, within which a segment counts as one at its end
 BORDER_SHARE = 0.02  # of a flank, within which a point counts as one at its border
 OVER = ("torque", "mesh_position", "segment")
-EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
 
 
 class LineEnd(StoredStatus):
@@ -285,40 +286,39 @@ class PressurePlace:
         position, segment = np.unravel_index(int(np.nanargmax(pressure)), pressure.shape)
         names = ("tooth", "length", "lengthwise", "profile")
         segments = np.stack([ordered(at_torque, name, *order)[position] for name in names])
-        on_line = np.isfinite(pressure[position])
+        beside = _beside_on_line(np.isfinite(pressure[position]), *segments[:2])
         return cls(
             float(ordered(at_torque, "mesh_position", "mesh_position")[position]),
             float(segments[0, segment]),
             segments[2:, segment],
-            _line_end(segments, on_line, int(segment), splines),
+            _line_end(segments[2:], int(segment), [int(one[segment]) for one in beside], splines),
         )
 
 
-def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines: FlankSplines) -> LineEnd:
-    """Border at which the line of a segment ends near it, from rows tooth, length, lengthwise, profile."""
-    own_tooth, own_length = segments[:2, number]
-
-    def beyond(sign: int) -> int:
-        """Segments of the same line on one side."""
-        other = number + sign
-        while 0 <= other < on_line.size and on_line[other]:
-            tooth, length = segments[:2, other]
-            if tooth != own_tooth or abs(length - own_length) > EQUAL_LENGTH_TOLERANCE * own_length:
-                break
-            other += sign
-        return abs(other - number) - 1
-
-    sides = {sign: beyond(sign) for sign in (-1, 1)}
-    sign = min(sides, key=lambda one: sides[one])
-    if sides[sign] > LINE_END_SHARE * (1 + sum(sides.values())):
+def _line_end(points: Array, number: int, beside: list[int], splines: FlankSplines) -> LineEnd:
+    """Border at which the line of a segment ends near it, from points (2, n) and how many are before and after it."""
+    sign = -1 if beside[0] <= beside[1] else 1
+    if min(beside) > LINE_END_SHARE * (1 + sum(beside)):
         # A line that cuts a corner of the flank is short: all of it is near its ends.
-        place = segments[2:, number]
+        place = points[:, number]
         return nearest_border(splines, place) if np.min(_margins(splines, place)) < BORDER_SHARE else LineEnd.INSIDE
-    last = number + sign * sides[sign]
-    point = segments[2:, last]
-    if sum(sides.values()) > 0:
-        point = point + 0.5 * (point - segments[2:, last - sign])
+    last = number + sign * min(beside)
+    point = points[:, last]
+    if sum(beside) > 0:
+        point = point + 0.5 * (point - points[:, last - sign])
     return nearest_border(splines, point)
+
+
+def _beside_on_line(on_line: NDArray[np.bool_], tooth: Array, length: Array) -> tuple[Array, Array]:
+    """Numbers (..., n) of the segments of the same line before each segment, and after it."""
+    with np.errstate(invalid="ignore"):
+        same = _goes_on(tooth, length) & on_line[..., 1:] & on_line[..., :-1]
+    before, after = np.zeros(on_line.shape), np.zeros(on_line.shape)
+    for number in range(same.shape[-1]):
+        before[..., number + 1] = np.where(same[..., number], before[..., number] + 1.0, 0.0)
+        back = same.shape[-1] - 1 - number
+        after[..., back] = np.where(same[..., back], after[..., back + 1] + 1.0, 0.0)
+    return before, after
 
 
 def nearest_border(splines: FlankSplines, point: Array) -> LineEnd:
@@ -341,15 +341,9 @@ def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
         ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")
     )
     on_line = np.isfinite(pressure)
+    before, after = _beside_on_line(on_line, tooth, length)
     with np.errstate(invalid="ignore"):
-        same = (tooth[..., 1:] == tooth[..., :-1]) & on_line[..., 1:] & on_line[..., :-1]
-        same &= np.abs(length[..., 1:] - length[..., :-1]) <= EQUAL_LENGTH_TOLERANCE * length[..., 1:]
         margin = np.minimum(np.minimum(lengthwise, 1.0 - lengthwise), np.minimum(profile, 1.0 - profile))
-    before, after = np.zeros(pressure.shape), np.zeros(pressure.shape)
-    for number in range(same.shape[-1]):
-        before[..., number + 1] = np.where(same[..., number], before[..., number] + 1.0, 0.0)
-        back = same.shape[-1] - 1 - number
-        after[..., back] = np.where(same[..., back], after[..., back + 1] + 1.0, 0.0)
     outer = np.minimum(before, after) <= LINE_END_SHARE * (1.0 + before + after)
     return np.asarray(on_line & (outer | (margin < BORDER_SHARE)))
 

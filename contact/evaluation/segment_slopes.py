@@ -25,7 +25,9 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from ...geometry.newton import cramers_rule
-from ..lines.closest_approach import PASSING_FIELDS, SEPARATION_FIELDS, pinion_points
+from ...geometry.pair.gear_pair import MEMBERS
+from ..compliance.elastic_model import member_points
+from ..lines.closest_approach import PASSING_FIELDS, PINION_FRACTIONS, SEPARATION_FIELDS, pinion_points
 from ..lines.contact_lines import BOUNDARY_FIELDS, ContactLines, bend_and_slope, length_through
 from ..lines.flank_splines import SLOPES, VALUE_AND_SLOPES, FlankSplines, fit
 from ..lines.line_ends import line_rotations
@@ -129,6 +131,18 @@ class FieldDirections:
         spline = TensorSpline(self.base.spline.intervals, self.base.spline.coefficients + step * change[:, setting])
         base = self.base
         return FlankSplines(spline, base.columns, base.holes, base.lengthwise, base.profile)
+
+
+def on_member(directions: FieldDirections, member: str, points: Array, motion: Array) -> tuple[Array, Array]:
+    """Fractions (2, ...) on a member of points (2, ...) where it is loaded, and their derivatives (2, ..., j)."""
+    if member == "gear":
+        return points, motion
+    change = np.stack(list(directions.slopes.evaluate(list(PINION_FRACTIONS), points).values()))
+    by_t, by_h = (np.stack(list(d.values())) for d in directions.base.derivatives(PINION_FRACTIONS, points, SLOPES))
+    by_torque = (0, motion.shape[-1] - directions.count)  # which moves no field
+    fixed = np.pad(np.moveaxis(change, 1, -1), [(0, 0)] * points.ndim + [by_torque])
+    moved = fixed + by_t[..., None] * motion[0] + by_h[..., None] * motion[1]
+    return member_points(directions.base, member, points), moved
 
 
 def _part(fields: FlankSplines) -> FlankSplines:
@@ -269,17 +283,18 @@ class SegmentSlopes:
         """Derivatives of segments that move with their lines, which with ``pieces`` of edges go up to these."""
         known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
         moving_segments = segments if pieces is None else segments.to_edges
-        reference = _Loaded.of(segments, moving_segments, known)
+        reference = _loaded(segments, moving_segments, known)
         steps = STEP / np.maximum(_sizes(directions), np.max(np.abs(motion.points), axis=(0, 1, 2)))
         columns = []
         for j, step in enumerate(steps):
             ahead, behind = (
                 _moved(segments, moving_segments, directions, motion, known, j, sign * step) for sign in (1.0, -1.0)
             )
-            columns.append((ahead - behind).times(0.5 / step))
-        slopes = {name: np.stack([one.values[name] for one in columns], axis=-1) for name in NAMES}
-        pinion, gear = (np.stack([one.points[member] for one in columns], axis=-1) for member in (0, 1))
-        return cls(moving_segments, known, slopes, reference.points, (pinion, gear), steps)
+            columns.append({name: 0.5 / step * (ahead[name] - behind[name]) for name in reference})
+        slopes = {name: np.stack([one[name] for one in columns], axis=-1) for name in reference}
+        pinion, gear = (slopes.pop(member) for member in MEMBERS)
+        points = reference["pinion"], reference["gear"]
+        return cls(moving_segments, known, slopes, points, (pinion, gear), steps)
 
     @property
     def places(self) -> tuple[Array, Array]:
@@ -296,48 +311,29 @@ class SegmentSlopes:
         return rows
 
 
-@dataclass(frozen=True)
-class _Loaded:
-    """Values of segments (n) by name, and the points (2, n, g) where pinion and gear are loaded."""
+def _loaded(
+    traced: CycleSegments, own: CycleSegments, pieces: EdgePieces, near: Sequence[FlankEdge] | None = None
+) -> dict[str, Array]:
+    """Values (n) of segments ``own`` by name, and the points (2, n, g) where ``pinion`` and ``gear`` are loaded.
 
-    values: dict[str, Array]
-    points: tuple[Array, Array]
-
-    @classmethod
-    def of(
-        cls,
-        traced: CycleSegments,
-        own: CycleSegments,
-        pieces: EdgePieces,
-        near: Sequence[FlankEdge] | None = None,
-    ) -> _Loaded:
-        """Of segments ``own``, and of pieces of edges on the fields of ``traced``; ``near`` as of ``flank_edges``."""
-        table, weights = own.table, own.on_lines.quadrature[1]
-        values = {name: table[name] for name in NAMES}
-        pinion, gear = (one.reshape(2, -1, weights.size) for one in own.loaded_places.points)
-        if not pieces.keys.size:
-            return cls(values, (pinion, gear))
-        position, pair, edge, element = pieces.keys.T
-        mesh = traced.on_lines.lines
-        rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
-        edges = traced.edges if near is None else flank_edges(traced.fields, near)
-        elements = chosen_elements(traced.fields, rotation, edges, edge, element)
-        on_edges = {name: getattr(elements, name) for name in NAMES if name not in DEPTHS}
-        there = pinion_points(traced.fields, elements.points, rotation), elements.points
-        on_edges |= loaded_at(LoadedPlaces(traced.fields, *there), traced.on_lines.teeth.solid)
-        joined = {name: np.concatenate([values[name], on_edges[name]]) for name in NAMES}
-        on_pinion, on_gear = (np.repeat(one[..., None], weights.size, axis=-1) for one in there)
-        return cls(joined, (np.concatenate([pinion, on_pinion], axis=1), np.concatenate([gear, on_gear], axis=1)))
-
-    def __sub__(self, other: _Loaded) -> _Loaded:
-        pinion, gear = (one - another for one, another in zip(self.points, other.points, strict=True))
-        return _Loaded({name: value - other.values[name] for name, value in self.values.items()}, (pinion, gear))
-
-    def times(self, factor: float) -> _Loaded:
-        """All of it times a number."""
-        pinion, gear = self.points
-        values = {name: factor * value for name, value in self.values.items()}
-        return _Loaded(values, (factor * pinion, factor * gear))
+    Pieces of edges, on the fields of ``traced``, come after them; ``near`` as of ``flank_edges``.
+    """
+    weights = own.on_lines.quadrature[1]
+    points = (one.reshape(2, -1, weights.size) for one in own.loaded_places.points)
+    values = {name: own.table[name] for name in NAMES} | dict(zip(MEMBERS, points, strict=True))
+    if not pieces.keys.size:
+        return values
+    position, pair, edge, element = pieces.keys.T
+    mesh = traced.on_lines.lines
+    rotation = mesh.rotations[position] - pair * mesh.pinion_pitch
+    edges = traced.edges if near is None else flank_edges(traced.fields, near)
+    elements = chosen_elements(traced.fields, rotation, edges, edge, element)
+    there = pinion_points(traced.fields, elements.points, rotation), elements.points
+    on_edges = {name: getattr(elements, name) for name in NAMES if name not in DEPTHS}
+    on_edges |= loaded_at(LoadedPlaces(traced.fields, *there), traced.on_lines.teeth.solid)
+    for member, one in zip(MEMBERS, there, strict=True):
+        on_edges[member] = np.repeat(one[..., None], weights.size, axis=-1)
+    return {name: np.concatenate([value, on_edges[name]], axis=int(name in MEMBERS)) for name, value in values.items()}
 
 
 def _moved(
@@ -348,7 +344,7 @@ def _moved(
     pieces: EdgePieces,
     setting: int,
     step: float,
-) -> _Loaded:
+) -> dict[str, Array]:
     """Segments and pieces of edges after a step of one setting; NaN if they are not the same lines."""
     fields, mesh = directions.moved(setting, step), segments.on_lines.lines
     lines = ContactLines(
@@ -361,8 +357,8 @@ def _moved(
     moved = traced.to_edges if own.cut else traced
     known, moved_rotations = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
     if np.array_equal(known, moved_rotations):
-        return _Loaded.of(traced, moved, pieces, segments.edges)
-    return _Loaded.of(segments, own, pieces).times(np.nan)
+        return _loaded(traced, moved, pieces, segments.edges)
+    return {name: np.nan * value for name, value in _loaded(segments, own, pieces).items()}
 
 
 def _sizes(directions: FieldDirections) -> Array:

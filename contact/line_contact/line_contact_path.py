@@ -262,23 +262,17 @@ def _first_zero(left: PathNode, right: PathNode) -> float | None:
         return None
     grid = np.concatenate([[0.0], CUBIC_PLACES, [1.0]])
     whole = np.vstack([left.indentation, values, right.indentation])
-    zeros = []
-    for segment in segments:
-        number = int(np.argmax(crossing[:, segment]))
-        cubic = [end[segment] for end in ends]
-        low, high = grid[number], grid[number + 1]
-        first = whole[number, segment]
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            if (_cubic(middle, *cubic) > 0.0) == (first > 0.0):
-                low = middle
-            else:
-                high = middle
-        zeros.append(0.5 * (low + high))
-    return float(min(zeros))
+    number = np.argmax(crossing[:, segments], axis=0)
+    low, high, cubics = grid[number], grid[number + 1], [end[segments] for end in ends]
+    first = whole[number, segments] > 0.0
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        before = (_cubic(middle, *cubics) > 0.0) == first
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return float(np.min(0.5 * (low + high)))
 
 
-def _cubic(place: Array | float, left: Array, right: Array, left_slope: Array, right_slope: Array) -> Array:
+def _cubic(place: Array, left: Array, right: Array, left_slope: Array, right_slope: Array) -> Array:
     """Cubic with these values and slopes at 0 and 1."""
     rest = 1.0 - place
     value = rest * rest * (left * (1.0 + 2.0 * place) + left_slope * place)
@@ -367,8 +361,7 @@ class LineContactPath(PathOverTorque):
         below = self._nodes[bisect_right([node.torque for node in self._nodes], given) - 1]
         if below.torque == given:
             return below.solution
-        estimate = np.maximum(below.solution.force + (given - below.torque) * below.force_rate, 0.0)
-        return solved_at(self.bending, self.line_contact, given, estimate)
+        return solved_at(self.bending, self.line_contact, given, _foretold(below, given))
 
     def to_dataset(self) -> xr.Dataset:
         """Return events and certified points with units.

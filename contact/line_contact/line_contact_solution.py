@@ -251,49 +251,20 @@ def solve_on_bending(
     status = iteration.run(start if warm else None, linear)
     if status is not None:
         return _failed(bending, status, name, iteration.message, iteration.count), linear
-    return certified_on_secant(
-        bending,
-        line_contact,
-        iteration.force,
-        iteration.rotation,
-        name,
-        tolerance=iteration.step.tolerance,
-        iterations=iteration.count,
-        method=iteration.step.method,
-        polished=iteration.step.polished,
-        message=(
-            f"Newton's method on the line contacts with {name} ({iteration.step.method}): "
-            f"{iteration.count} linear problems"
-        ),
-    )
-
-
-def certified_on_secant(
-    bending: ContactProblem,
-    line_contact: LineContact,
-    force: Array,
-    elastic_rotation: float,
-    name: str,
-    *,
-    tolerance: float,
-    iterations: int,
-    message: str,
-    method: str = "",
-    polished: bool = False,
-) -> tuple[ContactSolution, ContactProblem]:
-    """Certify an answer of the nonlinear problem on the linear one with its secant compliance; see `judged`."""
+    force, method, count = iteration.force, step.method, iteration.count
     try:
         problem = bending.with_added_compliance(line_contact.secant(force))
     except InputError as error:
-        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iterations), bending
+        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", count), bending
+    # On the linear problem with the secant compliance the residuals are those of the nonlinear one.
     solution = judged(
         name,
-        with_certificate(problem, force, elastic_rotation),
-        tolerance=tolerance,
-        iterations=iterations,
+        with_certificate(problem, force, iteration.rotation),
+        tolerance=step.tolerance,
+        iterations=count,
         method=method,
-        polished=polished,
-        message=message,
+        polished=step.polished,
+        message=f"Newton's method on the line contacts with {name} ({method}): {count} linear problems",
         suspicion=Status.NOT_CONVERGED,
     )
     return solution, problem

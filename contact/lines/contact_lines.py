@@ -36,14 +36,7 @@ CONVERGED_STEP = 1e-8  # of a fraction; quadratic convergence leaves nothing to 
 
 def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankSplines:
     """Splines of the fields on the gear flank that the contact needs, and ``extra`` ones (lengthwise, profile, ...)."""
-    names = [
-        "roll_angle",
-        "ease_off_angle",
-        "lever_arm",
-        "pinion_lengthwise",
-        "pinion_profile",
-        "blade_distance",
-    ]
+    names = ("roll_angle", "ease_off_angle", "lever_arm", *BOUNDARY_FIELDS)
     order = ("lengthwise", "profile")
     fields = {name: ordered(ease_off, name, *order) for name in names}
     # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
@@ -199,7 +192,7 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
     parameter = _crossing(splines, levels[index], points, np.tile(rows, 2), both).reshape(2, -1)
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
-    even = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
+    even = onto_level(splines, between_points(points, rows, along), levels[index[rows]][:, None])
     for _ in range(SPACING_ROUNDS):
         spaced = evenly_spaced(even, arc_length(splines, even), POINTS_PER_LINE)
         even = onto_level(splines, spaced, levels[index[rows]][:, None], steps=2)
@@ -225,11 +218,11 @@ def _onto_border(splines: FlankSplines, raw: Array, ends: Array, level: Array) -
     return np.where(np.any(on_border, axis=0) & close, moved, ends)
 
 
-def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
-    """Points (2, m, k) at fractional indices (m, k) along the polylines ``rows`` of (2, n, POINTS_PER_LINE)."""
-    low = np.clip(parameter.astype(int), 0, POINTS_PER_LINE - 2)
+def between_points(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
+    """Points (..., m, k) at fractional indices (m, k), linearly, along the polylines ``rows`` of (..., n, p)."""
+    low = np.clip(parameter.astype(int), 0, points.shape[-1] - 2)
     weight = parameter - low
-    return np.asarray(points[:, rows[:, None], low] * (1 - weight) + points[:, rows[:, None], low + 1] * weight)
+    return np.asarray(points[..., rows[:, None], low] * (1 - weight) + points[..., rows[:, None], low + 1] * weight)
 
 
 def _crossing(
@@ -241,7 +234,7 @@ def _crossing(
 
     def distance(parameter: Array) -> Array:
         sample = onto_level(
-            splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1
+            splines, between_points(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1
         )
         return boundary_distance(splines, sample)[:, 0]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -73,13 +72,9 @@ class FlankSplines:
             )
         return self._parts[names]
 
-    @cached_property
-    def _has_holes(self) -> bool:
-        return bool(np.any(self.holes))
-
     def in_hole(self, points: Array) -> NDArray[np.bool_]:
         """True where points (2, ...) lie in a cell with a node that has no value."""
-        if not self._has_holes:
+        if not self.holes.any():
             return np.zeros(np.shape(points)[1:], dtype=bool)
         i = np.clip(np.searchsorted(self.lengthwise, points[0], side="right") - 1, 0, self.lengthwise.size - 2)
         j = np.clip(np.searchsorted(self.profile, points[1], side="right") - 1, 0, self.profile.size - 2)

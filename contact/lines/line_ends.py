@@ -20,6 +20,7 @@ from .contact_lines import (
     POINTS_PER_LINE,
     ContactLines,
     arc_length,
+    between_points,
     boundary_distance,
     evenly_spaced,
     onto_level,
@@ -42,10 +43,7 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     first, last, has_part = _inside(_margin(splines, points, rotation))
     rows, span = np.flatnonzero(has_part), np.linspace(0.0, 1.0, POINTS_PER_LINE)
     at = first[rows, None] + (last - first)[rows, None] * span
-    low = np.clip(at.astype(int), 0, points.shape[2] - 2)
-    weight = at - low
-    curves = points[:, rows[:, None], low] * (1.0 - weight) + points[:, rows[:, None], low + 1] * weight
-    curves = onto_level(splines, curves, rotation[rows], beyond=EXTRAPOLATION_LIMIT)
+    curves = onto_level(splines, between_points(points, rows, at), rotation[rows], beyond=EXTRAPOLATION_LIMIT)
     length = arc_length(splines, curves)
     curves = onto_level(
         splines, evenly_spaced(curves, length, POINTS_PER_LINE), rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT

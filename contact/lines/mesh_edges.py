@@ -82,8 +82,24 @@ def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) 
     for (number, (fraction, value)), of_pinion in product(enumerate(EDGES), (False, True)):
         first = (number + of_pinion * len(EDGES)) * along.size
         columns = slice(first, first + along.size)
-        around = points[:, columns], _at(expansion, columns), _at(opposite, columns), blade_distance[columns]
-        edges.append(FlankEdge.of(of_pinion, fraction, value, nodes[:, number], *around))
+        here, beside = _at(expansion, columns), _at(opposite, columns)
+        passing = beside.slopes - beside.rate[:, None] * here.gradient[None]
+        moving = -solved(passing, beside.rate) if of_pinion else np.zeros((2, along.size))
+        edges.append(
+            FlankEdge(
+                of_pinion=of_pinion,
+                fraction=fraction,
+                outward=1.0 if value == 1.0 else -1.0,
+                nodes=nodes[:, number],
+                points=points[:, columns],
+                here=here,
+                opposite=beside,
+                moving=moving,
+                nearing=1.0 - np.sum(moving * here.gradient, axis=0),
+                leaving=np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction],
+                blade_distance=blade_distance[columns],
+            )
+        )
     return tuple(edges)
 
 
@@ -182,28 +198,6 @@ class FlankEdge:
     nearing: Array  # rotation lost on the point's conjugate contact per rotation (k); one if fixed
     leaving: Array  # of a way across the contact line by this edge (k) [1/mm]
     blade_distance: Array
-
-    @classmethod
-    def of(
-        cls,
-        of_pinion: bool,
-        fraction: int,
-        value: float,
-        nodes: Array,
-        points: Array,
-        here: AcrossLine,
-        opposite: OppositePoints,
-        blade_distance: Array,
-    ) -> FlankEdge:
-        """The edge on which one fraction has the given value, from its nodes and what is around their points."""
-        passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
-        moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
-        leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
-        nearing = 1.0 - np.sum(moving * here.gradient, axis=0)
-        outward = 1.0 if value == 1.0 else -1.0
-        return cls(
-            of_pinion, fraction, outward, nodes, points, here, opposite, moving, nearing, leaving, blade_distance
-        )
 
 
 def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

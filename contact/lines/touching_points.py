@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.attributes import ordered
+from ...geometry.newton import cramers_rule
 from ...geometry.pair.gear_pair import PairGeometry
 from .closest_approach import PASSING_FIELDS, PINION_FRACTIONS, gap_beside, still_opens
 from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
@@ -73,7 +74,7 @@ def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
     count = members.profile.size
     points = np.stack([members.lengthwise[node // count], members.profile[node % count]])
     # The lowest point of flanks of several parts is that of one of them on each member.
-    parts = flanks.part_count
+    parts = len(flanks.parts[0]) * len(flanks.parts[1])
     row, node, points = np.repeat(row, parts), np.repeat(node, parts), np.repeat(points, parts, axis=1)
     parameters = np.tile(exact.pinion_parameters[:, node], (len(flanks.parts[0]), 1))
     part = (np.arange(row.size) % parts).astype(np.int8)
@@ -241,8 +242,10 @@ def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
         foot, along = -margin * across, np.array([-across[1], across[0]])
         push = np.sum(along * (slope[:, None] + _times(bend[:, :, None], foot)), axis=0)
         on_bounds = foot - along * push / np.sum(along * _times(bend[:, :, None], along), axis=0)
-        corners = -_solved(across[:, _BOUND_PAIRS].swapaxes(0, 1), margin[_BOUND_PAIRS])
-        steps = np.concatenate([-_solved(bend, slope)[:, None], on_bounds, corners], axis=1)  # (2, candidates, n)
+        corners = -cramers_rule(across[0, _BOUND_PAIRS], across[1, _BOUND_PAIRS], margin[_BOUND_PAIRS])
+        steps = np.concatenate(
+            [-cramers_rule(bend[:, 0], bend[:, 1], slope)[:, None], on_bounds, corners], axis=1
+        )  # (2, candidates, n)
         beyond = -np.min(margin[:, None] + np.einsum("kin,icn->kcn", normal, steps), axis=0)
         model = np.einsum("in,icn->cn", slope, steps) + 0.5 * np.einsum("icn,ijn,jcn->cn", steps, bend, steps)
         allowed = beyond <= BOUND_TOLERANCE
@@ -266,11 +269,3 @@ def _convex(bend: Array, ratio: Array) -> Array:
 
 def _times(matrix: Array, vector: Array) -> Array:
     return np.asarray(matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1])
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    """Solutions (2, ...) of systems (2, 2, ...); infinite or NaN where there is none."""
-    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    first = right[0] * matrix[1, 1] - matrix[0, 1] * right[1]
-    second = matrix[0, 0] * right[1] - right[0] * matrix[1, 0]
-    return np.asarray(np.array([first, second]) / determinant)

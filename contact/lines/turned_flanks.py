@@ -267,11 +267,6 @@ class TurnedFlanks:
             splines.append(fit(members.lengthwise, members.profile, grid))
         return tuple(splines)
 
-    @property
-    def part_count(self) -> int:
-        """Number of combinations of a pinion part and a gear part."""
-        return len(self.parts[0]) * len(self.parts[1])
-
     def at(self, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]) -> TurnedGap:
         """Gap at points (2, n) of the gear at pinion rotations (n) [rad], counted as the roll angle.
 
@@ -279,8 +274,7 @@ class TurnedFlanks:
         is the index of the pinion's part that touches, plus p times that of the gear's.
         """
         if rotations.size > COLUMNS_PER_BLOCK:
-            starts = range(0, rotations.size, COLUMNS_PER_BLOCK)
-            cuts = [slice(i, i + COLUMNS_PER_BLOCK) for i in starts]
+            cuts = _blocks(rotations.size)
             blocks = [self.at(points[:, c], rotations[c], parameters[:, c], part[c]) for c in cuts]
             joined = (np.concatenate([getattr(f, one.name) for f in blocks], axis=-1) for one in fields(TurnedGap))
             return TurnedGap(*joined)
@@ -373,15 +367,9 @@ def _pinion_cuts(
     slopes = [_chain(np.stack([met.slope, met.bound_slopes[2] / depth]), along) for met in every]
     with np.errstate(invalid="ignore"):
         known = np.isfinite(azimuth) & (np.stack([met.miss for met in every]) < MISS_LIMIT)
-    return FlankCuts(
-        depth=azimuth,
-        depth_slope=np.stack([slope[0] for slope in slopes]),
-        coordinate=np.stack([met.bounds[2] for met in every]) / depth,
-        coordinate_slope=np.stack([slope[1] for slope in slopes]),
-        begin=_ends(parts, depth)[0],
-        end=_ends(parts, depth)[1],
-        known=known,
-    )
+    coordinate = np.stack([met.bounds[2] for met in every]) / depth
+    depth_slope, coordinate_slope = (np.stack(each) for each in zip(*slopes, strict=True))
+    return FlankCuts(azimuth, depth_slope, coordinate, coordinate_slope, *_ends(parts, depth), known)
 
 
 def _ends(parts: Sequence[GeneratingSurface], depth: float) -> tuple[Array, Array]:

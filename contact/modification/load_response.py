@@ -22,27 +22,6 @@ from ..solvers.parametric.touching_form import touching_system
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Slopes:
-    """Derivatives of a contact problem's solution by p coefficients of its separation, for a fixed contact region."""
-
-    force: Array  # (n, p), zero without contact
-    gap: Array
-    rotation: Array
-    yielding: Array  # to an own force while the loaded segments keep contact (n) [mm/N]
-
-
-def slopes(compliance: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_], separation: Array) -> Slopes:
-    """Derivatives of forces, gaps and rotation by coefficients, from those of the separation (n, p) [mm per unit].
-
-    The tangent compliance [mm/N] is positive definite on the segments in contact (n), at least one.
-    """
-    system = touching_system(compliance, lever_arm, active)
-    changes = system.solve(-separation, np.zeros(separation.shape[1]))
-    yielding = compliance.diagonal if active.all() else np.where(active, compliance.diagonal, system.yielding())
-    return Slopes(changes.force, changes.gap, changes.rotation, yielding)
-
-
 def held_in_contact(
     compliance: ComplianceMatrix, separation: Array, lever_arm: Array, torque: float
 ) -> tuple[Array, float]:
@@ -98,13 +77,17 @@ def load_response(
 ) -> LoadResponse:
     """One solved contact problem as affine functions of the coefficients, from its tangent compliance [mm/N].
 
+    That is positive definite on the segments in contact, at least one.
     Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``held`` all segments
     are in contact, by pulling if need be.
     """
     active = np.full(force.size, held) | (force > 0.0)
-    slope = slopes(compliance, lever_arm, active, separation)
-    would_be = np.where(active, force, -np.maximum(gap, 0.0) / slope.yielding)
-    would_be_slope = np.where(active[:, None], slope.force, -slope.gap / slope.yielding[:, None])
+    system = touching_system(compliance, lever_arm, active)
+    change = system.solve(-separation, np.zeros(separation.shape[1]))
+    # To a force of its own while the loaded segments keep contact [mm/N].
+    yielding = compliance.diagonal if active.all() else np.where(active, compliance.diagonal, system.yielding())
+    would_be = np.where(active, force, -np.maximum(gap, 0.0) / yielding)
+    would_be_slope = np.where(active[:, None], change.force, -change.gap / yielding[:, None])
     return LoadResponse(
         line_load=would_be / length,
         line_load_slope=would_be_slope / length[:, None],
@@ -114,6 +97,6 @@ def load_response(
         at_end=at_end,
         cycle=np.full(force.size, cycle),
         rotation=np.array([1e6 * rotation]),
-        rotation_slope=1e6 * slope.rotation[None],
+        rotation_slope=1e6 * change.rotation[None],
         rotation_cycle=np.array([cycle]),
     )

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -121,9 +122,21 @@ def optimal_modification(
     While neither keeps the limit of the transmission error, both search again under a tighter one, and a third begins
     at their better end. ``held`` has all segments in contact by force, at coefficients of zero.
     """
+    improved = partial(search, solved, programmes=programmes, progress=progress)
 
     def ends(aim: Goal) -> list[ModificationSearch]:
-        return _both_ends(solved, start, held, aim, programmes, progress)
+        """From the programme of full contact, if that has an answer, and from no modification."""
+        whole = 2.0 * aim.largest
+        answer = solve_programme(held, aim, np.zeros(aim.surface.shape[1]), whole)
+        loads = solved(answer.step) if answer.solved else None
+        fresh = NO_VALUE if loads is None else judged(loads, aim)
+        first = Step(answer.status, whole, answer.value, fresh, loads is not None, False, "full_contact")
+        present = improved(start, aim)
+        if loads is None:
+            return [replace(present, steps=(first, *present.steps))]
+        full = improved(loads, aim, coefficients=answer.step)
+        named = (replace(step, search="full_contact") for step in full.steps)
+        return [replace(full, steps=(first, *named)), present]
 
     searches = ends(goal)
     steps = [step for end in searches for step in end.steps]
@@ -132,36 +145,11 @@ def optimal_modification(
             break
         tighter = replace(goal, transmission_error=ratio * goal.transmission_error)
         detour = min(ends(tighter), key=lambda end: end.value.merit)
-        back = search(
-            solved, detour.loads, goal, coefficients=detour.coefficients, programmes=programmes, progress=progress
-        )
+        back = improved(detour.loads, goal, coefficients=detour.coefficients)
         searches.append(back)
         steps += [replace(step, search="tighter_limit") for step in (*detour.steps, *back.steps)]
     best = min(searches, key=lambda end: end.value.merit)
     return replace(best, steps=tuple(steps))
-
-
-def _both_ends(
-    solved: Callable[[Array], LoadResponse | None],
-    start: LoadResponse,
-    held: LoadResponse,
-    goal: Goal,
-    programmes: int,
-    progress: Callable[[], None] | None,
-) -> list[ModificationSearch]:
-    """Ends of the searches from the programme of full contact, if that has an answer, and from no modification."""
-    none = np.zeros(goal.surface.shape[1])
-    whole = 2.0 * goal.largest
-    answer = solve_programme(held, goal, none, whole)
-    loads = solved(answer.step) if answer.solved else None
-    fresh = NO_VALUE if loads is None else judged(loads, goal)
-    first = Step(answer.status, whole, answer.value, fresh, loads is not None, False, "full_contact")
-    present = search(solved, start, goal, programmes=programmes, progress=progress)
-    if loads is None:
-        return [replace(present, steps=(first, *present.steps))]
-    full = search(solved, loads, goal, coefficients=answer.step, programmes=programmes, progress=progress)
-    named = (replace(step, search="full_contact") for step in full.steps)
-    return [replace(full, steps=(first, *named)), present]
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import PairGeometry
     from ..lines.mesh_lines import MeshLines
     from ..loaded import LoadedCase
+    from ..mesh_wrench import MeshWrenches
     from ..segments import CycleSegments, Segments
-    from .mesh_wrench import MeshWrenches
     from .support import Supports
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, number, shown
 from ...core.errors import InputError
-from ..evaluation.monotone_cubic import MonotoneCubic
+from ..lines.monotone_cubic import MonotoneCubic
 from .shaft_section import POSITION_LIMIT
 
 Array = NDArray[np.float64]
@@ -95,23 +95,19 @@ class Bearing:
         """True if no stiffness depends on the load."""
         return not any(isinstance(value, StiffnessCurve) for value in (self.radial, self.axial, self.tilting))
 
+    def _at(self, loads: Sequence[float]) -> list[float]:
+        """Radial, axial and tilting stiffness at loads."""
+        each = zip((self.radial, self.axial, self.tilting), loads, strict=True)
+        return [value.stiffness(load) if isinstance(value, StiffnessCurve) else value for value, load in each]
+
     @property
     def stiffness(self) -> Array:
         """Stiffness (5) along x, y, z and about x and y [N/mm, N mm/rad]; of curves that without load."""
-        radial, axial, tilting = (
-            value.stiffness(0.0) if isinstance(value, StiffnessCurve) else float(value)
-            for value in (self.radial, self.axial, self.tilting)
-        )
-        return np.array([radial, radial, axial, tilting, tilting])
+        radial, axial, tilting = self._at((0.0, 0.0, 0.0))
+        return np.array([radial, radial, axial, tilting, tilting], dtype=np.float64)
 
     def under(self, load: Array) -> Bearing:
         """The linear bearing with the stiffness, load over displacement, of a load (6) on it [N, N mm]."""
-        radial, axial, tilting = (
-            value.stiffness(float(size)) if isinstance(value, StiffnessCurve) else value
-            for value, size in (
-                (self.radial, np.hypot(*load[:2])),
-                (self.axial, load[2]),
-                (self.tilting, np.hypot(*load[3:5])),
-            )
-        )
+        sizes = float(np.hypot(*load[:2])), float(load[2]), float(np.hypot(*load[3:5]))
+        radial, axial, tilting = self._at(sizes)
         return replace(self, radial=radial, axial=axial, tilting=tilting)

@@ -26,20 +26,13 @@ from ...geometry.pair.assembly import Assembly
 
 Array = NDArray[np.float64]
 ORIGIN = (0.0, 0.0, 0.0)
-#: Components of wrenches and twists.
-COMPONENTS = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
-
-
-def cross_matrix(vector: ArrayLike) -> Array:
-    """The matrix (3, 3) of the cross product with a vector (3) from the left."""
-    x, y, z = np.asarray(vector, dtype=np.float64)
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def shift_matrix(start: ArrayLike, end: ArrayLike) -> Array:
     """The matrix X (6, 6) that takes a wrench about one point [mm] to that about another; X^-T does so for twists."""
     shift = np.eye(6)
-    shift[3:, :3] = cross_matrix(np.asarray(start, dtype=np.float64) - np.asarray(end, dtype=np.float64))
+    x, y, z = np.asarray(start, dtype=np.float64) - np.asarray(end, dtype=np.float64)
+    shift[3:, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]  # the cross product with (x, y, z) from the left
     return shift
 
 
@@ -48,26 +41,10 @@ def shifted_wrench(wrench: Array, start: ArrayLike, end: ArrayLike) -> Array:
     return np.asarray(wrench @ shift_matrix(start, end).T)
 
 
-def shifted_twist(twist: Array, start: ArrayLike, end: ArrayLike) -> Array:
-    """The twist (..., 6) of a rigid body at ``start``, at ``end``."""
-    return np.asarray(twist @ shift_matrix(end, start))
-
-
 def shifted_compliance(compliance: Array, start: ArrayLike, end: ArrayLike) -> Array:
     """A compliance (6, 6), twist for wrench about ``start``, about ``end``."""
     shift = shift_matrix(end, start)
     return np.asarray(shift.T @ compliance @ shift)
-
-
-def shifted_stiffness(stiffness: Array, start: ArrayLike, end: ArrayLike) -> Array:
-    """A stiffness (6, 6), wrench for twist at ``start``, at ``end``."""
-    shift = shift_matrix(start, end)
-    return np.asarray(shift @ stiffness @ shift.T)
-
-
-def unit_wrenches(position: Array, normal: Array) -> Array:
-    """Wrenches (n, 6) about the origin of unit forces along normals (3, n) at positions (3, n) [mm]."""
-    return np.concatenate([normal, np.cross(position, normal, axis=0)]).T
 
 
 ASYMMETRY_LIMIT = 1e-6  # of the size of the entries; what programs write to seven digits is symmetric
@@ -81,18 +58,6 @@ ROTATION_STIFFNESS_RANGE = (1e5, 1e15)  # [N mm/rad]
 BEARING_DISTANCE_MINIMUM = 2.0
 
 
-class FreeRotation(Protocol):
-    """An axis about which a member may turn, see ``support.MemberAxis``."""
-
-    @property
-    def rotation(self) -> Array:
-        """The twist (6) at the origin of the unit rotation about it."""
-
-    @property
-    def couple(self) -> Array:
-        """The wrench (6) of a unit couple about it."""
-
-
 def checked_compliance(name: str, values: Any, members: int = 1) -> Array:
     """A compliance matrix that can be one of supports, made symmetric to the bit.
 
@@ -100,22 +65,11 @@ def checked_compliance(name: str, values: Any, members: int = 1) -> Array:
     or of a size that no gear's support has.
     """
     matrix = _symmetric(name, values, members, "mm/N, 1/N, rad/(N mm)")
-    translation, rotation = _sizes(matrix)
-    low, high = (1.0 / limit for limit in reversed(TRANSLATION_STIFFNESS_RANGE))
-    flat, steep = (1.0 / limit for limit in reversed(ROTATION_STIFFNESS_RANGE))
-    units = (
-        f"from {low:g} to {high:g} mm/N against translation and from {flat:g} to {steep:g} rad/(N mm) against rotation"
-    )
-    for size, least, most in ((translation, low, high), (rotation, flat, steep)):
-        if size and not least <= size <= most:
-            raise InputError(f"{name} = {size:g}: must be {units}, or zero where the support is rigid; check its units")
-    if translation and rotation and np.sqrt(translation / rotation) < BEARING_DISTANCE_MINIMUM:
-        shares = f"{translation:g} against translation and {rotation:g} against rotation"
-        raise InputError(
-            f"{name} = {shares}: must be {units}; these two fit together in other units, such as m/N and rad/(N m)"
-        )
-    scaled = _scaled(matrix, np.sqrt(translation / rotation) if translation and rotation else 1.0)
-    least_eigenvalue, *_, greatest = np.linalg.eigvalsh(scaled)
+    stiffnesses = TRANSLATION_STIFFNESS_RANGE, ROTATION_STIFFNESS_RANGE
+    ranges = [(1.0 / most, 1.0 / least) for least, most in stiffnesses]
+    length = _length(name, matrix, ranges, ("mm/N", "rad/(N mm)"), "m/N and rad/(N m)", stiff=False)
+    scale = _scale(length, members)
+    least_eigenvalue, *_, greatest = np.linalg.eigvalsh(matrix * np.outer(scale, scale))
     if least_eigenvalue < -NEGATIVE_EIGENVALUE_LIMIT * greatest:
         raise InputError(
             f"{name} = {shown(matrix)}: must have no negative eigenvalue, or a force would pull the member towards it"
@@ -123,36 +77,26 @@ def checked_compliance(name: str, values: Any, members: int = 1) -> Array:
     return matrix
 
 
-def checked_stiffness(
-    name: str, values: Any, members: int = 1, free: Sequence[tuple[Array, FreeRotation]] = ()
-) -> Array:
+def checked_stiffness(name: str, values: Any, members: int = 1, free: Sequence[tuple[Array, MemberAxis]] = ()) -> Array:
     """A stiffness matrix that can be one of supports, made symmetric to the bit.
 
     Of one member (6, 6) or both (12, 12) [N/mm, N, N mm/rad]. Refused if not symmetric, of an unlikely size, or not
     positive definite but for rotations ``free`` about an axis, with each member's reference point (3) [mm].
     """
     matrix = _symmetric(name, values, members, "N/mm, N, N mm/rad")
-    translation, rotation = _sizes(matrix)
     ranges = TRANSLATION_STIFFNESS_RANGE, ROTATION_STIFFNESS_RANGE
-    units = "from {:g} to {:g} N/mm against translation".format(*ranges[0])
-    units += " and from {:g} to {:g} N mm/rad against rotation".format(*ranges[1])
-    for size, (least, most) in zip((translation, rotation), ranges, strict=True):
-        if size and not least <= size <= most:
-            raise InputError(f"{name} = {size:g}: must be {units}; check its units")
-    if translation and rotation and np.sqrt(rotation / translation) < BEARING_DISTANCE_MINIMUM:
-        shares = f"{translation:g} against translation and {rotation:g} against rotation"
-        raise InputError(
-            f"{name} = {shares}: must be {units}; these two fit together in other units, such as N/m and N m/rad"
-        )
-    length = np.sqrt(rotation / translation) if translation and rotation else 1.0
-    eigenvalues, vectors = np.linalg.eigh(_scaled(matrix, 1.0 / length))
+    length = _length(name, matrix, ranges, ("N/mm", "N mm/rad"), "N/m and N m/rad", stiff=True)
+    inverse_scale, scale = _scale(1.0 / length, members), _scale(length, members)
+    eigenvalues, vectors = np.linalg.eigh(matrix * np.outer(inverse_scale, inverse_scale))
     if eigenvalues[0] < -FREE_STIFFNESS_SHARE * eigenvalues[-1]:
         raise InputError(f"{name} = {shown(matrix)}: must be positive definite; its least eigenvalue is negative")
     loose = vectors[:, eigenvalues < FREE_STIFFNESS_SHARE * max(eigenvalues[-1], 1e-300)]
     free_rotations = np.zeros((6 * members, len(free)))
     for number, (reference, axis) in enumerate(free):
-        free_rotations[6 * number : 6 * number + 6, number] = rotation_at(axis, reference)
-    allowed, _ = np.linalg.qr(_unscaled(free_rotations, length))
+        rotation_at = np.array(axis.rotation)  # the twist at the reference
+        rotation_at[:3] += np.cross(rotation_at[3:], reference)
+        free_rotations[6 * number : 6 * number + 6, number] = rotation_at
+    allowed, _ = np.linalg.qr(free_rotations * scale[:, None])
     _, sizes, mixtures = np.linalg.svd(loose - allowed @ (allowed.T @ loose), full_matrices=False)
     if sizes.size and sizes[0] > FREE_MOTION_RESIDUAL:
         motion = _motion(loose @ mixtures[0], length, [point for point, _ in free])
@@ -161,14 +105,7 @@ def checked_stiffness(
     return matrix
 
 
-def rotation_at(axis: FreeRotation, reference: Array) -> Array:
-    """The twist (6) at a reference point (3) of the unit rotation about an axis."""
-    rotation = np.array(axis.rotation)
-    rotation[:3] += np.cross(rotation[3:], reference)
-    return rotation
-
-
-def inverse(stiffness: Array, free: Sequence[tuple[Array, FreeRotation]] = (), kept: tuple[int, ...] = ()) -> Array:
+def inverse(stiffness: Array, free: Sequence[tuple[Array, MemberAxis]] = (), kept: tuple[int, ...] = ()) -> Array:
     """The compliance of a checked stiffness, with the rotations about the axes held.
 
     The stiffness itself holds those of the members ``kept``.
@@ -214,21 +151,45 @@ def _symmetric(name: str, values: Any, members: int, units: str) -> Array:
     return np.array(0.5 * (matrix + matrix.T))
 
 
-def _sizes(matrix: Array) -> tuple[float, float]:
-    """Greatest eigenvalues of the blocks of translation and of rotation of all members."""
+def _length(
+    name: str,
+    matrix: Array,
+    ranges: Sequence[tuple[float, float]],
+    units: tuple[str, str],
+    other_units: str,
+    *,
+    stiff: bool,
+) -> float:
+    """Length [mm] that relates rotation to translation, about half the distance of the bearings; 1 if one is zero.
+
+    Of a compliance or a ``stiff`` matrix, by the greatest eigenvalues of the blocks of all members: refused if these
+    are out of their ranges, or do not fit together.
+    """
     blocks = [slice(first, first + 3) for first in range(0, matrix.shape[0], 3)]
-    sizes = [float(np.abs(np.linalg.eigvalsh(matrix[block, block])).max()) for block in blocks]
-    return max(sizes[::2]), max(sizes[1::2])
+    each = [float(np.abs(np.linalg.eigvalsh(matrix[block, block])).max()) for block in blocks]
+    sizes, ways = (max(each[::2]), max(each[1::2])), ("translation", "rotation")
+    wanted = " and ".join(
+        f"from {least:g} to {most:g} {unit} against {way}"
+        for (least, most), unit, way in zip(ranges, units, ways, strict=True)
+    )
+    zero = "" if stiff else ", or zero where the support is rigid"
+    for size, (least, most) in zip(sizes, ranges, strict=True):
+        if size and not least <= size <= most:
+            raise InputError(f"{name} = {size:g}: must be {wanted}{zero}; check its units")
+    if not all(sizes):
+        return 1.0
+    length = float(np.sqrt(sizes[1] / sizes[0] if stiff else sizes[0] / sizes[1]))
+    if length < BEARING_DISTANCE_MINIMUM:
+        shares = " and ".join(f"{size:g} against {way}" for size, way in zip(sizes, ways, strict=True))
+        raise InputError(
+            f"{name} = {shares}: must be {wanted}; these two fit together in other units, such as {other_units}"
+        )
+    return length
 
 
-def _scaled(matrix: Array, length: float) -> Array:
-    scale = np.tile(np.repeat([1.0, length], 3), matrix.shape[0] // 6)
-    return np.asarray(matrix * np.outer(scale, scale))
-
-
-def _unscaled(twists: Array, length: float) -> Array:
-    """Twists (n, m), rotations as displacements at a length."""
-    return np.asarray(twists * np.tile(np.repeat([1.0, length], 3), twists.shape[0] // 6)[:, None])
+def _scale(length: float, members: int) -> Array:
+    """Factors (6 m) that make displacements at a length of the rotations of the members."""
+    return np.tile(np.repeat([1.0, length], 3), members)
 
 
 def _motion(motion: Array, length: float, references: Sequence[Array]) -> str:

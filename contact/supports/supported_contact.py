@@ -16,66 +16,15 @@ from numpy.typing import NDArray
 
 from ...core.attributes import labelled
 from ...core.checks import frozen_arrays
-from ...geometry.pair.assembly import Assembly
 from ...geometry.pair.gear_pair import MEMBERS
 from ..loaded import LoadedCase, loaded_dataset, rotation_numbers
-from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus
+from .assembly_rounds import CycleInAssembly, FoundRound, Round, RoundsStatus
 from .support import ORIGIN, shifted_wrench
 from .supported_pair import PARTS, SupportedPair, cycle_mean
 
 Array = NDArray[np.float64]
 CYCLE = ("torque", "mesh_position")
 SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")
-
-
-def misalignment_dataset(misalignment: Array, torques: Array) -> xr.Dataset:
-    """The group ``misalignment`` of a result: E, P, G [mm] and Sigma [rad] under load (t, k, 4), at torques [N m]."""
-    data = {name: (CYCLE, misalignment[..., number]) for number, name in enumerate(PARTS[:4])}
-    return labelled(xr.Dataset(data, coords=_coords(torques, misalignment.shape[1])))
-
-
-def supports_dataset(
-    assembly: Assembly,
-    torques: Array,
-    rounds: Sequence[FoundRound],
-    cases: Sequence[LoadedCase],
-    support_rotation: Array,
-) -> xr.Dataset:
-    """The group ``supports`` of a result; ``support_rotation`` (t) [rad] is that of the gear, on average."""
-    places = {number: (one, row) for one in rounds for row, number in enumerate(one.torques)}
-    by_torque = [places[number] for number in range(torques.size)]
-    parts, wrench, rotation = (
-        np.stack([getattr(one.found, name)[row] for one, row in by_torque]) for name in ("parts", "wrench", "rotation")
-    )
-    shares = _shares(rotation, cases, assembly.ratio * torques)
-    data: dict[str, Any] = {
-        "transmission_error": (CYCLE, 1e6 * (rotation - support_rotation[:, None])),
-        "whole_rotation": (CYCLE, 1e6 * rotation),
-        "support_rotation": ("torque", 1e6 * support_rotation),
-        "pinion_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("pinion_rotation")]),
-        "gear_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("gear_rotation")]),
-        **{name: (CYCLE, 1e6 * share) for name, share in zip(SHARES, shares, strict=True)},
-        **_mesh_forces([one.found for one, _ in by_torque], wrench),
-        **_bearing_loads([one.found for one, _ in by_torque], wrench),
-        "rounds": ("torque", [one.count for one, _ in by_torque]),
-        "last_change": ("torque", [one.change for one, _ in by_torque]),
-        "rounds_status": (
-            "torque",
-            np.array([one.status for one, _ in by_torque], dtype=np.int8),
-            RoundsStatus.flag_attributes(),
-        ),
-    }
-    coords: dict[str, Any] = {**_coords(torques, wrench.shape[1]), "member": list(MEMBERS), "space": list("xyz")}
-    names = _bearing_names(rounds[0].found)
-    if names:
-        coords["bearing"] = names
-    reasons = {f"{torques[number]:g} N m: {one.reason}" for number, (one, _) in places.items() if one.reason}
-    attributes = {"rounds_not_ended": "; ".join(sorted(reasons))} if reasons else {}
-    return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
-
-
-def _coords(torques: Array, positions: int) -> dict[str, Any]:
-    return {"torque": torques, "mesh_position": np.arange(positions) / positions}
 
 
 def _mesh_forces(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
@@ -107,12 +56,11 @@ def _bearing_loads(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
     loads = np.full((len(names), *wrench.shape), np.nan)
     for torque, one in enumerate(found):
         for position, supports in enumerate(one.supports):
-            row = 0
-            for sign, support in ((1.0, supports.pinion), (-1.0, supports.gear)):
-                support_wrench = sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference)
-                for bearing in support.bearings:
-                    loads[row, torque, position] = bearing.load(support_wrench)
-                    row += 1
+            loads[:, torque, position] = [
+                bearing.load(sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference))
+                for sign, support in ((1.0, supports.pinion), (-1.0, supports.gear))
+                for bearing in support.bearings
+            ]
     members = (found[0].supports[0].pinion, found[0].supports[0].gear)
     points = np.array([bearing.point for support in members for bearing in support.bearings])
     dims = ("bearing", *CYCLE, "space")
@@ -174,16 +122,17 @@ class SupportedContact:
     torques: Array
     rounds: tuple[FoundRound, ...]
 
-    @classmethod
-    def of(cls, pair: SupportedPair, torques: Array, rounds: AssemblyRounds) -> SupportedContact:
-        """Solve the contact of a pair on its supports."""
-        return cls(pair, torques, tuple(pair.solved(torques, rounds)))
-
     @cached_property
     def cases(self) -> list[LoadedCase]:
         """Every solved case with its contact problem."""
         cases = [replace(case, torque=one.torques[case.torque]) for one in self.rounds for case in one.found.cases]
         return sorted(cases, key=lambda case: (case.mesh_position, float(self.torques[case.torque])))
+
+    @cached_property
+    def _by_torque(self) -> list[tuple[FoundRound, int]]:
+        """Last round of every torque, and its number in there."""
+        places = {number: (one, row) for one in self.rounds for row, number in enumerate(one.torques)}
+        return [places[number] for number in range(self.torques.size)]
 
     @cached_property
     def assemblies(self) -> list[tuple[tuple[int, ...], CycleInAssembly]]:
@@ -192,8 +141,7 @@ class SupportedContact:
 
     def over_torque(self, name: str) -> Array:
         """An array of the rounds over all torques (t, ...)."""
-        rows = {number: getattr(one.found, name)[i] for one in self.rounds for i, number in enumerate(one.torques)}
-        return np.stack([rows[number] for number in range(self.torques.size)])
+        return np.stack([getattr(one.found, name)[row] for one, row in self._by_torque])
 
     @property
     def mesh_wrench(self) -> Array:
@@ -226,13 +174,44 @@ class SupportedContact:
         numbers = rotation_numbers(1e6 * self.transmission_error)
         return dataset.assign({name: (dims, values, dataset[name].attrs) for name, (dims, values) in numbers.items()})
 
+    @property
+    def _coords(self) -> dict[str, Any]:
+        positions = self.pair.cycle.lines.rotations.size
+        return {"torque": self.torques, "mesh_position": np.arange(positions) / positions}
+
     @cached_property
     def misalignment(self) -> xr.Dataset:
-        """E, P, G and Sigma under load (t, k)."""
+        """The group ``misalignment`` of a result: E, P, G [mm] and Sigma [rad] under load (t, k)."""
         given = np.array(list(vars(self.pair.assembly.misalignment).values()))
-        return misalignment_dataset(given + self.over_torque("parts")[..., :4], self.torques)
+        misalignment = given + self.over_torque("parts")[..., :4]
+        data = {name: (CYCLE, misalignment[..., number]) for number, name in enumerate(PARTS[:4])}
+        return labelled(xr.Dataset(data, coords=self._coords))
 
     @cached_property
     def supports(self) -> xr.Dataset:
-        """Motion, mesh force, bearing loads and shares of the rotation (t, k)."""
-        return supports_dataset(self.pair.assembly, self.torques, self.rounds, self.cases, self.support_rotation)
+        """The group ``supports`` of a result: motion, mesh force, bearing loads and shares of the rotation (t, k)."""
+        parts, wrench, rotation = (self.over_torque(name) for name in ("parts", "wrench", "rotation"))
+        ended, rounds = [one for one, _ in self._by_torque], [one.found for one, _ in self._by_torque]
+        shares = _shares(rotation, self.cases, self.pair.assembly.ratio * self.torques)
+        statuses = np.array([one.status for one in ended], dtype=np.int8)
+        data: dict[str, Any] = {
+            "transmission_error": (CYCLE, 1e6 * self.transmission_error),
+            "whole_rotation": (CYCLE, 1e6 * rotation),
+            "support_rotation": ("torque", 1e6 * self.support_rotation),
+            "pinion_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("pinion_rotation")]),
+            "gear_support_rotation": (CYCLE, 1e6 * parts[..., PARTS.index("gear_rotation")]),
+            **{name: (CYCLE, 1e6 * share) for name, share in zip(SHARES, shares, strict=True)},
+            **_mesh_forces(rounds, wrench),
+            **_bearing_loads(rounds, wrench),
+            "rounds": ("torque", [one.count for one in ended]),
+            "last_change": ("torque", [one.change for one in ended]),
+            "rounds_status": ("torque", statuses, RoundsStatus.flag_attributes()),
+        }
+        coords: dict[str, Any] = {**self._coords, "member": list(MEMBERS), "space": list("xyz")}
+        if names := _bearing_names(rounds[0]):
+            coords["bearing"] = names
+        reasons = {
+            f"{torque:g} N m: {one.reason}" for torque, one in zip(self.torques, ended, strict=True) if one.reason
+        }
+        attributes = {"rounds_not_ended": "; ".join(sorted(reasons))} if reasons else {}
+        return labelled(xr.Dataset(data, coords=coords, attrs=attributes))

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Assembly, Misalignment
-from ..loaded import LoadedCase
-from ..segments import CycleSegments, Segments
+from ..loaded import CycleSolver, LoadedCase
+from ..mesh_wrench import MeshWrenches, SupportModes
+from ..segments import HeldMembers, Segments
 from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus, Update
-from .held_members import HeldMembers
-from .mesh_wrench import MeshWrenches
 from .support import LoadedSupports, Supports, member_axes
-from .support_modes import SupportModes
 
 Array = NDArray[np.float64]
 #: Parts of a relative motion, in this order: the four of ``Misalignment``, then the rotations in the drive sense.
@@ -73,8 +71,6 @@ def moved(misalignment: Misalignment, parts: Array) -> Misalignment:
 MISALIGNMENT_PARTS, MOVED_PARTS = slice(0, 4), slice(0, 5)
 #: Makes the pair in another assembly.
 Assembled = Callable[[Misalignment], CycleInAssembly]
-#: Solves the contact of segments on held members at torques (t) [N m].
-Solve = Callable[[CycleSegments, Array, HeldMembers], tuple[list[Segments | None], list[LoadedCase]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +80,7 @@ class SupportedPair:
     cycle: CycleInAssembly
     supports: LoadedSupports
     assembled: Assembled
-    solve: Solve
+    solver: CycleSolver
     progress: Callable[[], None] | None = None
 
     @property
@@ -199,7 +195,7 @@ class SupportedPair:
                 )
                 for k in numbers
             ]
-            there, solved = self.solve(
+            there, solved = self.solver.cases(
                 replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
             )
             segments += there

@@ -134,6 +134,7 @@ Integers = NDArray[np.int64]
 BRICKS_PER_LEAF = 8  # of the smallest piece, whose bricks are joined at once
 SMALLER_HALF_MINIMUM = 0.4  # share of a piece's bricks, where its lattice allows it
 NO_NODES = np.empty(0, dtype=np.int64)
+COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
 
 
 @frozen_arrays
@@ -177,6 +178,13 @@ class Substructures:
             moved = waiting[step.inner] - step.coupling @ solution[step.border]
             solution[step.inner] = solve_triangular(step.factor, moved, trans=1, lower=True, check_finite=False)
         return solution
+
+    def response(self, loads: csc_array, wanted: csc_array) -> Array:
+        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k)."""
+        values, count = wanted.T.tocsr(), loads.shape[1]
+        starts = range(0, count, COLUMNS_PER_SOLVE)
+        batches = (loads[:, start : start + COLUMNS_PER_SOLVE].toarray() for start in starts)
+        return np.concatenate([values @ self.solve(batch) for batch in batches], axis=1)
 
 
 @dataclass(frozen=True)
@@ -301,9 +309,6 @@ def displacements(nodes: Integers) -> Integers:
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel())
 
 
-COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
-
-
 def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
     """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
 
@@ -318,26 +323,6 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
     return csc_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(3 * count, len(nodes)))
 
 
-@dataclass(frozen=True)
-class ElasticBody:
-    """Factored body of bricks with some nodes held."""
-
-    nodes: Array
-    cells: NDArray[np.int64]  # nodes (m, 3, 3, 3) of every brick
-    parts: Substructures
-
-    def solve(self, loads: Array) -> Array:
-        """Displacements (3 n, c) [mm] under loads (3 n, c) [N]; zero where nodes are held."""
-        return self.parts.solve(loads)
-
-    def response(self, loads: csc_array, wanted: csc_array) -> Array:
-        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k)."""
-        values, count = wanted.T.tocsr(), loads.shape[1]
-        starts = range(0, count, COLUMNS_PER_SOLVE)
-        batches = (loads[:, start : start + COLUMNS_PER_SOLVE].toarray() for start in starts)
-        return np.concatenate([values @ self.solve(batch) for batch in batches], axis=1)
-
-
 def elastic_body(
     nodes: Array,
     cells: NDArray[np.int64],
@@ -345,6 +330,6 @@ def elastic_body(
     material: Material,
     *,
     functions: ShapeFunctions = shape_functions,
-) -> ElasticBody:
-    """Assemble and factor a body of bricks."""
-    return ElasticBody(nodes, cells, substructures(cells, *brick_stiffness(nodes, cells, material, functions), held))
+) -> Substructures:
+    """Assemble and factor a body of bricks with some nodes held."""
+    return substructures(cells, *brick_stiffness(nodes, cells, material, functions), held)

@@ -14,7 +14,8 @@ Ritz system of both, too stiff by what its functions cannot follow; each functio
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,6 @@ from ....geometry.tooth.tooth_lattice import (
     SHELL_HINT,
     LatticeSize,
     ToothLattice,
-    Web,
     tooth_lattice,
     usual_depth,
 )
@@ -50,7 +50,7 @@ from .flank_compliance import (
     square_root,
     stress_functionals,
 )
-from .tooth_ring import body_modes, ring_lattice, ring_size, with_body
+from .tooth_ring import WHOLE_BODY, ToothBody, body_modes, ring_lattice, ring_size, with_body
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -60,11 +60,8 @@ Counts = tuple[int, int, int]
 
 EXTRA_GAUSS_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
 SHAPE_POLYNOMIAL_LIMITS = (9, 3, 7)  # polynomials of the tooth's own shape
-SMOOTH_SHAPE_LIMITS = (
-    9,
-    3,
-    5,
-)  # where those overshoot so far, beside a kink of the flank, that the tooth is inside out
+#: Where those overshoot so far, beside a kink of the flank, that the tooth is inside out.
+SMOOTH_SHAPE_LIMITS = (9, 3, 5)
 
 
 @dataclass(frozen=True)
@@ -218,34 +215,24 @@ def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
 
 
 def finite_element_tooth(
-    pair: GearPair,
-    member: MemberName,
-    material: Material,
-    *,
-    fineness: float = 1.0,
-    rim_depth: float | None = None,
-    neighbours: bool = True,
-    web: Web | None = None,
+    pair: GearPair, member: MemberName, material: Material, fineness: float = 1.0, body: ToothBody = WHOLE_BODY
 ) -> FiniteElementTooth:
     """Compliance and root stress of one member's tooth, made once and kept on disk.
 
-    ``fineness`` multiplies the bricks in every direction; ``rim_depth`` [mm] is 1.2 times the tooth's height by
-    default; a body without ``web`` is held at its bottom.
+    ``fineness`` multiplies the bricks in every direction.
     """
-    _check(fineness)
+    number("fineness", fineness, least=0.2, most=4.0)
     size = _long_enough(usual_size(pair, member).finer(fineness))
-    key = key_of("finite elements", _tooth(pair, member), size, rim_depth, material)
+    key = key_of("finite elements", _tooth(pair, member), size, body.rim_depth, material)
     of_flank = _flank_arrays(size)
     arrays = kept(
         key,
         {**of_flank, "stations": (None,), "stress": (None, None, 6, of_flank["factor"][1])},
-        lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member, fineness),
+        lambda: _condensed(tooth_lattice(pair, member, size, body.rim_depth), material, member, fineness),
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(arrays["stations"], arrays["stress"])
-    flank = _flank(arrays, pair, member)
-    if neighbours:
-        flank = _on_body(flank, pair, member, material, rim_depth, web, key)
+    flank = _flank(arrays, pair, member, material, body, key)
     return FiniteElementTooth(flank, root, reason)
 
 
@@ -271,17 +258,10 @@ def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) 
 
 
 def solid_shell_tooth(
-    pair: GearPair,
-    member: MemberName,
-    material: Material,
-    *,
-    fineness: float = 1.0,
-    rim_depth: float | None = None,
-    neighbours: bool = True,
-    web: Web | None = None,
+    pair: GearPair, member: MemberName, material: Material, fineness: float = 1.0, body: ToothBody = WHOLE_BODY
 ) -> FiniteElementTooth:
     """Compliance of one member's tooth as a solid shell, made once and kept on disk; see ``finite_element_tooth``."""
-    _check(fineness)
+    number("fineness", fineness, least=0.2, most=4.0)
     size, counts = solid_shell_size(pair, member, fineness)
     unknowns = 3 * math.prod(counts)
     if unknowns > UNKNOWNS_LIMIT:
@@ -289,28 +269,24 @@ def solid_shell_tooth(
             f"fineness = {fineness!r}: must be smaller, as the {member} would have {unknowns} unknowns as a solid "
             f'shell, and {UNKNOWNS_LIMIT} are allowed; or take model = "fe"'
         )
-    key = key_of("solid shell", _tooth(pair, member), size, rim_depth, material, counts)
+    key = key_of("solid shell", _tooth(pair, member), size, body.rim_depth, material, counts)
     arrays = kept(
         key,
         _flank_arrays(size),
-        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
+        lambda: _condensed_shell(tooth_lattice(pair, member, size, body.rim_depth), material, counts, member, fineness),
     )
-    flank = _flank(arrays, pair, member)
-    if neighbours:
-        flank = _on_body(flank, pair, member, material, rim_depth, web, key)
+    flank = _flank(arrays, pair, member, material, body, key)
     return FiniteElementTooth(flank, None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
 def require_solid_shell(pair: GearPair, member: MemberName) -> None:
     """Refuse a tooth that cannot be a solid shell on the body of all teeth, without building it."""
     lattice = tooth_lattice(pair, member, solid_shell_size(pair, member)[0])
-    try:
+    with filling(member):
         require_right_way_round(lattice.nodes, lattice.cells[: lattice.body_bricks])
-    except GeometryError as error:
-        raise unfilled(member, error) from error
     try:
         _ = ring_lattice(pair, member, ring_size())
-    except GeometryError:  # as in ``_on_body``
+    except GeometryError:  # as in ``_flank``
         _ = ring_lattice(pair, member, ring_size(2.0))
 
 
@@ -326,38 +302,29 @@ def _flank_arrays(size: LatticeSize) -> Shapes:
     return {"lengthwise": (along,), "profile": (along, up), "factor": (None, along * up)}
 
 
-def _flank(found: Mapping[str, Array], pair: GearPair, member: MemberName) -> FlankCompliance:
-    ends = end_faces(named_member(pair, member))
-    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"], ends=ends)
-
-
-def _on_body(
-    flank: FlankCompliance,
-    pair: GearPair,
-    member: MemberName,
-    material: Material,
-    rim_depth: float | None,
-    web: Web | None,
-    key: str,
+def _flank(
+    found: Mapping[str, Array], pair: GearPair, member: MemberName, material: Material, body: ToothBody, key: str
 ) -> FlankCompliance:
-    """The tooth kept under a key on the body it shares with its neighbours."""
+    """Compliance from its arrays, kept under a key, on the body that the tooth shares with its neighbours."""
+    ends = end_faces(named_member(pair, member))
+    flank = FlankCompliance(found["lengthwise"], found["profile"], found["factor"], ends=ends)
+    if not body.neighbours:
+        return flank
     size = ring_size()
 
     def make() -> dict[str, Array]:
-        try:
+        with filling(member):
             try:
-                modes = body_modes(pair, member, material, size, rim_depth, web)
+                modes = body_modes(pair, member, material, size, body)
             except GeometryError:  # smaller bricks follow what larger ones cannot
-                modes = body_modes(pair, member, material, ring_size(2.0), rim_depth, web)
-        except GeometryError as error:
-            raise unfilled(member, error) from error
+                modes = body_modes(pair, member, material, ring_size(2.0), body)
         whole = with_body(flank, *modes)
         assert whole.body is not None
         return {"factor": whole.factor, "shapes": whole.body.shapes, "coupling": whole.body.coupling}
 
     nodes = flank.profile.size
     shapes = {"factor": (None, nodes), "shapes": (None, nodes), "coupling": (None, None, None)}
-    arrays = kept(key_of("shared body", key, size, web), shapes, make)
+    arrays = kept(key_of("shared body", key, size, body.web), shapes, make)
     return replace(flank, factor=arrays["factor"], body=SharedBody(arrays["shapes"], arrays["coupling"]))
 
 
@@ -366,27 +333,25 @@ def _condensed_shell(
 ) -> dict[str, Array]:
     needed = FULL_MATRICES * 8.0 * (3 * math.prod(counts)) ** 2
     require_memory(f"fineness = {fineness:g}", needed, f"the {member} as a solid shell")
-    try:
+    with filling(member):
         shell = solid_shell(lattice, material, counts)
-    except GeometryError as error:
-        raise unfilled(member, error) from error
     factor = square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
     return {"lengthwise": lattice.lengthwise, "profile": lattice.profile, "factor": factor}
-
-
-def _check(fineness: float) -> None:
-    number("fineness", fineness, least=0.2, most=4.0)
 
 
 def _long_enough(size: LatticeSize) -> LatticeSize:
     return replace(size, lengthwise=max(size.lengthwise, 4))
 
 
-def unfilled(member: str, error: GeometryError) -> GeometryError:
-    """Error for a member whose lattice has a brick turned inside out, or that has no lattice."""
-    if SHELL_HINT in str(error):  # it says so already
-        return error
-    return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
+@contextmanager
+def filling(member: str) -> Iterator[None]:
+    """Tell in errors of which member the lattice has a brick turned inside out, or that it has no lattice."""
+    try:
+        yield
+    except GeometryError as error:
+        if SHELL_HINT in str(error):  # it says so already
+            raise
+        raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
 
 
 def _condensed(lattice: ToothLattice, material: Material, member: str, fineness: float) -> dict[str, Array]:
@@ -394,10 +359,8 @@ def _condensed(lattice: ToothLattice, material: Material, member: str, fineness:
 
     needed = FACTOR_SIZE * len(lattice.nodes) ** FACTOR_EXPONENT
     require_memory(f"fineness = {fineness:g}", needed, f"the {member} by finite elements")
-    try:
+    with filling(member):
         body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
-    except GeometryError as error:
-        raise unfilled(member, error) from error
     feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]

@@ -128,25 +128,32 @@ def ring_lattice(pair: GearPair, member: MemberName, size: LatticeSize, rim_dept
     return tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES)
 
 
+@dataclass(frozen=True)
+class ToothBody:
+    """Body that carries a tooth; its depth below the root is 1.2 times the tooth's height by default."""
+
+    rim_depth: float | None = None  # [mm]
+    neighbours: bool = True  # whether all teeth of the member share it
+    web: Web | None = None  # without one it is held at its bottom
+
+
+WHOLE_BODY = ToothBody()
+
+
 def body_modes(
-    pair: GearPair,
-    member: MemberName,
-    material: Material,
-    size: LatticeSize,
-    rim_depth: float | None = None,
-    web: Web | None = None,
+    pair: GearPair, member: MemberName, material: Material, size: LatticeSize, body: ToothBody = WHOLE_BODY
 ) -> tuple[ToothLattice, dict[str, Array]]:
     """Lattice of one pitch, and the coupling of the teeth of a member by its body, in modes (q) of the flank's nodes.
 
     ``shapes`` (q, nodes); ``coupling`` (N, q, q), see ``SharedBody``; ``own`` (q, q), the part of it that the sector of
     a single tooth contains already.
     """
-    lattice = ring_lattice(pair, member, size, rim_depth)
+    lattice = ring_lattice(pair, member, size, body.rim_depth)
     teeth, loads = named_member(pair, member).teeth, flank_loads(lattice)
-    if web is None:
+    if body.web is None:
         ring = ring_compliance(lattice, teeth, material, loads, np.unique(lattice.body[:, :, 0]))
     else:
-        carried = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES, web=web)
+        carried = tooth_lattice(pair, member, size, body.rim_depth, surface_nodes=SURFACE_NODES, web=body.web)
         ring = ring_compliance(carried, teeth, material, flank_loads(carried), np.unique(carried.body[0]))
     nodes, cells, held_nodes = sector_of(lattice, teeth)
     inward = -lattice.flank_normal.reshape(-1, 3)

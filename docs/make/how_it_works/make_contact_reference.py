@@ -133,7 +133,7 @@ def convergence() -> None:
             if change.get("finer") and name != CHECKED[0][0]:
                 continue  # minutes a member
             found = [solved(name, torque, k, **change) for k in positions]
-            tables = [line_stations(in_mesh(name)[0].pair, one).table for one in found]
+            tables = [line_stations(in_mesh(name)[0].pair, one) for one in found]
             peak = max(table[3, table[5] > EDGE_MARGIN].max() for table in tables)
             middle = [100.0 * float(one.load_share[one.pairs.index(0)]) for one in found]
             numbers = [*(f"{1e6 * one.rotation:.1f}" for one in found), *(f"{share:.1f}" for share in middle)]
@@ -157,7 +157,7 @@ def kept(
         one = found[EDGES[place[0]]][place[1]][place[2]]
         errors[place] = 1e6 * one.rotation
         shares[(*place, np.searchsorted(pairs, one.pairs))] = one.load_share
-    tables = [[line_stations(pair, one).table for one in row] for row in found[EDGES[0]]]
+    tables = [[line_stations(pair, one) for one in row] for row in found[EDGES[0]]]
     widest = max(table.shape[1] for row in tables for table in row)
     stacked = np.full((len(STATION), *shape[1:], widest), np.nan, dtype=np.float32)
     for i, k in np.ndindex(shape[1:]):

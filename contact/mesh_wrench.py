@@ -1,4 +1,4 @@
-"""Wrenches of the normal forces at the contact segments of a mesh cycle.
+"""Wrenches of the normal forces at the contact segments of a mesh cycle, and supports as modes of these.
 
 The force acts along the pinion's normal where it makes conjugate contact, and works on the rotation of the gear with
 the lever arm of the contact problem: so scaled, a motion of the members changes the separation of the contact problem
@@ -8,18 +8,26 @@ by its product with the wrench, exactly so to first order, and the moments about
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.attributes import ordered
-from ...core.checks import frozen_arrays
-from ...geometry.pair.gear_pair import PairGeometry, first_contact
-from ..lines.flank_splines import FlankSplines, fit
-from .support import unit_wrenches
+from ..core.attributes import ordered
+from ..core.checks import frozen_arrays
+from ..geometry.pair.gear_pair import PairGeometry, first_contact
+from .lines.flank_splines import FlankSplines, fit
+from .problem.modal_basis import ModalBasis, with_shared_modes
 
 Array = NDArray[Any]
+ROTATION_LENGTH = 100.0  # [mm]; makes rotations comparable with translations, matters for rounding alone
+DROPPED_SHARE = 1e-15  # of the greatest eigenvalue of the compliance
+
+
+def unit_wrenches(position: Array, normal: Array) -> Array:
+    """Wrenches (n, 6) about the origin of unit forces along normals (3, n) at positions (3, n) [mm]."""
+    return np.concatenate([normal, np.cross(position, normal, axis=0)]).T
 
 
 @frozen_arrays
@@ -76,3 +84,35 @@ class MeshWrenches:
             return np.stack([cosine * x - sine * y, sine * x + cosine * y, z])
 
         return np.concatenate([turned(force), turned(moment)])
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class SupportModes:
+    """Part of the supports in the contact problem of a mesh position."""
+
+    compliance: Array  # twist of pinion to gear for wrench on the pinion, about the origin (6, 6)
+    absorbed: Array  # twist (6) that is in the separations already
+
+    @cached_property
+    def mixing(self) -> Array:
+        """L (6, s) with L L' the compliance, of as few columns as it has directions."""
+        scale = np.repeat([1.0, ROTATION_LENGTH], 3)
+        values, vectors = np.linalg.eigh(self.compliance * np.outer(scale, scale))
+        kept = values > DROPPED_SHARE * max(values[-1], 0.0)
+        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]) / scale[:, None])
+
+    def twist(self, wrench: Array) -> Array:
+        """Twist (..., 6) of the pinion relative to the gear under wrenches (..., 6) on the pinion about the origin."""
+        return np.asarray(wrench @ self.compliance)
+
+    def basis(self, bending: ModalBasis, wrenches: Array) -> ModalBasis:
+        """The modes of the teeth with those of the supports, for unit wrenches (n, 6) at the segments."""
+        mixing = self.mixing
+        if mixing.shape[1] == 0:
+            return bending
+        return with_shared_modes(bending, wrenches, np.tile(mixing, (len(bending.blocks), 1, 1)))
+
+    def separation(self, separation: Array, wrenches: Array) -> Array:
+        """The separations (n) [mm] without what is absorbed in them."""
+        return np.asarray(separation - wrenches @ self.absorbed) if self.absorbed.any() else separation
