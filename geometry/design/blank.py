@@ -20,10 +20,9 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, Hand
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
-from .iso23509.blank_design import BlankDesign
-from .iso23509.blank_dimensions import BlankDimensions, MemberBlank, MemberFrame, gear_taper_angles, member_blank
+from .iso23509.blank_design import BlankDesign as BlankDesign
+from .iso23509.blank_dimensions import BlankDimensions as BlankDimensions, MemberBlank, MemberFrame, member_blank
 from .iso23509.pitch_cones import PitchCones, crown_gear, pitch_cones
-from .iso23509.symbols import ISO_INPUT_SYMBOLS, ISO_SYMBOLS, blank_design_from_symbols, dimensions_by_symbol
 from .iso23509.teeth import (
     PressureAngles,
     ToothDepth,
@@ -34,20 +33,6 @@ from .iso23509.teeth import (
     tooth_depth,
     width_in_pitch_plane,
 )
-
-__all__ = [
-    "ISO_INPUT_SYMBOLS",
-    "ISO_SYMBOLS",
-    "BlankDesign",
-    "BlankDimensions",
-    "MemberBlank",
-    "PitchCones",
-    "blank_design_from_symbols",
-    "blank_dimensions",
-    "dimensions_by_symbol",
-    "gear_taper_angles",
-    "pitch_cones",
-]
 
 
 @dataclass(frozen=True)
@@ -143,20 +128,17 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         pitch_angle=cones.pinion_pitch_angle,
         mean_cone_distance=cones.pinion_mean_cone_distance,
         mean_point_distance=mean.pinion_distance,
-        outer_width=width.outside,
-        inner_width=width.inside,
+        outer_face_width=width.outside,
+        inner_face_width=width.inside,
         face_angle=pinion_face.angle,
         root_angle=pinion_root.angle,
         face_apex=pinion_face.apex,
         root_apex=pinion_root.apex,
-        addendum=depth.addendum[0],
-        dedendum=depth.dedendum[0],
-        spiral_angles=(
-            outer_spiral + math.asin(plane_offset / outer_reach),
-            cones.pinion_mean_spiral_angle,
-            inner_spiral + math.asin(plane_offset / inner_reach),
-        ),
-        profile_shift_coefficient=depth.profile_shift_coefficient,
+        mean_addendum=depth.addendum[0],
+        mean_dedendum=depth.dedendum[0],
+        outer_spiral_angle=outer_spiral + math.asin(plane_offset / outer_reach),
+        mean_spiral_angle=cones.pinion_mean_spiral_angle,
+        inner_spiral_angle=inner_spiral + math.asin(plane_offset / inner_reach),
         thickness_modification_coefficient=changes[0],
     )
     gear = MemberFrame(
@@ -164,22 +146,23 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         pitch_angle=gear_angle,
         mean_cone_distance=gear_distance,
         mean_point_distance=mean.gear_distance,
-        outer_width=mean.gear_outer - gear_distance,
-        inner_width=gear_distance - mean.gear_inner,
+        outer_face_width=mean.gear_outer - gear_distance,
+        inner_face_width=gear_distance - mean.gear_inner,
         face_angle=face_angle,
         root_angle=root_angle,
         face_apex=face_apex,
         root_apex=root_apex,
-        addendum=depth.addendum[1],
-        dedendum=depth.dedendum[1],
-        spiral_angles=(gear_outer_spiral, cones.gear_mean_spiral_angle, crown.spiral_angle(mean.gear_inner)),
-        profile_shift_coefficient=-depth.profile_shift_coefficient,
+        mean_addendum=depth.addendum[1],
+        mean_dedendum=depth.dedendum[1],
+        outer_spiral_angle=gear_outer_spiral,
+        mean_spiral_angle=cones.gear_mean_spiral_angle,
+        inner_spiral_angle=crown.spiral_angle(mean.gear_inner),
         thickness_modification_coefficient=changes[1],
     )
-    pinion_blank = member_blank(pinion, mean.module, pressure.mean)
+    pinion_blank = member_blank(pinion, mean.module, pressure.mean, depth.profile_shift_coefficient)
     return BlankDimensions(
         pinion=pinion_blank,
-        gear=member_blank(gear, mean.module, pressure.mean),
+        gear=member_blank(gear, mean.module, pressure.mean, -depth.profile_shift_coefficient),
         shaft_angle=cones.shaft_angle,
         hypoid_offset=cones.hypoid_offset,
         gear_ratio=design.number_of_teeth[1] / design.number_of_teeth[0],
@@ -248,22 +231,41 @@ def _mean_point(design: BlankDesign, cones: PitchCones) -> _MeanPoint:
 def _gear_taper(
     design: BlankDesign, cones: PitchCones, mean: _MeanPoint, pressure: PressureAngles, depth: ToothDepth
 ) -> tuple[float, float]:
-    """Addendum and dedendum angle of the gear, as given or by the kind of taper [rad]."""
+    """Addendum and dedendum angle of the gear, as given or by the kind of taper [rad] (annex C.5).
+
+    Their sum over both members opens the roots towards the heel. Standard taper makes the depth proportional to the
+    cone distance; constant slot width (duplex) tilts the root line until a slot has the same width at toe and heel, so
+    that one cutter can finish both flanks; modified slot width (tilted root line) does the same up to 1.3 times the
+    standard sum.
+    """
+    taper, distance = design.depth_taper, cones.gear_mean_cone_distance
     if design.gear_addendum_angle is not None and design.gear_dedendum_angle is not None:
         return design.gear_addendum_angle, design.gear_dedendum_angle
-    return gear_taper_angles(
-        design.depth_taper or "uniform",
-        pinion_mean_dedendum=depth.dedendum[0],
-        gear_mean_dedendum=depth.dedendum[1],
-        gear_mean_addendum=depth.addendum[1],
-        mean_working_depth=depth.working_depth,
-        outer_transverse_module=mean.outer_module,
-        gear_outer_cone_distance=mean.gear_outer,
-        gear_mean_cone_distance=cones.gear_mean_cone_distance,
-        mean_normal_pressure_angle=pressure.mean,
-        gear_mean_spiral_angle=cones.gear_mean_spiral_angle,
-        cutter_radius=design.cutter_radius,
-    )
+    if taper == "uniform":
+        return 0.0, 0.0
+    # the gear's face cone follows the pinion's root cone (C.3, C.6 to C.8)
+    of_pinion = math.atan(depth.dedendum[0] / distance)
+    standard = of_pinion + math.atan(depth.dedendum[1] / distance)
+    if taper == "standard":
+        return of_pinion, standard - of_pinion
+    total = _constant_slot_width(design, cones, mean, pressure)
+    if taper == "modified_slot_width":
+        total = min(total, 1.3 * standard)
+    addendum_angle = total * depth.addendum[1] / depth.working_depth
+    return addendum_angle, total - addendum_angle
+
+
+def _constant_slot_width(design: BlankDesign, cones: PitchCones, mean: _MeanPoint, pressure: PressureAngles) -> float:
+    """Sum of both dedendum angles with constant slot width [rad] (C.5)."""
+    distance, spiral = cones.gear_mean_cone_distance, cones.gear_mean_spiral_angle
+    opening = 1.0 - distance * math.sin(spiral) / design.cutter_radius
+    if opening < 0.0:
+        raise GeometryError(
+            f"cutter_radius = {design.cutter_radius:g} mm: too small for this depth_taper, must be at least "
+            f"{distance * math.sin(spiral):g} mm"
+        )
+    width = mean.gear_outer * math.tan(pressure.mean) * math.cos(spiral)
+    return math.pi / 2 * mean.outer_module / width * opening
 
 
 def _normal_whole_depth(pinion: MemberBlank) -> float:
