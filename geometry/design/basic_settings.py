@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
 from ..cutting.machine import MachineSettings
 from ..flanks.blank_section import BlankSection
-from .blank import BlankDimensions, mean_point_angles
+from .blank import BlankDimensions, MeanPointAngles, mean_point_angles
 from .closest_fit import StandardSteps
 from .iso23509.blank_dimensions import MemberBlank
 
@@ -117,7 +117,7 @@ def formate_gear(
     >>> convex.settings == concave.settings, convex.settings.generated
     (True, False)
     """
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, None)
+    return _GearCut(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, None).flanks()
 
 
 def generated_gear(
@@ -136,159 +136,143 @@ def generated_gear(
     """
     gear = blank.gear
     ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, ratio)
+    return _GearCut(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, ratio).flanks()
 
 
-def _gear(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    groups: int,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    instance("blank", blank, BlankDimensions)
-    positive("cutter_radius", cutter_radius, "mm")
-    one_of("hand", hand, get_args(Hand))
-    truth("corrected", corrected)
-    instance("steps", steps, StandardSteps)
-    if whole("number_of_blade_groups", groups, 0, GROUP_COUNT_LIMIT):
-        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, steps, ratio)
-    return _face_milled(blank, cutter_radius, hand, corrected, steps, ratio)
+@dataclass(frozen=True)
+class _GearCut:
+    """How a gear is cut: Formate without a ratio of roll, face-milled without blade groups."""
 
+    blank: BlankDimensions
+    cutter_radius: float
+    hand: Hand
+    groups: int
+    corrected: bool
+    steps: StandardSteps
+    ratio: float | None
 
-def _machine_center(gear: MemberBlank, ratio: float | None) -> float:
-    """Machine centre to crossing point [mm].
+    def __post_init__(self) -> None:
+        instance("blank", self.blank, BlankDimensions)
+        positive("cutter_radius", self.cutter_radius, "mm")
+        one_of("hand", self.hand, get_args(Hand))
+        truth("corrected", self.corrected)
+        instance("steps", self.steps, StandardSteps)
+        whole("number_of_blade_groups", self.groups, 0, GROUP_COUNT_LIMIT)
 
-    The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
-    """
-    return gear.root_apex if ratio is None else gear.pitch_apex
+    def flanks(self) -> Flanks:
+        """Convex and concave flank."""
+        return self._face_hobbed() if self.groups else self._face_milled()
 
+    @property
+    def _machine_center(self) -> float:
+        """Machine centre to crossing point [mm].
 
-def _mean_point(gear: MemberBlank, ratio: float | None) -> tuple[float, float]:
-    """The mean point seen on the machine: distance from the cradle axis along the root line, height above it [mm]."""
-    axial = gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex
-    radial = gear.mean_cone_distance * math.sin(gear.pitch_angle)
-    sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
-    along = (axial + _machine_center(gear, ratio)) * cosine + radial * sine
-    return along, radial * cosine - (axial + gear.root_apex) * sine
+        The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
+        """
+        return self.blank.gear.root_apex if self.ratio is None else self.blank.gear.pitch_apex
 
+    @property
+    def _mean_point(self) -> tuple[float, float]:
+        """The mean point on the machine: distance from the cradle axis along the root line, height above it [mm]."""
+        gear, (axial, radial) = self.blank.gear, self.blank.gear.mean_point
+        sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
+        along = (axial + self._machine_center) * cosine + radial * sine
+        return along, radial * cosine - (axial + gear.root_apex) * sine
 
-def _machine(
-    gear: MemberBlank, horizontal: float, vertical: float, ratio: float | None, indexing_ratio: float = 0.0
-) -> MachineSettings:
-    center = _machine_center(gear, ratio)
-    return MachineSettings(
-        radial_distance=math.hypot(horizontal, vertical),
-        cradle_angle=math.atan2(vertical, horizontal),
-        machine_root_angle=gear.root_angle,
-        sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
-        machine_center_to_crossing_point=center,
-        ratio_of_roll=ratio,
-        indexing_ratio=indexing_ratio,
-    )
-
-
-def _face_milled(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, _ = _mean_point(gear, ratio)
-    spiral = gear.mean_spiral_angle
-    drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
-    slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
-    point_width = slot - gear.mean_dedendum * (math.tan(drive) + math.tan(coast))
-
-    def flanks(values: Array) -> Flanks:
-        horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
-        if width <= 0.0:
-            raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
-        settings = _machine(gear, horizontal, vertical, ratio)
-        inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
-        outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
-        return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
-
-    def error(values: Array) -> Array:
-        convex, concave = (mean_point_angles(flank, section, gear) for flank in flanks(values))
-        cut = (convex.azimuth - concave.azimuth) * gear.mean_pitch_diameter / 2.0 * math.cos(spiral)
-        return np.array(
-            [
-                (convex.spiral_angle + concave.spiral_angle) / 2.0 - spiral,
-                convex.azimuth + concave.azimuth,
-                (cut - slot) / cutter_radius,
-                convex.pressure_angle - drive,
-                concave.pressure_angle - coast,
-            ]
+    def _machine(self, horizontal: float, vertical: float) -> MachineSettings:
+        gear, center = self.blank.gear, self._machine_center
+        return MachineSettings(
+            radial_distance=math.hypot(horizontal, vertical),
+            cradle_angle=math.atan2(vertical, horizontal),
+            machine_root_angle=gear.root_angle,
+            sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
+            machine_center_to_crossing_point=center,
+            ratio_of_roll=self.ratio,
+            indexing_ratio=self.groups / gear.number_of_teeth,
         )
 
-    start = np.array(
-        [along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral), point_width, drive, coast]
-    )
-    solution = _corrected(error, start) if corrected else start
-    cutter = np.array([steps.width(solution[2]), steps.angle(solution[3]), steps.angle(solution[4])])
-    if np.array_equal(cutter, solution[2:]):
-        return flanks(solution)
-    place = solution[:2]
-    if corrected:
-        place = _corrected(lambda values: error(np.concatenate([values, cutter]))[:2], place)
-    return flanks(np.concatenate([place, cutter]))
+    def _angles(self, flank: GeneratingSurface) -> MeanPointAngles:
+        return mean_point_angles(flank, blank_section(self.blank.gear, self.blank.clearance), self.blank.gear)
 
+    def _face_milled(self) -> Flanks:
+        blank, gear, cutter_radius, hand = self.blank, self.blank.gear, self.cutter_radius, self.hand
+        along, spiral = self._mean_point[0], gear.mean_spiral_angle
+        drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
+        slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
+        point_width = slot - gear.mean_dedendum * (math.tan(drive) + math.tan(coast))
 
-def _face_hobbed(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    groups: int,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, height = _mean_point(gear, ratio)
-    lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
-    if not lead_sine < 1.0:
-        raise GeometryError(f"number_of_blade_groups = {groups}: too many for cutter_radius = {cutter_radius:g} mm")
-    lead = math.asin(lead_sine)
-    course = gear.mean_spiral_angle - lead
-    settings = _machine(
-        gear,
-        along - cutter_radius * math.sin(course),
-        cutter_radius * math.cos(course),
-        ratio,
-        groups / gear.number_of_teeth,
-    )
-
-    def flank(side: BladeSide, pressure_angle: float) -> GeneratingSurface:
-        def surface(values: Array) -> GeneratingSurface:
-            radius, angle = float(values[0]) * cutter_radius, float(values[1])
-            return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, hand, 1)
+        def flanks(values: Array) -> Flanks:
+            horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
+            if width <= 0.0:
+                raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
+            settings = self._machine(horizontal, vertical)
+            inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
+            outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
+            return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
 
         def error(values: Array) -> Array:
-            angles = mean_point_angles(surface(values), section, gear)
-            return np.array([angles.spiral_angle - gear.mean_spiral_angle, angles.pressure_angle - pressure_angle])
+            convex, concave = map(self._angles, flanks(values))
+            cut = (convex.azimuth - concave.azimuth) * gear.mean_pitch_diameter / 2.0 * math.cos(spiral)
+            return np.array(
+                [
+                    (convex.spiral_angle + concave.spiral_angle) / 2.0 - spiral,
+                    convex.azimuth + concave.azimuth,
+                    (cut - slot) / cutter_radius,
+                    convex.pressure_angle - drive,
+                    concave.pressure_angle - coast,
+                ]
+            )
 
-        start = np.array([1.0, pressure_angle])
-        solution = _corrected(error, start) if corrected else start
-        angle = np.array([steps.angle(solution[1])])
-        if angle[0] == solution[1]:
-            return surface(solution)
-        radius = (
-            _corrected(lambda values: error(np.concatenate([values, angle]))[:1], solution[:1])
-            if corrected
-            else solution[:1]
+        def to_steps(cutter: Array) -> Array:
+            return np.array([self.steps.width(cutter[0]), *map(self.steps.angle, cutter[1:])])
+
+        horizontal, vertical = along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral)
+        return flanks(self._settled(error, np.array([horizontal, vertical, point_width, drive, coast]), 2, to_steps))
+
+    def _face_hobbed(self) -> Flanks:
+        blank, gear, cutter_radius = self.blank, self.blank.gear, self.cutter_radius
+        along, height = self._mean_point
+        lead_sine = self.groups * blank.mean_normal_module / (2.0 * cutter_radius)
+        if not lead_sine < 1.0:
+            raise GeometryError(
+                f"number_of_blade_groups = {self.groups}: too many for cutter_radius = {cutter_radius:g} mm"
+            )
+        lead = math.asin(lead_sine)
+        course = gear.mean_spiral_angle - lead
+        settings = self._machine(along - cutter_radius * math.sin(course), cutter_radius * math.cos(course))
+
+        def flank(side: BladeSide, pressure_angle: float) -> GeneratingSurface:
+            def surface(values: Array) -> GeneratingSurface:
+                radius, angle = float(values[0]) * cutter_radius, float(values[1])
+                return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, self.hand, 1)
+
+            def error(values: Array) -> Array:
+                angles = self._angles(surface(values))
+                return np.array([angles.spiral_angle - gear.mean_spiral_angle, angles.pressure_angle - pressure_angle])
+
+            def to_steps(angle: Array) -> Array:
+                return np.array([self.steps.angle(angle[0])])
+
+            return surface(self._settled(error, np.array([1.0, pressure_angle]), 1, to_steps))
+
+        return (
+            flank("inside", float(blank.generated_drive_pressure_angle)),
+            flank("outside", float(blank.generated_coast_pressure_angle)),
         )
-        return surface(np.concatenate([radius, angle]))
 
-    return (
-        flank("inside", float(blank.generated_drive_pressure_angle)),
-        flank("outside", float(blank.generated_coast_pressure_angle)),
-    )
+    def _settled(
+        self, error: Callable[[Array], Array], start: Array, first: int, to_steps: Callable[[Array], Array]
+    ) -> Array:
+        """Values without errors; those of the cutter, from ``first`` on, at steps and the others corrected anew."""
+        solution = self._solved(error, start)
+        cutter = to_steps(solution[first:])
+        if np.array_equal(cutter, solution[first:]):
+            return solution
+        place = self._solved(lambda values: error(np.concatenate([values, cutter]))[:first], solution[:first])
+        return np.concatenate([place, cutter])
+
+    def _solved(self, error: Callable[[Array], Array], start: Array) -> Array:
+        return _corrected(error, start) if self.corrected else start
 
 
 def hobbing_blade(

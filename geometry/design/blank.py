@@ -289,10 +289,7 @@ class MeanPointAngles:
 
 def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member: MemberBlank) -> MeanPointAngles:
     """Angles of a flank at the mean point of its blank; GeometryError if it does not pass through that point."""
-    sine, cosine = math.sin(member.pitch_angle), math.cos(member.pitch_angle)
-    axial = member.mean_cone_distance * cosine - member.pitch_apex
-    radial = member.mean_cone_distance * sine
-    flank = solve_flank(surface, section, np.array([axial]), np.array([radial]))
+    flank = solve_flank(surface, section, *np.array(member.mean_point)[:, None])
     position, normal = flank.position[:, 0], flank.normal[:, 0]
     if not np.all(np.isfinite(position)):
         raise GeometryError("the flank does not pass through the mean point of its blank")

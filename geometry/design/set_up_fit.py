@@ -34,7 +34,6 @@ from ..tooth.tooth_surface import tip_gap
 from .blank import BlankDimensions
 from .closest_fit import BLANK_ADVICE, StandardSteps, residual_limits
 from .ease_off_residual import EaseOffResidual, Tie
-from .iso23509.blank_dimensions import MemberBlank
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
 from .root_line import RootLine, root_gap
 from .synthesis import EaseOffTarget, Synthesis, root_cost
@@ -56,13 +55,11 @@ class MeanSlot:
         cls, concave: GeneratingSurface, convex: GeneratingSurface, section: BlankSection, blank: BlankDimensions
     ) -> MeanSlot:
         """The slot of the pinion of a blank. Raises GeometryError if the cutter meets no tooth of it."""
-        member: MemberBlank = blank.pinion
-        axial = member.mean_cone_distance * math.cos(member.pitch_angle) - member.pitch_apex
-        radial = member.mean_cone_distance * math.sin(member.pitch_angle)
-        point = np.array([[axial], [radial]])
+        member = blank.pinion
+        point = np.array(member.mean_point)[:, None]
         parameters = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
         wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness
-        return cls(point, radial * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
+        return cls(point, point[1, 0] * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
 
     def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Normal width of the slot that two flanks of one set-up leave [mm]; NaN where a flank is not found."""

@@ -69,6 +69,12 @@ class MemberBlank(MemberFrame):
     mean_normal_chordal_thickness: Annotated[float, "smnc"]
     mean_chordal_addendum: Annotated[float, "hamc"]
 
+    @property
+    def mean_point(self) -> tuple[float, float]:
+        """Axial and radial coordinate of the mean point [mm]."""
+        sine, cosine = math.sin(self.pitch_angle), math.cos(self.pitch_angle)
+        return self.mean_cone_distance * cosine - self.pitch_apex, self.mean_cone_distance * sine
+
 
 @dataclass(frozen=True, kw_only=True)
 class BlankDimensions:
