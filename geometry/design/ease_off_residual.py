@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import array
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.flank import Flank
-from ..pair.ease_off import EaseOff, angle_near, sheet_area
-from ..pair.gear_pair import GearPair
+from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
+from ..pair.gear_pair import GearPair, grid
 from ..vectors import dot
 from .root_line import RootLine
 
@@ -23,6 +24,7 @@ Tie = Callable[[Mapping[str, float]], Mapping[str, float]]
 
 MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet
 ROOT_WEIGHT = 50.0  # [um/mm]
+TOO_FEW_NODES = "pinion and gear flank meet on too few nodes to fit the pinion's settings"
 
 
 @dataclass
@@ -50,7 +52,7 @@ class EaseOffResidual:
         self.parameters = self.known.pinion_parameters
         self.usable = np.isfinite(self.known.angle)
         if not np.any(self.usable):
-            raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+            raise GeometryError(TOO_FEW_NODES)
         area = sheet_area(self.known.motion, self.parameters)
         middle = float(np.median(area[self.usable]))
         self.sheet = float(np.sign(middle))
@@ -61,6 +63,31 @@ class EaseOffResidual:
         self.lever = self.known.lever_arm[self.usable]
         self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
 
+    @classmethod
+    def of(
+        cls,
+        pair: GearPair,
+        target: Callable[[Array, Array], Array],
+        free: Sequence[str],
+        nodes: tuple[int, int],
+        fold_margin: float,
+        *,
+        follow_root: bool = False,
+        wanted_root: Array | None = None,
+        tie: Tie | None = None,
+    ) -> EaseOffResidual:
+        """Residuals at even nodes of the gear flank; GeometryError if the flanks meet on too few of them."""
+        t, h = grid(nodes)
+        gear, pinion = pair.gear.flank(t, h), pair.pinion
+        on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+        wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
+        known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
+        root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
+        residual = cls(pair, gear, wanted, free, known, root_line, fold_margin, wanted_root, tie)
+        if residual.lever.size < 2 * len(free):
+            raise GeometryError(TOO_FEW_NODES)
+        return residual
+
     def settings(self, steps: Array) -> dict[str, float]:
         """Settings that moved, and those tied to them, at steps (m) of ``named_settings.scale_of``."""
         values = dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
@@ -69,6 +96,19 @@ class EaseOffResidual:
     def surface(self, steps: Array) -> GeneratingSurface:
         """The pinion flank at steps (m)."""
         return with_settings(self.start, self.settings(steps))
+
+    def left(self, steps: Array, advice: str = "") -> Array:
+        """Ease-off less target at the usable nodes [mm] that steps (m) leave; GeometryError if not that of the flank.
+
+        The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
+        """
+        left = 1e-3 * self(steps)[: self.lever.size]
+        fresh = exact_ease_off(self.gear, self.surface(steps), self.pair.pinion.section, self.pair.assembly)
+        if not np.allclose(self.error(fresh.angle), left, rtol=0.0, atol=1e-6):
+            raise GeometryError(
+                f"the fitted settings cut the blank with another part of the cutter than the fit followed{advice}"
+            )
+        return left
 
     def error(self, angle: Array) -> Array:
         """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""

@@ -9,15 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.checks import array, check_fields, frozen_arrays, instance, positive, truth, words
-from ...core.errors import GeometryError
+from ...core.checks import check_fields, frozen_arrays, instance, positive, truth, words
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
-from ..pair.ease_off import exact_ease_off
-from ..pair.gear_pair import GearPair, grid
+from ..pair.gear_pair import GearPair
 from ..tooth.tooth_surface import tip_gap
 from .ease_off_residual import ROOT_WEIGHT, EaseOffResidual
-from .root_line import RootLine
 
 Array = NDArray[Any]
 
@@ -198,15 +195,7 @@ def fit_pinion(
     from scipy.optimize import least_squares
 
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
-    t, h = grid(nodes)
-    gear, pinion = pair.gear.flank(t, h), pair.pinion
-    on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
-    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
-    root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-    fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)
-    if fit.lever.size < 2 * len(names):
-        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+    fit = EaseOffResidual.of(pair, target, names, nodes, fold_margin, follow_root=follow_root, wanted_root=wanted_root)
     # A straight blade has no radius: begin a little curved.
     curved = np.array([name in CURVATURE_STEPS for name in names])
     solution = least_squares(
@@ -224,12 +213,5 @@ def fit_pinion(
     )
     values, surface = fit.settings(solution.x), fit.surface(solution.x)
     moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
-    left = 1e-3 * fit(solution.x)[: fit.lever.size]
-    # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
-    fresh = exact_ease_off(gear, surface, pinion.section, pair.assembly)
-    if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
-        raise GeometryError(
-            "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
-            f"settings than {', '.join(names)}, or start nearer to the target"
-        )
-    return Synthesis(surface, moved, left, tip_gap(surface, pinion.section))
+    left = fit.left(solution.x, f": free fewer settings than {', '.join(names)}, or start nearer to the target")
+    return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
