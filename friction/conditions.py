@@ -7,13 +7,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, frozen_arrays, one_of, positive
 from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
 from .lubricants.lubricant import THERMAL_CONDUCTIVITY
 
-Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
 
 

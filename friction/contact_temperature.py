@@ -41,10 +41,10 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ellipe, ellipk, k0e, kve
 
+from ..core.arrays import Array
 from ..core.checks import array, frozen_arrays, instances, positive, two, whole
 from .thermal_material import ThermalMaterial
 
-Array = NDArray[Any]
 OVER = ("torque", "speed", "temperature", "roughness")
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance
 from .coefficient import CoefficientModel
@@ -20,7 +20,6 @@ from .losses import losses
 from .lubricants.lubricant import lubricant
 from .operation import FrictionModel, Operation, checked_model
 
-Array = NDArray[Any]
 KEPT_VALUES_LIMIT = 3_000_000  # of a field over segments that is kept without being asked for
 FORMULA_OIL = "75w90"  # of the dissertation's formula
 OIL_TOLERANCE = 0.02  # of viscosity and pressure-viscosity coefficient, within which an oil is the formula's

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from ..contact.line_contact.line_contact_law import solve_line_contacts
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SolverChoice, Status
+from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
@@ -32,7 +32,6 @@ from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, p
 from .losses import losses
 from .operation import FrictionModel, Operation, checked_model
 
-Array = NDArray[Any]
 ITERATION_LIMIT = 30
 TORQUE_TOLERANCE = 1e-11  # of the torque
 

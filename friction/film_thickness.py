@@ -23,11 +23,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import one_of
-
-Array = NDArray[Any]
 
 
 def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, instance
 from .conditions import ContactConditions
 
-Array = NDArray[Any]
 Flags = NDArray[np.uint16]
 
 #: Flags of all formulas: an input is clamped to the end of its range, or the formula continued beyond it.

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import ContactConditions
 from .contact_temperature import flash_temperature
@@ -22,7 +21,6 @@ from .loaded_contacts import LoadedContacts
 from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
 
-Array = NDArray[Any]
 TOLD_FACTOR = "gupta_cheng"  # by which the film's thinning is told where the model leaves it out
 BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cache
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
@@ -26,7 +26,6 @@ from .thermal_material import (
     by_member,
 )
 
-Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
 ByMember = float | tuple[float, float]

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import instance, one_of
 from .conditions import ContactConditions
 from .film_thickness import THERMAL_FACTORS
-
-Array = NDArray[Any]
 
 
 def isothermal_traction(conditions: ContactConditions) -> Array:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...core import checks
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .asperities import Asperities
@@ -17,7 +18,6 @@ from .lubricated_contact import LubricatedContact
 from .reynolds_equation import (
     ROUGH,
     SMOOTH,
-    Array,
     Certificate,
     Outcome,
     Problem,

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import checks
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ...core.memory import require_memory
@@ -23,7 +24,6 @@ from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
 from .reynolds_equation import (
     ROUGH,
-    Array,
     History,
     Outcome,
     Point,

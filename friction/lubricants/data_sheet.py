@@ -19,10 +19,11 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import array, instance, number, one_of
 from ...core.errors import InputError
 from ...core.output_file import whole_file
-from .lubricant import KELVIN, THERMAL_CONDUCTIVITY, WALTHER_VISCOSITY, Array, Lubricant
+from .lubricant import KELVIN, THERMAL_CONDUCTIVITY, WALTHER_VISCOSITY, Lubricant
 
 #: s [1/Pa] and t of ISO/TS 6336-22, Eq. 9 to 11, with the viscosity in Pa s.
 ISO_CONSTANTS = {"mineral": (2.657e-8, 0.1348), "pao": (1.466e-8, 0.0507), "pag": (1.392e-8, 0.1572)}

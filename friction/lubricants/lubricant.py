@@ -19,12 +19,12 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import array, frozen_arrays, instance, number, one_of, shown
 from ...core.errors import InputError, suggestion
 from ...core.regular_file import TOML_SIZE_LIMIT, named, read_text
 from ...core.toml_text import toml_tables
 
-Array = NDArray[Any]
 Interpolation = Literal["walther", "log_linear"]
 OutOfRange = Literal["error", "clamp"]
 LUBRICANTS_FOLDER = Path(__file__).parent

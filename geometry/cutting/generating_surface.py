@@ -25,13 +25,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import check_fields, frozen_arrays
 from ..newton import NewtonResult, complex_steps, solve_by
 from ..vectors import cos_sin, cross, dot
 from .blade import Blade, BladeSection, SectionName
 from .machine import IncrementSense, MachinePose, MachineSettings, machine_pose
 
-Array = NDArray[Any]
 Velocity = tuple[Array, Array]
 
 ITERATION_LIMIT = 12  # from a start within a few degrees; five are usual

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance, one_of, positive, truth, whole
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
@@ -20,7 +20,6 @@ from .blank import BlankDimensions, MeanPointAngles, mean_point_angles
 from .closest_fit import StandardSteps
 from .iso23509.blank_dimensions import MemberBlank
 
-Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
 NO_STEPS = StandardSteps()
 GROUP_COUNT_LIMIT = 100  # of a face-hobbing cutter

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, Hand
@@ -273,9 +272,6 @@ def _normal_whole_depth(pinion: MemberBlank) -> float:
     along_face = (pinion.face_apex + pinion.crown_distance) / math.cos(pinion.face_angle)
     depth = along_face * math.sin(pinion.addendum_angle + pinion.dedendum_angle)
     return depth - (pinion.root_apex - pinion.face_apex) * math.sin(pinion.root_angle)
-
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

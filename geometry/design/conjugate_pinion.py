@@ -19,8 +19,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import instance, number
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
@@ -29,8 +29,6 @@ from ..cutting.machine import MachineSettings, machine_pose
 from ..pair.assembly import Assembly
 from ..vectors import rotate_z
 from .blank import BlankDimensions
-
-Array = NDArray[np.float64]
 
 
 def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: float) -> GeneratingSurface:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import array
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -19,7 +18,6 @@ from ..pair.gear_pair import GearPair, grid
 from ..vectors import dot
 from .root_line import RootLine
 
-Array = NDArray[Any]
 Tie = Callable[[Mapping[str, float]], Mapping[str, float]]
 
 MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
 from ..newton import complex_steps, cramers_rule, solve
-
-Array = NDArray[Any]
 
 LENGTHWISE_FRACTIONS = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
 PROFILE_FRACTIONS = (0.15, 0.3, 0.45)  # of the nodes: near the root, or higher up where no flank is cut there

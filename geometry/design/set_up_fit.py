@@ -17,11 +17,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
@@ -36,8 +35,6 @@ from .ease_off_residual import EaseOffResidual
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
 from .root_line import root_gap
 from .synthesis import EaseOffTarget, Synthesis, root_cost
-
-Array = NDArray[Any]
 
 
 @dataclass

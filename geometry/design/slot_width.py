@@ -16,16 +16,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from .iso23509.pitch_cones import CrownGear, crown_gear
 from .tooth_proportions import ToothProportions
-
-Array = NDArray[Any]
 
 PLACES = ("toe", "mean", "heel")
 

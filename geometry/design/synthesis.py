@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import check_fields, frozen_arrays, instance, positive, truth, words
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS
 from ..pair.gear_pair import GearPair
 from ..tooth.tooth_surface import tip_gap
 from .ease_off_residual import ROOT_WEIGHT, EaseOffResidual
-
-Array = NDArray[Any]
 
 # Without tilt and swivel: their effects are nearly those of other settings, which makes the fit ill-conditioned.
 FREE_SETTINGS = (

@@ -12,19 +12,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, scale_of, setting_step, with_settings
 from ..design.root_line import RootLine
 from ..tooth.tooth_flanks import side
 from .deviated_flank import RecutFlank
 from .machine_set_up import BLADE_SETTINGS
-
-Array = NDArray[Any]
 
 EFFECT_LIMIT = 1e-4  # [mm]; root mean square effect of a usual step below which a combination is not determined
 GIVEN_UP = 0.01  # of a departure's root mean square, the most that combinations of little effect may leave of it in all

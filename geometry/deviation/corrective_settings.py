@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, instance, number, truth, words
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
@@ -28,8 +28,6 @@ from .correction_fit import LooseCombination, SetUpFit, rotations
 from .deviated_flank import RecutFlank
 from .deviation import Deviation, zeroed
 from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
-
-Array = NDArray[Any]
 
 MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found may not cut
 

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import check_fields, frozen_arrays
 from ...core.errors import GeometryError
-
-Array = NDArray[np.float64]
 
 
 @frozen_arrays

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled, units_of
 from ...core.checks import file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
@@ -22,8 +22,6 @@ from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import PlacedFlank, placed_flanks, side
 from . import csv_points as cmm_csv
-
-Array = NDArray[Any]
 
 FORMAT = "easeoff measurement points"
 GRID_FORMAT = "easeoff measured grid"

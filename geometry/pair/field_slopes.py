@@ -19,11 +19,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import Flank, on_parts
 from ..vectors import dot
@@ -31,8 +31,6 @@ from .ease_off import EaseOff, drift
 from .gear_pair import GearPair, PairGeometry, first_contact
 from .modification import Modification
 from .near_pair import KnownPair, NearPair, Origin, PairSetting, at_places, rate, uneven
-
-Array = NDArray[Any]
 
 STEP_SHARE = 0.02  # of the usual step of a setting, at most
 UNEVENNESS_LIMIT = 3e-4  # of the separation skew, which bends most: truncation is near the square, rounding 1e-8

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import flag_attributes, labelled
 from ...core.checks import check_fields, frozen_arrays, instance, two_whole
 from ...core.errors import InputError
@@ -24,7 +24,6 @@ from .assembly import Assembly, Misalignment
 from .ease_off import Drift, EaseOff, drift, exact_ease_off
 from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surface, tooth_body
 
-Array = NDArray[Any]
 STATUS = flag_attributes({int(s): s.name for s in NodeStatus})
 
 

@@ -9,19 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ..flanks.flank import Flank, solve_flank
 from .assembly import Misalignment
 from .gear_pair import GearPair, Member, spiral_cosine, thickness_per_angle, tooth_angles
 from .near_pair import PairSetting
 from .tooth_body import middle_angle, opposite_surface
-
-Array = NDArray[Any]
 
 STEP_SHARE = 1e-3  # of the usual step of a setting
 TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch

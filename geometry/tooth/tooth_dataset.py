@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import flag_attributes, labelled
 from ..flanks.blank_section import BlankSection
 from ..pair.gear_pair import GearPair
 from .tooth_surface import ToothSide, ToothSurface, tooth_surface
-
-Array = NDArray[Any]
 
 THICKNESS_LEVELS = 21
 REGION_FLAGS = flag_attributes({0: "fillet", 1: "flank"})

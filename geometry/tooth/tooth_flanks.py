@@ -7,11 +7,11 @@ about the axis until the tooth has the thickness the pair gives it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance, one_of
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -21,7 +21,6 @@ from ..pair.gear_pair import MEMBERS, GearPair, Member, tooth_angles
 from ..pair.tooth_body import middle_angle, opposite_surface
 from ..vectors import rotate_z
 
-Array = NDArray[Any]
 Side = Literal["concave", "convex"]
 MemberName = Literal["pinion", "gear"]
 

@@ -25,11 +25,11 @@ The gear body under one tooth and beyond its ends, in the sections of the tooth'
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, instance, positive, two_whole, whole
 from ...core.errors import GeometryError, InputError
 from ..flanks.blank_section import BlankSection
@@ -37,8 +37,6 @@ from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

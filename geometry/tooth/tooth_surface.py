@@ -19,11 +19,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -35,8 +35,6 @@ from ..pair.gear_pair import GearPair, Member
 from ..pair.tooth_body import Z_AXIS
 from ..vectors import cross, rotate
 from .tooth_flanks import PlacedFlank, Side, named_member, placed_flanks, side, tooth_angle
-
-Array = NDArray[Any]
 
 FLANK_NODES_MINIMUM = 5  # in each direction
 FILLET_NODES = 9

@@ -41,8 +41,9 @@ if TYPE_CHECKING:
     from ...cases.schema.friction_table import FrictionTable
     from ...contact.supports.assembly_rounds import AssemblyRounds
     from ...contact.supports.support import LoadedSupports
+    from ...core.arrays import Array
     from ...friction import FrictionModel, Lubricant, Operation
-    from ...friction.operation import Array, Numbers, Roughness
+    from ...friction.operation import Numbers, Roughness
 
 
 def with_friction(

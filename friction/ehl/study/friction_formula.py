@@ -26,6 +26,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ....core import checks
+from ....core.arrays import RealArray as Array
 from ....core.checks import frozen_arrays
 from ....core.errors import InputError
 from ....core.output_file import check_writable, whole_file
@@ -35,7 +36,6 @@ from ...kolivand_formula import Flags, combined_flags
 from ..reynolds_equation import Status
 from .study_design import oil_75w90
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
 VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
