@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from iso23509_symbols import blank_design_from_symbols
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
@@ -19,7 +20,6 @@ from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.design.edge_radius import rounded
-from easeoff.geometry.design.iso23509.symbols import blank_design_from_symbols
 from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
 from easeoff.geometry.design.tooth_proportions import ToothProportions, measured_proportions
 from easeoff.geometry.pair.backlash import circular_backlash, filling_thickness

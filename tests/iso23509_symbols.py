@@ -11,9 +11,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, get_type_hints
 
-from ....core.errors import InputError
-from .blank_design import BlankDesign
-from .blank_dimensions import BlankDimensions, MemberBlank
+from easeoff import InputError
+from easeoff.geometry import BlankDesign, BlankDimensions
+from easeoff.geometry.design.iso23509.blank_dimensions import MemberBlank
 
 
 def _symbols(owner: type) -> dict[str, str]:
