@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..core.errors import InputError, printable, shortened
 from ..core.regular_file import LINE_LENGTH_LIMIT, named, read_text
-from ..geometry.formats.separated_text import cells, comment, excerpt, separator
+from ..geometry.formats.csv_points import cells, comment, excerpt, separator
 from .mistakes import LINE_COUNT_LIMIT
 
 if TYPE_CHECKING:

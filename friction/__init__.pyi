@@ -10,6 +10,7 @@ from .efficiency import friction as friction
 from .feedback import friction_feedback as friction_feedback
 from .film_thickness import FILM_FACTORS as FILM_FACTORS, FILMS as FILMS, THERMAL_FACTORS as THERMAL_FACTORS
 from .kolivand_formula import formula_flags as formula_flags
+from .losses import rolling_traction as rolling_traction
 from .lubricants.data_sheet import data_sheet_lubricant as data_sheet_lubricant, write_lubricant as write_lubricant
 from .lubricants.lubricant import (
     Lubricant as Lubricant,
@@ -18,6 +19,5 @@ from .lubricants.lubricant import (
     lubricant as lubricant,
 )
 from .operation import FrictionModel as FrictionModel, Operation as Operation
-from .rolling_traction import rolling_traction as rolling_traction
 
 __all__: list[str]

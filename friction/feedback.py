@@ -26,8 +26,7 @@ from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
-from .efficiency import OPERATION, friction
-from .least_film import with_least_film
+from .efficiency import OPERATION, friction, with_least_film
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .losses import losses
 from .operation import FrictionModel, Operation, checked_model

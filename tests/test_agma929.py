@@ -19,11 +19,10 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.design.edge_radius import rounded
-from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands, rounded
 from easeoff.geometry.design.tooth_proportions import ToothProportions, measured_proportions
-from easeoff.geometry.pair.backlash import circular_backlash, filling_thickness
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
+from easeoff.geometry.pair.tooth_thickness import circular_backlash, filling_thickness
 from easeoff.geometry.tooth import tooth_surface as tooth_surface_module
 from easeoff.geometry.tooth.tooth_flanks import MemberName, PlacedFlank, placed_flanks, side
 from easeoff.geometry.tooth.tooth_surface import ToothSide, contact_heights, land_widths, tooth_side, tooth_surface

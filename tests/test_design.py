@@ -37,9 +37,9 @@ from easeoff.geometry import BlankDimensions, FlankName, blank_dimensions, ease_
 from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.design.closest_fit import residual_limits
 from easeoff.geometry.design.pinion_method import PinionMethod
-from easeoff.geometry.pair.backlash import circular_backlash
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import bodies, grid
+from easeoff.geometry.pair.tooth_thickness import circular_backlash
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect
 from easeoff.study.analysis.key_numbers import key_numbers
 from easeoff.study.design import case_design

@@ -24,8 +24,7 @@ from ..cutting.named_settings import get_setting, step_count, with_settings
 from ..pair.gear_pair import FlankName, GearPair
 from ..tooth.tooth_surface import tip_gap
 from .pinion_method import ADVICE
-from .root_line import root_gap
-from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost
+from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost, root_gap
 
 SMALL_RESIDUAL = 0.001  # [mm]; a smaller residual is good for any target
 GOOD_SHARE = 0.1  # of the target's range; a smaller residual is good

@@ -10,26 +10,27 @@ from functools import partial
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..pair.assembly import Assembly
-from ..pair.backlash import filling_thickness
 from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
 from ..pair.tooth_body import middle_angle
-from ..pair.tooth_thickness import mid_flank_thickness
+from ..pair.tooth_thickness import filling_thickness, mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
 from .basic_settings import NO_STEPS, Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .closest_fit import BLANK_ADVICE, StandardSteps, best_fit, require_usable
 from .conjugate_pinion import conjugate_pinion, crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import (
+from .pinion_method import ADVICE, PinionMethod, SettingLimits
+from .set_up_fit import along_the_root, best_set_up
+from .slot_width import (
+    EdgeRadiusLimits,
+    SlotWidths,
     ToothCheck,
+    ToothLine,
     allowed_edge_radius,
     fitting_edge_radius,
     require_whole_tooth,
     rounded,
     usual_edge_radii,
 )
-from .pinion_method import ADVICE, PinionMethod, SettingLimits
-from .set_up_fit import along_the_root, best_set_up
-from .slot_width import EdgeRadiusLimits, SlotWidths, ToothLine
 from .synthesis import EaseOffTarget, Synthesis
 from .tooth_proportions import ToothProportions
 

@@ -31,10 +31,8 @@ from ..pair.gear_pair import FlankName, GearPair
 from ..tooth.tooth_surface import tip_gap
 from .blank import BlankDimensions
 from .closest_fit import BLANK_ADVICE, StandardSteps, first_good, is_good, started_from
-from .ease_off_residual import EaseOffResidual
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
-from .root_line import root_gap
-from .synthesis import EaseOffTarget, Synthesis, root_cost
+from .synthesis import EaseOffResidual, EaseOffTarget, Synthesis, root_cost, root_gap
 
 
 @dataclass

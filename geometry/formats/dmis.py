@@ -23,7 +23,7 @@ from ...core.checks import one_of
 from ...core.errors import InputError
 from ...core.regular_file import LINE_LENGTH_LIMIT
 from . import csv_points as cmm_csv
-from .separated_text import excerpt
+from .csv_points import excerpt
 
 LABEL_PATTERN = re.compile(r"(CONCAVE|CONVEX)\D+(\d{1,6})\D+(\d{1,6})")
 FEATURE_PATTERN = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
