@@ -28,7 +28,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import Flank, on_parts
 from ..vectors import dot
 from .ease_off import EaseOff, drift
-from .gear_pair import GearPair, PairGeometry, first_contact
+from .gear_pair import NODE_FIELDS, GearPair, PairGeometry, first_contact
 from .modification import Modification
 from .near_pair import KnownPair, NearPair, Origin, PairSetting, at_places, rate, uneven
 
@@ -104,8 +104,7 @@ class _Fields:
             "put_in": put_in.reshape(nodes),
             "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
         }
-        scalars = ("roll_angle", "lever_arm", "separation_curvature", "separation_skew")
-        for name in (*scalars, "pinion_lengthwise", "pinion_profile", "blade_distance"):
+        for name in (*NODE_FIELDS, "blade_distance"):
             values[name] = getattr(exact, name).reshape(nodes)
         for name in ("action_position", "action_normal"):
             values[name] = np.moveaxis(getattr(exact, name).reshape(3, *nodes), 0, -1)

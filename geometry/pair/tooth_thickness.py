@@ -24,7 +24,6 @@ from .assembly import Misalignment
 from .ease_off import exact_ease_off
 from .gear_pair import GearPair, Member, grid, spiral_cosine, thickness_per_angle, tooth_angles
 from .near_pair import PairSetting
-from .tooth_body import middle_angle, opposite_surface
 
 STEP_SHARE = 1e-3  # of the usual step of a setting
 TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch
@@ -126,7 +125,7 @@ def mean_normal_thickness(member: Member, mid_flank_thickness: float, distance: 
 def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
     """Normal arc per angle on the pitch cone [mm/rad], and by what angle the tooth is thicker there than mid-flank."""
     front, back = flanks = _mean_flanks(member, distance)
-    turn, middle = middle_angle(member.section, member.loaded, member.opposite or opposite_surface(member.loaded))
+    turn, middle = member.middle_angle()
     if not math.isfinite(middle):
         raise GeometryError("a flank does not pass through the middle of its blank")
     ends = [math.atan2(flank.position[1, 0], flank.position[0, 0]) for flank in (front, back)]
@@ -136,8 +135,7 @@ def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
 def _mean_flanks(member: Member, distance: float) -> list[Flank]:
     """The loaded flank and the other one at the mean point, one node each."""
     axial, radial = member.section.on_pitch_cone(distance)[:, None]
-    surfaces = (member.loaded, member.opposite or opposite_surface(member.loaded))
-    flanks = [solve_flank(surface, member.section, axial, radial) for surface in surfaces]
+    flanks = [solve_flank(surface, member.section, axial, radial) for surface in (member.loaded, member.other)]
     if not all(np.isfinite(flank.position).all() for flank in flanks):
         raise GeometryError("a flank does not pass through the mean point of its blank")
     return flanks
@@ -195,14 +193,9 @@ def _filling_angle(pair: GearPair, gear_angle: float) -> float:
         surface = exact_ease_off(side.gear.flank(t, h), side.pinion.loaded, side.pinion.section, side.assembly)
         touching.append(float(surface.angle[surface.inside].min()))
         senses.append(surface.motion.pinion_sense)
-    turn, as_cut = _as_cut(pair.gear)
+    turn, as_cut = pair.gear.middle_angle()
     gear_rotation = turn * (gear_angle - as_cut)
     # Each side touches where the gear is turned by its least ease-off against its own sense of drive.
     rotation = -pair.assembly.ratio * (gear_rotation + senses[0] * sum(touching))
-    turn, as_cut = _as_cut(pair.pinion)
+    turn, as_cut = pair.pinion.middle_angle()
     return float(np.mod(as_cut + turn * rotation, 2.0 * np.pi / pair.pinion.teeth))
-
-
-def _as_cut(member: Member) -> tuple[float, float]:
-    """Sense of rotation into the tooth, and the angle between the middles of its flanks, see ``middle_angle``."""
-    return middle_angle(member.section, member.loaded, member.from_opposite.loaded)

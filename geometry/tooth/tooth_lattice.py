@@ -509,10 +509,9 @@ def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Ar
     return LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
 
 
-def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:
-    """Values up the whole side and the index of the lattice's corner."""
-    corner = round(CORNER_SHARE * (side.fillet.shape[2] - 1))
-    return np.concatenate([fillet[:, :, :-1], flank], axis=2), corner
+def _corner(side: ToothSide) -> int:
+    """Index of the lattice's corner among the points of a side."""
+    return round(CORNER_SHARE * (side.fillet.shape[2] - 1))
 
 
 def _along(values: Array, curve: Array, fractions: Array) -> Array:
@@ -531,15 +530,13 @@ def _along(values: Array, curve: Array, fractions: Array) -> Array:
 
 def _side_curves(sections: LatticeSections, side: ToothSide, land: Array, slot: int, up: Array) -> tuple[Array, Array]:
     """Slot floor (2, nt, 2 slot + 1) towards the corner, and side (2, nt, up) from there to the tip."""
-    points, corner = _upward(side, side.fillet, side.flank)
-    upward, floor = sections.plane(points), sections.plane(land)
+    corner, upward, floor = _corner(side), sections.plane(side.points), sections.plane(land)
     floor = np.concatenate([floor[:, :, :-1], upward[:, :, : corner + 1]], axis=2)
     towards = 1.0 - graded(slot, 1.5)[::-1]
     return _along(floor, floor, towards), _along(upward[:, :, corner:], upward[:, :, corner:], up)
 
 
 def _flank_normals(sections: LatticeSections, side: ToothSide, up: Array) -> Array:
-    points, corner = _upward(side, side.fillet, side.flank)
-    normals, _ = _upward(side, side.fillet_normal, side.flank_normal)
-    vectors = _along(normals[:, :, corner:], sections.plane(points)[:, :, corner:], up)
+    corner = _corner(side)
+    vectors = _along(side.normals[:, :, corner:], sections.plane(side.points)[:, :, corner:], up)
     return np.moveaxis(vectors / np.sqrt(np.sum(vectors**2, axis=0)), 0, -1)

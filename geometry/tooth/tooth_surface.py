@@ -58,6 +58,16 @@ class ToothSide:
     flank: Array  # (3, nt, nh) [mm] to the tip; the first ones are the last of the fillet
     flank_normal: Array
 
+    @property
+    def points(self) -> Array:
+        """From the root land to the tip (3, nt, nf + nh - 1) [mm]."""
+        return np.concatenate([self.fillet[:, :, :-1], self.flank], axis=2)
+
+    @property
+    def normals(self) -> Array:
+        """Outward unit normals at the points."""
+        return np.concatenate([self.fillet_normal[:, :, :-1], self.flank_normal], axis=2)
+
     def turned(self, angle: float) -> ToothSide:
         """The same side turned about the member's axis [rad]."""
         turn = np.asarray(angle)
@@ -499,7 +509,7 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
     {'side': 2, 'lengthwise': 5, 'upward': 13, 'xyz': 3}
     """
     surface = tooth_surface(pair, member, nodes)
-    section = (pair.pinion if member == "pinion" else pair.gear).section
+    section = named_member(pair, member).section
     sides = (surface.loaded, surface.opposite)
     fillet_nodes, flank_nodes = sides[0].fillet.shape[2], sides[0].flank.shape[2]
     grid = ("side", "lengthwise", "upward", "xyz")
@@ -507,11 +517,8 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
     return labelled(
         xr.Dataset(
             {
-                "position": (grid, np.stack([np.moveaxis(_upward(s.fillet, s.flank), 0, -1) for s in sides])),
-                "normal": (
-                    grid,
-                    np.stack([np.moveaxis(_upward(s.fillet_normal, s.flank_normal), 0, -1) for s in sides]),
-                ),
+                "position": (grid, np.stack([np.moveaxis(s.points, 0, -1) for s in sides])),
+                "normal": (grid, np.stack([np.moveaxis(s.normals, 0, -1) for s in sides])),
                 "region": ("upward", np.repeat([0, 1], [fillet_nodes - 1, flank_nodes]).astype(np.int8), REGION_FLAGS),
                 "transverse_thickness": (("lengthwise", "level"), transverse_thickness(surface, section)),
             },
@@ -524,10 +531,6 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
             attrs={"member": member},
         )
     )
-
-
-def _upward(fillet: Array, flank: Array) -> Array:
-    return np.concatenate([fillet[:, :, :-1], flank], axis=2)
 
 
 def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
@@ -548,7 +551,7 @@ def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
 
 def _profile(side: ToothSide, section: BlankSection, index: int) -> tuple[Array, Array]:
     """Profile fraction and azimuth [rad] of one line from root land to tip."""
-    x, y, z = _upward(side.fillet, side.flank)[:, index]
+    x, y, z = side.points[:, index]
     _, height = section.fractions(z, np.hypot(x, y))
     # A fillet without height, of a sharp Formate blade, gives one node many times over.
     rising = np.concatenate([[True], np.diff(height) > 1e-9])

@@ -39,6 +39,8 @@ from .study_design import oil_75w90
 Bools = NDArray[np.bool_]
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
 VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
+#: Arguments of a formula, in their order.
+INPUTS = (*VARIABLES[:-1], "pressure_viscosity", "composite_roughness", "contact_modulus")
 #: All products of up to as many variables, each term after the one that it extends.
 DEGREE = 3
 TERMS = tuple(t for d in range(DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
@@ -263,16 +265,7 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
 
 def _inputs(conditions: ContactConditions) -> tuple[ArrayLike, ...]:
     """Arguments of a formula from conditions of contacts."""
-    return (
-        conditions.hertz_pressure,
-        conditions.equivalent_radius,
-        conditions.rolling_velocity,
-        conditions.slide_to_roll,
-        conditions.viscosity,
-        conditions.pressure_viscosity,
-        conditions.composite_roughness,
-        conditions.contact_modulus,
-    )
+    return tuple(getattr(conditions, name) for name in INPUTS)
 
 
 def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
