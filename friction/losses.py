@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from ..core.arrays import Array
 from ..core.checks import instance, one_of
 from .coefficient import RANGE_FLAGS, checked_coefficient
-from .conditions import ContactConditions
+from .conditions import THERMAL_FACTORS, ContactConditions
 from .contact_temperature import flash_temperature
-from .film_thickness import THERMAL_FACTORS
 from .kolivand_formula import Flags, between_regimes
 from .loaded_contacts import LoadedContacts
 from .operation import FrictionModel, Operation

@@ -12,7 +12,7 @@ from ..core.arrays import Array
 from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
-from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
+from .conditions import FILM_FACTORS, THERMAL_FACTORS, film_formula
 from .loaded_contacts import SurfaceVelocities
 from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
 

@@ -26,9 +26,8 @@ from easeoff.geometry import (
     blank_section,
 )
 from easeoff.geometry.design import closest_fit
-from easeoff.geometry.design.basic_settings import generated_gear
+from easeoff.geometry.design.basic_settings import crown_gear_pinion, generated_gear, pitch_point_azimuth
 from easeoff.geometry.design.closest_fit import StandardSteps, require_usable, residual_limits, target_range
-from easeoff.geometry.design.conjugate_pinion import crown_gear_pinion, pitch_point_azimuth
 from easeoff.geometry.design.pair_design import design_pair
 from easeoff.geometry.design.slot_width import (
     EdgeRadiusLimits,

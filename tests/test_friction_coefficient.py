@@ -21,7 +21,7 @@ from easeoff.friction import (
     rolling_traction,
 )
 from easeoff.friction.coefficient import coefficient_model, contact_conditions, xu_kahraman
-from easeoff.friction.film_thickness import dowson_higginson, pan_hamrock
+from easeoff.friction.conditions import dowson_higginson, pan_hamrock
 from easeoff.friction.losses import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where

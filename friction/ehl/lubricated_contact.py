@@ -17,8 +17,7 @@ from ...core import checks
 from ...core.arrays import RealArray as Array
 from ...core.checks import instance, one_of
 from ...core.errors import InputError
-from ..conditions import STEEL_MODULUS
-from ..film_thickness import FILM_FACTORS, THERMAL_FACTORS
+from ..conditions import FILM_FACTORS, STEEL_MODULUS, THERMAL_FACTORS
 from ..lubricants.lubricant import OilState
 
 #: Constants of Roelands' law [Pa], [1].

@@ -237,7 +237,8 @@ def rough_passage(
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
-                _record(records, at, start.position, problem, outcome, boundary_friction, thermal)
+                for name, value in _record(start.position, problem, outcome, boundary_friction, thermal).items():
+                    records[name][at] = value
                 if keep and step % keep == 0:
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * outcome.pressure
@@ -271,30 +272,23 @@ _RECORDED = (
 
 
 def _record(
-    records: dict[str, Array],
-    at: int,
-    position: Array,
-    problem: Problem,
-    outcome: Outcome,
-    boundary_friction: float,
-    thermal: bool,
-) -> None:
+    position: Array, problem: Problem, outcome: Outcome, boundary_friction: float, thermal: bool
+) -> dict[str, float]:
+    """Friction and film of one certified step."""
     contact, point = problem.contact, outcome.point
     pressure, film = contact.hertz_pressure * outcome.pressure, contact.film_scale * point.film
     part, _ = fluid_part(point.film, problem.touching_film)
     shear = traction(
-        contact,
-        position,
-        pressure,
-        film,
-        fluid_part=part,
-        boundary_friction=boundary_friction,
-        thermal=thermal,
+        contact, position, pressure, film, fluid_part=part, boundary_friction=boundary_friction, thermal=thermal
     )
     within = np.abs(position) < contact.half_width
-    records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
-    records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
-    records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
+    return {
+        "film_friction": shear.film,
+        "asperity_friction": shear.asperities,
+        "asperity_share": float(((1.0 - part) * pressure).sum() / pressure.sum()),
+        "minimum_film": film[within].min(),
+        "mean_film": film[within].mean(),
+    }
 
 
 class _March:

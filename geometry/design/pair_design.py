@@ -13,10 +13,18 @@ from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, left_by_cutter, thickness_per_angle
 from ..pair.tooth_thickness import filling_thickness, mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
-from .basic_settings import NO_STEPS, Flanks, blank_section, formate_gear, generated_gear
+from .basic_settings import (
+    NO_STEPS,
+    Flanks,
+    blank_section,
+    conjugate_pinion,
+    crown_gear_pinion,
+    formate_gear,
+    generated_gear,
+    pitch_point_azimuth,
+)
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .closest_fit import BLANK_ADVICE, StandardSteps, best_fit, require_usable
-from .conjugate_pinion import conjugate_pinion, crown_gear_pinion, pitch_point_azimuth
 from .pinion_method import ADVICE, PinionMethod, SettingLimits
 from .set_up_fit import along_the_root, best_set_up
 from .slot_width import (

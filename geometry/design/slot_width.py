@@ -170,7 +170,7 @@ class SlotWidths:
     def _at_heel(self) -> float:
         return float(self.line.narrowing(self.line.gear_places)[2])
 
-    def _play(self, gear_distance: Array) -> Array:
+    def play(self, gear_distance: Array) -> Array:
         """Backlash along the pitch line (...) [mm]."""
         share = self.line.narrowing(gear_distance) / self._at_heel
         return np.asarray(share * self.backlash / math.cos(self.proportions.half_included_angle))
@@ -196,14 +196,14 @@ class SlotWidths:
         """Slot widths of the gear (...) [mm] at its cone distances (75)."""
         p, share = self.proportions, self.line.narrowing(gear_distance)
         of_the_tooth = share * (p.mean_normal_thickness[0] - p.mean_dedendum[1] * p.taper)
-        return np.asarray(self.effective_width * (1.0 - share) + of_the_tooth + self._play(gear_distance))
+        return np.asarray(self.effective_width * (1.0 - share) + of_the_tooth + self.play(gear_distance))
 
     def pinion_width(self, gear_distance: Array) -> Array:
         """Slot widths of the pinion (...) [mm] at cone distances of the gear (76)."""
         p, line = self.proportions, self.line
         depth = line.pinion_dedendum(gear_distance) + line.gear_dedendum(gear_distance)
         filled = line.narrowing(gear_distance) * p.pitch - depth * p.taper - self.gear_width(gear_distance)
-        return np.asarray(filled + self._play(gear_distance))
+        return np.asarray(filled + self.play(gear_distance))
 
     @cached_property
     def width(self) -> Array:
@@ -402,11 +402,8 @@ class TopLands:
 
     def gear_thickness(self, gear_distance: Array) -> Array:
         """Normal circular thicknesses of the gear (...) [mm] at its cone distances (178)."""
-        p, line = self.line.proportions, self.line
-        share = line.narrowing(gear_distance) / float(line.narrowing(line.gear_places)[2])
-        play = share * self.slots.backlash / math.cos(p.half_included_angle)
-        bottom = line.pinion_dedendum(gear_distance) * p.taper
-        return np.asarray(bottom + self.slots.pinion_width(gear_distance) - play)
+        bottom = self.line.pinion_dedendum(gear_distance) * self.line.proportions.taper
+        return np.asarray(bottom + self.slots.pinion_width(gear_distance) - self.slots.play(gear_distance))
 
     def pinion_width(self, pinion_distance: Array) -> Array:
         """Top lands of the pinion (...) [mm] at its cone distances (179, 180)."""

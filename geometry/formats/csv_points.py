@@ -12,12 +12,13 @@ lines with separators, and it quotes what holds one. All that is read.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
+from ...core.arrays import Array
 from ...core.checks import one_of, whole
 from ...core.errors import InputError
 
@@ -134,18 +135,16 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
         1: {DEVIATION_COLUMN: (grid[:3], values[..., -1])},
         3: {"measured_position": (grid, values[..., 6:])},
     }
+    return point_grid(flanks, values[..., :6], more.get(values.shape[-1] - 6, {}), attributes)
+
+
+def point_grid(flanks: list[str], points: Array, more: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Dataset of positions and normals (flank, row, column, 6), with further variables."""
+    rows, columns = (np.arange(1, count + 1) for count in points.shape[1:3])
+    grid = ("flank", "row", "column", "xyz")
     return xr.Dataset(
-        {
-            "position": (grid, values[..., :3]),
-            "normal": (grid, values[..., 3:6]),
-            **more.get(values.shape[-1] - 6, {}),
-        },
-        coords={
-            "flank": flanks,
-            "row": np.arange(1, rows + 1),
-            "column": np.arange(1, columns + 1),
-            "xyz": list("xyz"),
-        },
+        {"position": (grid, points[..., :3]), "normal": (grid, points[..., 3:]), **more},
+        coords={"flank": flanks, "row": rows, "column": columns, "xyz": list("xyz")},
         attrs=attributes,
     )
 

@@ -142,20 +142,12 @@ def cmm_points(
             break
     for name, flank in zip(names, points, strict=True):
         _check_measurable(name, flank, columns)
-    values = np.stack([np.stack([flank.position, flank.normal]).reshape(2, 3, rows, columns) for flank in points])
-    grid = ("flank", "row", "column", "xyz")
-    dataset = xr.Dataset(
+    values = np.stack([np.concatenate([flank.position, flank.normal]).T.reshape(rows, columns, 6) for flank in points])
+    dataset = cmm_csv.point_grid(
+        names,
+        values,
+        {},
         {
-            "position": (grid, np.moveaxis(values[:, 0], 1, -1)),
-            "normal": (grid, np.moveaxis(values[:, 1], 1, -1)),
-        },
-        coords={
-            "flank": names,
-            "row": np.arange(1, rows + 1),
-            "column": np.arange(1, columns + 1),
-            "xyz": list("xyz"),
-        },
-        attrs={
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
             "length_unit": "mm",

@@ -293,6 +293,12 @@ class LatticeSections:
     middle: Array
     depth: Array
 
+    @classmethod
+    def at(cls, blank: BlankSection, lengthwise: Array, turn: float, middle: Array) -> LatticeSections:
+        """Sections at lengthwise fractions (nt), as deep as the blank."""
+        root, tip = (np.asarray(blank.points(lengthwise, np.full_like(lengthwise, h))) for h in (0.0, 1.0))
+        return cls(blank, lengthwise, turn, middle, np.hypot(*(tip - root)))
+
     def plane(self, points: Array) -> Array:
         """Coordinates (2, nt, ...) of points (3, nt, ...)."""
         radius = np.hypot(points[0], points[1])
@@ -366,8 +372,7 @@ def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web:
         away, slope = np.concatenate([away, further]), np.append(slope, np.full(further.size, slope[-1]))
     t = sections.lengthwise[end] + (away if end else -away) / length
     middle = sections.middle[end] + slope
-    root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    beyond = LatticeSections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
+    beyond = LatticeSections.at(sections.blank, t, sections.turn, middle)
     up = up.reshape(t.size, -1)
     angle = body[0, end] / sections.radial(body[1])[1][end]
     plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
@@ -379,8 +384,7 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
 
     def radius(away: float) -> float:
         t = np.array([sections.lengthwise[0] - away / length])
-        root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-        one = LatticeSections(sections.blank, t, sections.turn, np.zeros(1), np.hypot(*(tip - root)))
+        one = LatticeSections.at(sections.blank, t, sections.turn, np.zeros(1))
         return float(one.radial(np.array([floor]))[1][0])
 
     wanted, at_rim, falling = 0.5 * web.bore_diameter, radius(start), radius(start) - radius(start + 1.0)
@@ -505,8 +509,7 @@ def tooth_lattice(
 def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> LatticeSections:
     azimuths = [np.arctan2(tip[1], tip[0]) for tip in (front, back)]
     swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
-    root, tip = (np.asarray(blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    return LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
+    return LatticeSections.at(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
 
 
 def _corner(side: ToothSide) -> int:

@@ -159,17 +159,10 @@ class FrictionFormula:
             Where nothing was beyond the range, and the oil like that of the study: its pressure-viscosity coefficient
             within 15 % of the other's at the same viscosity.
         """
-        inputs = (
-            hertz_pressure,
-            equivalent_radius,
-            rolling_velocity,
-            slide_to_roll,
-            viscosity,
-            pressure_viscosity,
-            composite_roughness,
-            contact_modulus,
+        logarithms, material, modulus = logarithms_of(
+            *(hertz_pressure, equivalent_radius, rolling_velocity, slide_to_roll),
+            *(viscosity, pressure_viscosity, composite_roughness, contact_modulus),
         )
-        logarithms, material, modulus = logarithms_of(*inputs)
         usual = self._usual_material(logarithms)
         inside = ~np.any(self._beyond(logarithms), axis=-1) & (np.abs(material - usual) <= OIL_TOLERANCE)
         material = np.clip(material, usual - OIL_TOLERANCE, usual + OIL_TOLERANCE)
