@@ -167,25 +167,11 @@ def thickness_slopes(pair: GearPair, settings: Sequence[PairSetting]) -> Array:
 NODES = (31, 21)
 
 
-def circular_backlash(pair: GearPair) -> float:
-    """Normal circular backlash in the middle of the gear's flank [mm]; negative if the teeth overlap.
-
-    Teeth as thick as ``gear_pair.tooth_angles`` says; both members need both flanks.
-    """
-    pinion_angle, gear_angle = tooth_angles(pair)
-    pitch = 2.0 * np.pi / pair.pinion.teeth
-    # More than half a pitch too thin is as much too thick, a tooth further on.
-    thinner = np.mod(_filling_angle(pair, gear_angle) - pinion_angle + pitch / 2.0, pitch) - pitch / 2.0
-    return float(thinner) / pair.assembly.ratio * thickness_per_angle(pair.gear)
-
-
 def filling_thickness(pair: GearPair) -> float:
-    """Normal circular thickness of the pinion's tooth in the middle of its flank [mm] that leaves no backlash."""
-    return _filling_angle(pair, tooth_angles(pair)[1]) * thickness_per_angle(pair.pinion)
+    """Normal circular thickness of the pinion's tooth in the middle of its flank [mm] that leaves no backlash.
 
-
-def _filling_angle(pair: GearPair, gear_angle: float) -> float:
-    """Angular thickness of the pinion's tooth [rad] that leaves no backlash."""
+    The gear's is that of ``gear_pair.tooth_angles``; both members need both flanks.
+    """
     other = replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite)
     touching, senses = [], []
     for side in (pair, other):
@@ -194,8 +180,9 @@ def _filling_angle(pair: GearPair, gear_angle: float) -> float:
         touching.append(float(surface.angle[surface.inside].min()))
         senses.append(surface.motion.pinion_sense)
     turn, as_cut = pair.gear.middle_angle()
-    gear_rotation = turn * (gear_angle - as_cut)
+    gear_rotation = turn * (tooth_angles(pair)[1] - as_cut)
     # Each side touches where the gear is turned by its least ease-off against its own sense of drive.
     rotation = -pair.assembly.ratio * (gear_rotation + senses[0] * sum(touching))
     turn, as_cut = pair.pinion.middle_angle()
-    return float(np.mod(as_cut + turn * rotation, 2.0 * np.pi / pair.pinion.teeth))
+    angle = float(np.mod(as_cut + turn * rotation, 2.0 * np.pi / pair.pinion.teeth))
+    return angle * thickness_per_angle(pair.pinion)
