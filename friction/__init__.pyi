@@ -15,12 +15,13 @@ from .efficiency import friction as friction
 from .feedback import friction_feedback as friction_feedback
 from .kolivand_formula import formula_flags as formula_flags
 from .losses import rolling_traction as rolling_traction
-from .lubricants.data_sheet import data_sheet_lubricant as data_sheet_lubricant, write_lubricant as write_lubricant
 from .lubricants.lubricant import (
     Lubricant as Lubricant,
     OilState as OilState,
     available_lubricants as available_lubricants,
+    data_sheet_lubricant as data_sheet_lubricant,
     lubricant as lubricant,
+    write_lubricant as write_lubricant,
 )
 from .operation import FrictionModel as FrictionModel, Operation as Operation
 

@@ -191,14 +191,8 @@ def friction_feedback(
     def joined(results: list[xr.Dataset], dimension: str) -> xr.Dataset:
         return xr.concat(results, dimension, data_vars="minimal", coords="minimal", compat="override", join="override")
 
-    result = joined(
-        [
-            joined(
-                [joined([at(s, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures],
-                "temperature",
-            )
-            for s in operation.speeds
-        ],
-        "speed",
-    )
-    return labelled(result)
+    def at_speed(speed: float) -> xr.Dataset:
+        each = [joined([at(speed, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures]
+        return joined(each, "temperature")
+
+    return labelled(joined([at_speed(speed) for speed in operation.speeds], "speed"))
