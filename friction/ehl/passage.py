@@ -237,8 +237,9 @@ def rough_passage(
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
-                for name, value in _record(start.position, problem, outcome, boundary_friction, thermal).items():
-                    records[name][at] = value
+                values = _record(start.position, problem, outcome, boundary_friction, thermal)
+                for quantity, number in values.items():
+                    records[quantity][at] = number
                 if keep and step % keep == 0:
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * outcome.pressure
