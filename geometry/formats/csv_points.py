@@ -12,7 +12,7 @@ lines with separators, and it quotes what holds one. All that is read.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -138,13 +138,15 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     return point_grid(flanks, values[..., :6], more.get(values.shape[-1] - 6, {}), attributes)
 
 
-def point_grid(flanks: list[str], points: Array, more: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Dataset:
+def point_grid(
+    flanks: Sequence[str], points: Array, more: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> xr.Dataset:
     """Dataset of positions and normals (flank, row, column, 6), with further variables."""
     rows, columns = (np.arange(1, count + 1) for count in points.shape[1:3])
     grid = ("flank", "row", "column", "xyz")
     return xr.Dataset(
         {"position": (grid, points[..., :3]), "normal": (grid, points[..., 3:]), **more},
-        coords={"flank": flanks, "row": rows, "column": columns, "xyz": list("xyz")},
+        coords={"flank": list(flanks), "row": rows, "column": columns, "xyz": list("xyz")},
         attrs=attributes,
     )
 

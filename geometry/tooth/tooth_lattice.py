@@ -514,7 +514,8 @@ def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Ar
 
 def _corner(side: ToothSide) -> int:
     """Index of the lattice's corner among the points of a side."""
-    return round(CORNER_SHARE * (side.fillet.shape[2] - 1))
+    nodes: int = side.fillet.shape[2]
+    return round(CORNER_SHARE * (nodes - 1))
 
 
 def _along(values: Array, curve: Array, fractions: Array) -> Array:
